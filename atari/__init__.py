@@ -1,7 +1,8 @@
 """Every ALE game as a Gymnasium environment.
 
-`import atari` registers every ID these games have had; `gymnasium.make("ALE/Breakout-v5")` or `atari.make("breakout")`
-makes one. `atari.games` describes the games, `atari.wrappers` preprocesses, `atari.roms` finds the ROM files.
+`import atari` registers every ID that these games have had; `gymnasium.make("ALE/Breakout-v5")` and
+`atari.make("breakout")` make an environment. `atari.games` describes the games, `atari.wrappers` preprocesses,
+`atari.roms` finds the ROM files.
 """
 
 from importlib import import_module
@@ -25,7 +26,7 @@ from atari.vector import AtariVectorEnv
 
 if TYPE_CHECKING:
     from atari import classic, integrations, lab, learning, multiplayer, recording, roms, testing, wrappers
-    from atari.games.catalog import games  # the type of the package `atari.games`, which is a mapping
+    from atari.games.catalog import games  # the package `atari.games` is also this mapping
     from atari.integrations.arrays import to_jax, to_torch
 
 __all__ = [

@@ -21,14 +21,14 @@ else:
         DISABLED = "Disabled"
 
     class VectorEnv(vector.VectorEnv):
-        """Gymnasium's, with the attributes that 0.29 sets in `__init__`, which newer releases need not call."""
+        """Gymnasium's class, with the attributes that 0.29 sets in `__init__`, which newer releases need not call."""
 
         closed = False
         is_vector_env = True
         viewer = None
 
     class VectorWrapper(getattr(vector, "VectorWrapper", None) or vector.VectorEnvWrapper):
-        """Gymnasium's, with the attributes that the wrapper of 0.29 does not take from its environment."""
+        """Gymnasium's class, with the attributes that the wrapper of 0.29 does not take from its environment."""
 
         metadata = property(lambda self: self.env.metadata)
         render_mode = property(lambda self: self.env.render_mode)
@@ -41,7 +41,7 @@ else:
 if not TYPE_CHECKING and hasattr(VectorWrapper, "__del__"):
 
     class VectorWrapper(VectorWrapper):
-        """Gymnasium's destructor; it leaves the environment open, as the newest release does."""
+        """Gymnasium's class, whose destructor leaves the environment open, as the newest release does."""
 
         def __del__(self):
             """Do nothing."""

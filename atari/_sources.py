@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def installed_modules() -> list[str]:
-    """The folders of the installed package. Its Python modules and its compiled module are of one build.
+    """The folders of the installed package. Its Python modules and its compiled module come from one build.
 
     Raises:
         ImportError: the package is not installed for this Python.

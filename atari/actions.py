@@ -69,7 +69,7 @@ def make_action_space(actions: Sequence[Action], continuous: bool) -> spaces.Spa
     return spaces.Discrete(len(actions))
 
 
-_ACTION_BY_MOTION = np.zeros((3, 3, 2), np.int64)  # by vertical, horizontal (-1 is the last) and fire
+_ACTION_BY_MOTION = np.zeros((3, 3, 2), np.int64)  # indexed by vertical, horizontal (-1 is the last) and fire
 for _action in PLAYER_ACTIONS:
     _ACTION_BY_MOTION[_action.vertical, _action.horizontal, int(_action.fire)] = int(_action)
 
@@ -85,7 +85,7 @@ def joystick_action(radius: Any, angle: Any, fire: Any, threshold: np.float32) -
 
     Args:
         radius, angle, fire: float32 scalars or arrays of one shape. The arithmetic is float32, as in ALE.
-        threshold: how far the stick must be moved, or fire pressed, to count.
+        threshold: the least deflection of the stick, or pressure on fire, that counts.
 
     Returns:
         int64, of the shape of the arguments.

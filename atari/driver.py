@@ -1,6 +1,6 @@
 """`Driver`: plays the frames of an `AtariEnv`, for the environment itself and for wrappers around it.
 
-A wrapper that plays frames reads `env.unwrapped.driver`, in place of `step`, which makes an observation each time.
+A wrapper that plays frames uses `env.unwrapped.driver`: `step` would make an observation each time.
 """
 
 import time
@@ -21,7 +21,7 @@ from atari.task import Task
 from atari.validation import check_action_index
 
 Phase = Literal["new", "playing", "over", "warned"]
-"""Before the first reset; in an episode; after its end; after a step that was warned of."""
+"""Before the first reset; in an episode; after its end; after a step with the warning about that end."""
 
 
 class FrameObserver(Protocol):
@@ -39,10 +39,10 @@ class Played:
     """The score and the counters of a game since the emulator's reset."""
 
     score: float = 0.0
-    steps: int = 0  # counted by wrappers, for which a step is several frames
+    steps: int = 0  # counted by wrappers that play several frames a step
     first_frame: int = 0  # the episode frame number after the reset
     began: float = field(default_factory=time.perf_counter)
-    rewards: int = 0  # other than zero; counted again from a restored snapshot
+    rewards: int = 0  # the number of rewards other than zero; a restored snapshot starts it again
 
     def statistics(self, core: Core) -> dict[str, Any]:
         """The sum of the rewards, the frames and the seconds of the game, as `RecordEpisodeStatistics` names them."""
@@ -51,16 +51,16 @@ class Played:
 
 
 class Driver(AleGame):
-    """The core of an `AtariEnv`, its generators, and what was played since the reset.
+    """The core of an `AtariEnv`, its generators, and the record of the game since the reset.
 
     Attributes:
         actions: the actions of the environment's action space, by index.
-        phase: where the episode is.
+        phase: the state of the episode.
         played: the score and the counters of the game.
         ended: the statistics of a game that has ended, until a wrapper takes them and sets None.
         restored: whether a state was restored since the last reset; wrappers with a state of their own warn then.
-        replacement: an ALE action that `ale_action` returns in place of any; None is none.
-        np_random: the generator of episodes. `ale_random` replaces it where it is set.
+        replacement: an ALE action that `ale_action` returns in place of every action; None has no effect.
+        np_random: the generator of episodes. If `ale_random` is set, it replaces this one.
         observers: the receivers of every frame, such as recorders. An observer may read the core, but not change it.
             Copies of the environment have no observers.
 
@@ -107,7 +107,7 @@ class Driver(AleGame):
         """Seed the generators, and the core from the next `load_game` on; None draws a new seed.
 
         Returns:
-            The two words drawn from the seed: of `np_random`, and of the emulator.
+            The two words drawn from the seed: for `np_random`, and for the emulator.
 
         Raises:
             TypeError, ValueError: the seed is no integer of 0 or more.
@@ -153,12 +153,12 @@ class Driver(AleGame):
     def play_until(self, action: int, strength: float = 1.0, *, frames: int) -> tuple[float, int]:
         """Play up to `frames` frames, and return the reward and the number of frames.
 
-        The last one ends the game, or changes the number of lives, or is the last of `frames`; cores that play single
-        frames alone, and observers, end it after one. Wrappers that read only some of the frames
+        The last one ends the game, changes the number of lives, or is the last of `frames`. With observers, and with
+        cores that play only single frames, it plays one frame. Wrappers that read only some of the frames
         (`atari.wrappers.DqnPreprocessing`) call this method.
 
         Raises:
-            gymnasium.error.ResetNeeded, TypeError, ValueError: as `play_frames`.
+            gymnasium.error.ResetNeeded, TypeError, ValueError: see `play_frames`.
         """
         if self.phase != "playing":
             self._check_phase()
@@ -195,14 +195,14 @@ class Driver(AleGame):
         """Continue from a state of `core.clone_state`.
 
         Raises:
-            TypeError, ValueError: not such a state, or of another game or kind of core.
+            TypeError, ValueError: it is no such state, or belongs to another game or kind of core.
         """
         self.core.restore_state(state)
         self.phase = "playing"
         self.restored = True
 
     def _count(self, reward: float) -> None:
-        """Count a reward, and find out whether the game has ended."""
+        """Count a reward, and check whether the game has ended."""
         if reward:
             self.played.score += reward
             self.played.rewards += 1
@@ -223,7 +223,7 @@ class Driver(AleGame):
         if self.phase == "new":
             raise gymnasium.error.ResetNeeded("call env.reset() before the first env.step()")
         if not (self.core.game_over or self.core.truncated):
-            self.phase = "playing"  # it was reset through `ale` or `core`
+            self.phase = "playing"  # the game was reset through `ale` or `core`
         elif self.phase == "over":
             self.phase = "warned"
             logger.warn("env.step() was called after the episode had ended; nothing happens until env.reset()")

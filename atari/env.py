@@ -35,9 +35,9 @@ RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
 class AtariEnv(EnvState):
     """A game of the Atari 2600.
 
-    `game` says what is played: an environment ID or an `atari.Task` all of it; a name alone has ale-py's defaults,
-    those of ALE's v5 IDs without a limit of frames. `task` has the result. Options of a task that wrappers play, such
-    as `noops`, are refused: `atari.make` adds the wrappers.
+    `game` is an environment ID or an `atari.Task`, which decide the whole task, or a name alone. A name has ale-py's
+    defaults: those of ALE's v5 IDs without a limit of frames. `task` is the result. `AtariEnv` refuses options that
+    wrappers play, such as `noops`: `atari.make` adds the wrappers.
 
     Args:
         game: an ID, a game's name, the path of a game file of your own, a `Game`, or a `Task`.
@@ -73,10 +73,10 @@ class AtariEnv(EnvState):
     """
 
     metadata: dict[str, Any] = {"render_modes": list(get_args(RenderMode)), "render_fps": 15}  # noqa: RUF012
-    """Gymnasium's facts about the class. Each environment has its own copy, with the rate of its steps, rounded."""
+    """Gymnasium's facts about the class. Each environment has its own copy with its rounded rate of steps."""
 
     interventions: tuple[Intervention, ...]
-    """The interventions of the game, of the option of this name."""
+    """The interventions of the game: the option of this name."""
 
     def __init__(
         self,
@@ -118,7 +118,7 @@ class AtariEnv(EnvState):
         self.continuous_action_threshold = task.continuous_action_threshold
         self.driver = Driver(task, core, rom)
         self._np_random_seed = -1
-        self._obs_type, self._frameskip = task.obs_type, task.frameskip  # read at every step
+        self._obs_type, self._frameskip = task.obs_type, task.frameskip  # `step` reads them
         self.action_space = make_action_space(task.action_set, self.continuous)
         self.observation_space = self._make_observation_space()
         self.metadata = {**self.metadata, "render_fps": max(1, round(self._steps_per_second()))}
@@ -224,18 +224,18 @@ class AtariEnv(EnvState):
         )
 
     def close(self) -> None:
-        """Release the emulator and the window. As in ale-py, `reset` goes on afterwards, as without `close`."""
+        """Release the emulator and the window. As in ale-py, a later `reset` opens them again."""
         if self._window is not None:
             self._window.close()
             self._window = None
         self.driver.close()
 
     def seed_game(self, seed: int | None = None) -> tuple[np.uint32, np.uint32]:
-        """Seed all generators, the emulator's from the next `load_game` on, as ale-py's; see `Driver.seed_game`."""
+        """Seed all generators, the emulator's from the next `load_game` on, like ale-py; see `Driver.seed_game`."""
         return self.driver.seed_game(seed)
 
     def load_game(self) -> None:
-        """Load the game again, as ale-py's; see `AleGame.load_game`."""
+        """Load the game again, like ale-py; see `AleGame.load_game`."""
         self.driver.load_game()
 
     def get_action_meanings(self) -> list[str]:
@@ -244,7 +244,7 @@ class AtariEnv(EnvState):
 
     @staticmethod
     def map_action_idx(left_center_right: int, down_center_up: int, fire: bool) -> Action:
-        """The action of a position of the stick and the fire button, as ale-py's method of this name.
+        """The action for a position of the stick and the fire button, like ale-py's method of this name.
 
         Args:
             left_center_right, down_center_up: -1, 0 or 1.
@@ -285,7 +285,7 @@ class AtariEnv(EnvState):
         return spaces.Dict({"image": image, "sound": spaces.Box(0, 255, (512,), np.uint8)})
 
     def _steps_per_second(self) -> float:
-        """Steps in a second of play, so that a video of one frame a step has the right speed."""
+        """Steps in a second of play: the frame rate of a video with one frame for each step."""
         return 2 * self.game.screen.frame_rate / (sum(self._task.frames) - 1)
 
     def _draw_frameskip(self) -> int:

@@ -1,7 +1,7 @@
 """Every environment ID in the history of these games, as a table of families.
 
 Sources: the registrations of OpenAI Gym 0.1-0.26 (v0 and v4) and of ale-py 0.7-0.12 (v5). An ID is a stem
-(`MsPacman`) with a family's prefix, suffix and version; the family has all options.
+(`MsPacman`) with a family's prefix, suffix and version; the family has its options.
 """
 
 import difflib
@@ -30,7 +30,7 @@ MAX_FRAMES = 108_000
 
 
 MODULE_PREFIX = "atari:"
-"""The prefix in "atari:ALE/Pong-v5", by which Gymnasium imports this package first."""
+"""The prefix in "atari:ALE/Pong-v5", which makes Gymnasium import this package first."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Family:
         return f"{self.prefix}{stem(game)}{self.suffix}-v{self.version}"
 
     def games(self) -> tuple[str, ...]:
-        """The games this family has."""
+        """The games of this family."""
         return playable_ids() if self.version == 5 else LEGACY_GAMES
 
     def options(self, game: str) -> dict[str, Any]:
@@ -66,9 +66,7 @@ class Family:
             "max_num_frames_per_episode": MAX_FRAMES,
         }
         if self.obs_type == "rgb":
-            del options[
-                "obs_type"
-            ]  # the default; ale-py's specs do not name it, and vectors then show their preprocessing
+            del options["obs_type"]  # the default; ale-py's specs omit it
         return options
 
 
@@ -95,7 +93,7 @@ def ids() -> dict[str, tuple[Family, str]]:
 
 
 def is_ale_py_vector(env_id: str) -> bool:
-    """Whether ale-py has a vector environment for an ID: for ALE's v5 of pixels."""
+    """Whether ale-py has a vector environment for an ID: it has one for ALE's v5 IDs of pixels."""
     family, _ = ids().get(env_id, (None, ""))
     return family is not None and family.version == 5 and family.obs_type == "rgb"
 
@@ -120,7 +118,7 @@ def _suggestion(env_id: str, known: Iterable[str]) -> str:
 
 
 def skeleton(env_id: str) -> str:
-    """An ID without module, namespace, version, case and punctuation, to find IDs that are spelt alike."""
+    """An ID without module, namespace, version, case and punctuation, to find IDs with similar spelling."""
     name = re.split("[/:]", env_id.lower())[-1]
     name = name.rpartition("-v")[0] if "-v" in name else name
     return "".join(letter for letter in name if letter.isalnum())

@@ -26,10 +26,10 @@ class EnvState(gymnasium.Env[Any, Any]):
     """The object that plays the frames, for wrappers and recorders."""
 
     whole_task: Task
-    """The task played together with the wrappers that `atari.make` has put around this; `task` also has what was set
-    since."""
+    """The task played together with the wrappers that `atari.make` has put around this; `task` also has the later
+    settings."""
 
-    _task: Task  # what is played without wrappers, as it was made
+    _task: Task  # the task without wrappers, before any setting of `ale`
     _frames: list[ByteArray]
     _begin: Any
     _made_with: dict[str, Any]  # the arguments of `_begin`
@@ -56,11 +56,11 @@ class EnvState(gymnasium.Env[Any, Any]):
 
     @property
     def task(self) -> Task:
-        """The task played with the wrappers that `atari.make` has put around this, and with what `ale` has set."""
+        """The task played with the wrappers that `atari.make` has put around this, with the settings of `ale`."""
         return self._as_set(self.whole_task)
 
     def _as_set(self, task: Task) -> Task:
-        """A task with what `ale` has set since."""
+        """A task with the settings that `ale` has made since."""
         own, settings, core = self._task, self.driver.core_options, self.core
         fields = {
             "repeat_action_probability": settings["repeat_action_probability"],
@@ -78,16 +78,16 @@ class EnvState(gymnasium.Env[Any, Any]):
         """Continue from a state that `clone_state` returned.
 
         Raises:
-            TypeError, ValueError: not such a state, or of another game or kind of core.
+            TypeError, ValueError: it is no such state, or belongs to another game or kind of core.
         """
         self.driver.restore_state(state)
 
     def snapshot(self) -> bytes:
         """The whole environment as portable bytes: task, game, framebuffer, sound, held action, all generators.
 
-        An environment of the same task, also in another process, continues from it exactly. What wrappers remember,
-        such as stacked frames, is in the `snapshot` of the wrappers of `atari.wrappers`. The writes of `Freeze` and
-        `Poke` belong to an environment, and not to its snapshots.
+        An environment of the same task, also in another process, continues from it exactly. The `snapshot` of a wrapper
+        of `atari.wrappers` also has the wrapper's own state, such as stacked frames. The writes of `Freeze` and `Poke`
+        belong to an environment, and not to its snapshots.
         """
         played = self.driver.played
         facts = {
@@ -101,17 +101,17 @@ class EnvState(gymnasium.Env[Any, Any]):
         return snapshot.pack(facts | more_facts, {"core": self.core.snapshot(), **more_blobs})
 
     def restore(self, data: bytes) -> None:
-        """Continue from a snapshot of the same task; only the kind of observations may be another one.
+        """Continue from a snapshot of the same task; only the kind of observations may differ.
 
         `data` may also be the content of a file that F5 in `atari play` has saved. Its game, mode and difficulty must
-        be those of this environment, which keeps its own sticky actions, sound and limit of frames.
+        equal those of this environment, which keeps its own sticky actions, sound and limit of frames.
 
         Wrappers are not restored; a wrapper of `atari.wrappers` that has a state warns at its next step. Call `restore`
         of the outermost wrapper instead, with what its `snapshot` returned.
 
         Raises:
-            TypeError, ValueError: not a snapshot, damaged, or of another task or core; the message says each field
-                that differs. The environment is as it was.
+            TypeError, ValueError: `data` is no snapshot, is damaged, or belongs to another task or core; the message
+                lists each field that differs. The environment has not changed.
         """
         facts, blobs = snapshot.unpack(data)
         if facts.get("of") == "play":
@@ -125,8 +125,8 @@ class EnvState(gymnasium.Env[Any, Any]):
         self._continue(facts, blobs, own_blobs)
 
     def _as_made(self, data: bytes) -> bytes:
-        """A core's snapshot as if its core was made with this environment's mode and difficulty, which `ale` may have
-        set there."""
+        """A core's snapshot, changed to this environment's mode and difficulty at its making, which `ale` may have
+        changed there."""
         facts, blobs = snapshot.unpack(data)
         made = {"mode": self._task.set_mode, "difficulty": self._task.set_difficulty}
         return data if facts.items() >= made.items() else snapshot.pack({**facts, **made}, blobs)
@@ -151,7 +151,7 @@ class EnvState(gymnasium.Env[Any, Any]):
         self._frames.clear()
 
     def _of_play(self, blobs: Mapping[str, bytes]) -> tuple[dict[str, Any], dict[str, bytes]]:
-        """The facts and blobs of the snapshot in a state of `atari play`, with the options of this environment."""
+        """The facts and blobs of a snapshot from a state of `atari play`, with the options of this environment."""
         facts, blobs = snapshot.unpack(blobs.get("env", b""))
         own, _ = snapshot.unpack(self.core.snapshot())
         options = {name: own[name] for name in ("sound", "repeat_action_probability", "max_num_frames_per_episode")}
@@ -160,7 +160,7 @@ class EnvState(gymnasium.Env[Any, Any]):
         return {**facts, "task": None, **more_facts}, {**blobs, "core": core, **more_blobs}
 
     def _ale_seeding(self) -> tuple[dict[str, Any], dict[str, bytes]]:
-        """The fact and the blob of a snapshot that say how episodes are seeded; none where they are as Gymnasium's."""
+        """The fact and the blob of a snapshot that say how episodes are seeded; none if Gymnasium's seeding applies."""
         generator = self.driver.ale_random
         return ({}, {}) if generator is None else ({"seeding": "ale"}, {"ale_random": generator.state()})
 

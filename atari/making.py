@@ -20,7 +20,7 @@ from atari.vector import AtariVectorEnv
 from atari.vector.options import OF_TASKS
 
 _RUN_OPTIONS = ("render_mode", "core", "rom")
-"""Options of an environment that do not change what is played."""
+"""Options of an environment that do not change the task."""
 
 Env = gymnasium.Env[Any, Any]
 
@@ -32,7 +32,7 @@ def make(game_or_id: GameLike, *, preset: str | None = None, **options: Unpack[M
         game_or_id: a game's name ("breakout", which means "ALE/Breakout-v5"), an ID of this package
             ("Breakout-ram-v4"), the path of a game file, a `Game`, or an `atari.Task`.
         preset: name of a preprocessing, one of `atari.PRESETS`.
-        **options: fields of `atari.Task`; `render_mode`, `core` and `rom` of `atari.AtariEnv`; and those of
+        **options: fields of `atari.Task`; `render_mode`, `core` and `rom` of `atari.AtariEnv`; and options of
             `gymnasium.make`.
 
     Raises:
@@ -71,12 +71,12 @@ def make(game_or_id: GameLike, *, preset: str | None = None, **options: Unpack[M
 
 
 def _make_plain(game: GameLike, task: Task, options: dict[str, Any]) -> Env:
-    """An environment without wrappers of this package, by Gymnasium: of an ID if the game has one.
+    """An environment without wrappers of this package, made by Gymnasium, by the game's ID if it has one.
 
     Args:
-        game: as a user gave it.
-        task: what is played.
-        options: options of `gymnasium.make`, and options that do not change the task.
+        game: the user's argument.
+        task: the task.
+        options: options of `gymnasium.make`, and other options that do not change the task.
     """
     limit = task.max_episode_steps
     limited: dict[str, Any] = {} if limit is None else {"max_episode_steps": limit}
@@ -91,14 +91,14 @@ def _make_plain(game: GameLike, task: Task, options: dict[str, Any]) -> Env:
 
 
 def _make_other(env_id: str, preset: str | None, options: Mapping[str, Any]) -> Env:
-    """An environment of this package that is not of an Atari game."""
+    """An environment of this package that is no Atari game."""
     if preset is not None:
         raise ValueError(f"a preset is for Atari games, and {env_id!r} is none; make it without preset={preset!r}")
     return gymnasium.make(env_id, **options)
 
 
 def spec_of_id(env_id: str) -> EnvSpec:
-    """The spec of an ID of `ids`, as it is registered."""
+    """The spec with which an ID of `ids` is registered."""
     family, game = env_ids.ids()[env_id]
     return EnvSpec(
         id=env_id,
@@ -131,7 +131,7 @@ def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str
     return env
 
 
-def make_AtariEnv(  # other programs find Atari games by this word in the entry point
+def make_AtariEnv(  # other programs recognise Atari games by this name
     base: str | None = None,
     *,
     preset: str | None = None,
@@ -141,17 +141,17 @@ def make_AtariEnv(  # other programs find Atari games by this word in the entry 
     rom: str | PathLike[str] | None = None,
     **options: Any,
 ) -> Env:
-    """The environment of a registered ID, or of a spec that contains a task: what `gymnasium.make` calls.
+    """The environment of a registered ID, or of a spec that contains a task; `gymnasium.make` calls this function.
 
     Args:
-        base: the ID. Options that equal its own count as not given.
+        base: the ID. Options equal to its own have no effect.
         preset: name of a preprocessing, one of `atari.PRESETS`.
         task: a task, or its JSON, instead of an ID.
-        render_mode, core, rom: as `AtariEnv` has them.
+        render_mode, core, rom: see `AtariEnv`.
         **options: fields of `atari.Task`.
 
     Raises:
-        TypeError, ValueError, FileNotFoundError: as `atari.Task.of` and `AtariEnv`.
+        TypeError, ValueError, FileNotFoundError: see `atari.Task.of` and `AtariEnv`.
     """
     if task is not None:
         chosen = Task.from_json(task) if isinstance(task, str) else task
@@ -167,12 +167,12 @@ make_AtariEnv.metadata = AtariEnv.metadata  # type: ignore[attr-defined]  # whic
 
 
 def make_AtariVectorEnv(base: str, num_envs: int, *, preset: str | None = None, **options: Any) -> AtariVectorEnv:
-    """The vector environment of a registered ID: what `gymnasium.make_vec` calls.
+    """The vector environment of a registered ID; `gymnasium.make_vec` calls this function.
 
-    ALE's v5 IDs of pixels have ale-py's preprocessing without a preset, as in ale-py; all others play what the ID says.
+    ALE's v5 IDs of pixels have ale-py's preprocessing without a preset, as in ale-py; all others play the ID's task.
 
     Raises:
-        TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`.
+        TypeError, ValueError, FileNotFoundError: see `AtariVectorEnv`.
     """
     running = {name: options.pop(name) for name in list(options) if name not in OF_TASKS and name != "game"}
     given = given_beside(base, options)
@@ -191,7 +191,7 @@ VECTOR_ENTRY_POINT = "atari.making:make_AtariVectorEnv"
 
 
 def given_beside(env_id: str | None, options: Mapping[str, Any]) -> dict[str, Any]:
-    """The options that a user gave, without the ID's own.
+    """The user's options without the ID's own.
 
     Raises:
         ValueError: the user gave another game than the ID's.

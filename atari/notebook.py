@@ -1,7 +1,8 @@
-"""Views of environments, games and replays in a notebook: HTML that contains its pictures.
+"""Displays of environments, games and replays in a notebook: HTML that contains its images.
 
-An animation is an animated PNG, which every browser plays. Its frames are put together here: OpenCV encodes animations
-in memory since version 4.12, which needs NumPy 2, and takes all frames at once, where a long replay is cut at a size.
+An animation is an animated PNG, which every browser plays. This module joins its frames itself. OpenCV encodes
+animations in memory only since version 4.12, which needs NumPy 2. It also takes all frames at once, although a long
+replay must stop at a size limit.
 """
 
 import base64
@@ -88,7 +89,7 @@ def facts(title: str, rows: Sequence[tuple[str, Any]], note: str = "") -> str:
 
 
 def pooled(images: Iterable[ByteArray], size: int) -> Iterator[ByteArray]:
-    """The brightest value of each pixel in `size` images at a time: games draw some objects in every second frame."""
+    """The brightest value of each pixel in `size` images at a time: games draw some objects every second frame."""
     rest = iter(images)
     while group := list(islice(rest, size)):
         yield np.maximum.reduce(group)
@@ -116,7 +117,7 @@ def _header(image: ByteArray) -> bytes:
 
 
 def _pixels(image: ByteArray) -> bytes:
-    """The rows, each after a byte for its filter, none, compressed."""
+    """The compressed rows, each after a filter byte that means no filter."""
     height, width = image.shape[:2]
     rows = np.zeros((height, 1 + 3 * width), np.uint8)
     rows[:, 1:] = image.reshape(height, 3 * width)

@@ -23,17 +23,17 @@ class Policy(Protocol):
     - `environment`: the same as a mapping of options, by the names of `AtariVectorEnv`: `preset` and fields of
       `atari.Task`, such as `obs_type`, `img_height`, `img_width`, `stack_num`, `maxpool`, `full_action_space`, or
       `actions`, a sequence of names such as ("NOOP", "RIGHT", "LEFT"); or `task`, a task as the object of its JSON.
-      It may also have `channels_last` and `dtype` of the observations, and `rom`, beside the attribute `task`, too.
-      An evaluation plays sticky actions, beginnings, lives and limits as its protocol says. It refuses a policy with
+      It may also have `channels_last`, `dtype` of the observations, and `rom`, even beside the attribute `task`.
+      An evaluation takes sticky actions, starts, lives and limits from its protocol. It refuses a policy with
       another frame skip than the protocol, or with another mode, difficulty or interventions than the game to
       evaluate, and policies of several players or with continuous actions.
     - `game`: the id of the game of its training.
     - `protocol`: the `EvaluationProtocol` of its training, which commands play unless --protocol names another one.
     - `training_frames`: emulator frames of its training, an int.
     - `begin(game, actions, lanes, seeds)`: called when games begin in some lanes, before their first observations.
-      `game` is the game's id, `actions` the names of all its actions in the order of indices, `lanes` (n,) int64,
-      `seeds` (n,) int64. A policy that draws numbers or has a memory sets them up here for these lanes; then results
-      do not depend on the number of lanes.
+      `game` is the game's id, `actions` the names of all its actions by index, `lanes` (n,) int64, `seeds` (n,) int64.
+        A policy that draws numbers or has a memory sets them up here for these lanes; then results do not depend on the
+        number of lanes.
     - `state()` and `restore(state)`: everything else that its next actions depend on, such as its generators, in a form
       that can be pickled; and `load(weights)`. `atari.integrations.ray.RolloutActors` calls them.
     - `begin_episodes(lanes)`: called where the environment begins an episode, with a new stack, in the same game after
@@ -108,10 +108,10 @@ class LoadedPolicy:
         return self.checked(self.choose(observations, lanes)[0], lanes)
 
     def checked(self, actions: Array, lanes: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-        """The actions that `choose` has returned, checked: one action of the game for each lane.
+        """The actions that `choose` has returned, checked to be one action of the game for each lane.
 
         Raises:
-            ValueError: they are no such actions.
+            ValueError: the actions are anything else.
         """
         if actions.dtype.kind not in "iu" or actions.shape != (len(lanes),):
             got = f"{actions!r:.60}" if actions.dtype.kind == "O" else f"{actions.dtype} {actions.shape}"
@@ -175,7 +175,7 @@ def takes_lanes(policy: Any) -> bool:
         signature = inspect.signature(policy.forward if is_network(policy) else policy)
     except (TypeError, ValueError):  # a builtin, or a traced network
         return not is_network(policy)
-    # A second argument with a default is something else, unless its name is `lanes`.
+    # A second argument with a default is not the lanes, unless its name is `lanes`.
     for count in (2, 1, 2)["lanes" not in signature.parameters :]:
         try:
             signature.bind(*[None] * count)

@@ -1,4 +1,4 @@
-"""`Needs`: the environments that a policy needs, as its attributes `task` and `environment` say."""
+"""`Needs`: the environments that a policy needs, according to its attributes `task` and `environment`."""
 
 import json
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ from atari.vector.ale_names import NAMES
 from atari.vector.options import resolve_one
 
 _LAYOUT = ("channels_last", "dtype", "rom")
-"""Options of a policy that are no fields of a task."""
+"""Options of a policy that are not fields of a task."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Needs:
 
     Attributes:
         task: the task with the policy's observations and actions; None if the policy has no `task` and `environment`.
-        options: `channels_last`, `dtype` and `rom`, as far as the policy gives them, as `AtariVectorEnv` takes them.
+        options: `channels_last`, `dtype` and `rom`, if the policy gives them, as options of `AtariVectorEnv`.
     """
 
     task: Task | None = None
@@ -45,11 +45,11 @@ class Needs:
 
 
 def needs_of(policy: Any, game: Game) -> Needs:
-    """The environments that a policy needs by its attributes `task` and `environment`, see `atari.learning.Policy`.
+    """The environments that a policy needs according to its `task` and `environment`, see `atari.learning.Policy`.
 
     Args:
         policy: a policy.
-        game: the game that is played. `environment` is resolved as `AtariVectorEnv` resolves options for this game.
+        game: the game. `environment` is resolved as `AtariVectorEnv` resolves options for this game.
 
     Raises:
         ValueError: an option is wrong, or no option of policies.
@@ -92,7 +92,7 @@ def _checked(environment: Any) -> dict[str, Any]:
 
 
 def _task(task: Any) -> Task | None:
-    """A task from a task or from a JSON object, which files of networks have."""
+    """A task from a task or from a JSON object, as in files of networks."""
     if task is None or isinstance(task, Task):
         return task
     if isinstance(task, Mapping):

@@ -41,7 +41,7 @@ def resolve(env_id: str) -> tuple[Family, str]:
     """The family and game of an ID.
 
     Raises:
-        gymnasium.error.NameNotFound: there is no such ID, or it is of no family; the message suggests the right one.
+        gymnasium.error.NameNotFound: the ID does not exist or belongs to no family; the message suggests the right one.
     """
     known = env_id.removeprefix(MODULE_PREFIX)
     if known in ids():
@@ -100,7 +100,7 @@ def explain(env_id: str) -> str:
     """A text that explains what an ID plays, and how related IDs of the same game differ from it.
 
     Raises:
-        gymnasium.error.NameNotFound: as of `resolve`.
+        gymnasium.error.NameNotFound: there is no such ID.
 
     Example:
         >>> import atari
@@ -121,7 +121,7 @@ def explain(env_id: str) -> str:
 
 
 def _difference(family: Family, other: Family, game: str) -> str:
-    """The options in which `other` differs, as text."""
+    """The options whose values in `other` differ, as text."""
     words = []
     if other.obs_type != family.obs_type:
         words.append("RAM" if other.obs_type == "ram" else "RGB screen")

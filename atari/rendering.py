@@ -52,8 +52,8 @@ def open_display(pygame: Any) -> None:
     """Start pygame's display.
 
     Raises:
-        pygame.error: there is no display. SDL then draws off screen, which counts as none unless
-            `SDL_VIDEODRIVER` requests it.
+        pygame.error: there is no display. A display off screen counts only if `SDL_VIDEODRIVER` requests it; SDL
+            uses one if it finds no other.
     """
     pygame.display.init()
     if pygame.display.get_driver() == "offscreen" and os.environ.get("SDL_VIDEODRIVER") != "offscreen":

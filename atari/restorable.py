@@ -2,7 +2,7 @@
 
 A snapshot of a stack of wrappers has the format of `atari.cores.snapshot`. The fact "layers" lists the wrappers that
 have a state, from the outside in, with their arguments and the scalars of their state. Each array of a state is a blob,
-compressed with zlib. The fact "task" is what is played. The blob "env" is the snapshot of the `AtariEnv`. Wrappers
+compressed with zlib. The fact "task" is the task. The blob "env" is the snapshot of the `AtariEnv`. Wrappers
 without a state may differ.
 """
 
@@ -53,7 +53,7 @@ class Restorable:
 
         Raises:
             TypeError: the innermost environment is no `AtariEnv`, or a wrapper in between has a state that cannot be
-                saved (Gymnasium's `TimeLimit` can be); the text names it.
+                saved (Gymnasium's `TimeLimit` can be saved); the text names the wrapper.
         """
         env = _env(self)
         atari = _unwrapped(env)
@@ -69,9 +69,9 @@ class Restorable:
         """Continue from a snapshot of such a stack.
 
         Raises:
-            TypeError: `data` is not bytes, or as `snapshot`.
-            ValueError: not a snapshot, damaged, or of other wrappers, another task or core; the message says each
-                field that differs. The environment is as it was.
+            TypeError: `data` is not bytes, or one of the reasons in `snapshot`.
+            ValueError: `data` is no snapshot, is damaged, or belongs to other wrappers, another task or core; the
+                message lists each field that differs. The environment has not changed.
         """
         env = _env(self)
         atari, stateful = _unwrapped(env), list(_stateful(env))
@@ -96,7 +96,7 @@ class Restorable:
         return {name: getattr(self, name) for name in self._state}
 
     def _load_state(self, state: State) -> dict[str, Any]:
-        """The attributes of a saved state, whose names, types, shapes and dtypes are those of `_save_state`.
+        """The attributes of a saved state, with the names, types, shapes and dtypes of `_save_state`.
 
         Raises:
             ValueError: a value is out of range.
@@ -105,7 +105,7 @@ class Restorable:
 
 
 def layers(env: Environment) -> Iterator[Environment]:
-    """The environment and all it wraps, from the outside in."""
+    """The environment and everything that it wraps, from the outside in."""
     while isinstance(env, gymnasium.Wrapper):
         yield env
         env = env.env
@@ -136,7 +136,7 @@ def _stateful(env: Environment) -> Iterator[Environment]:
     """The wrappers with a state, from the outside in.
 
     Raises:
-        TypeError: a wrapper may have a state that is not known here.
+        TypeError: a wrapper may have a state that this module does not support.
     """
     for layer in layers(env):
         if isinstance(layer, Restorable):
@@ -176,7 +176,7 @@ def _load_state(layer: Any, state: State) -> dict[str, Any]:
 
 
 def _allow_step(layer: Environment) -> None:
-    """Let a wrapper of Gymnasium step before its first reset; `AtariEnv` itself checks that the game was reset."""
+    """Let a wrapper of Gymnasium step before its first reset; `AtariEnv` itself checks for a reset."""
     if isinstance(layer, OrderEnforcing):
         layer._has_reset = True
     elif isinstance(layer, PassiveEnvChecker) and not layer.checked_reset:
@@ -207,7 +207,7 @@ def _checked_layers(saved: Any, stateful: list[Environment]) -> list[dict[str, A
 
 
 def _same_arguments(saved: Any, own: dict[str, Any], layer: Environment) -> bool:
-    """Whether the arguments are equal; those that a snapshot of an earlier release lacks have their defaults."""
+    """Whether the arguments are equal; an argument that an older snapshot lacks has its default."""
     if not isinstance(saved, dict):
         return False
     parameters = inspect.signature(type(layer)).parameters

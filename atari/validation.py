@@ -22,7 +22,7 @@ class AleError(ValueError, RuntimeError):
 
 
 class FirstResetNeeded(gymnasium.error.ResetNeeded, RuntimeError):
-    """Some environments were to be reset before all had been; ale-py raises `RuntimeError`."""
+    """A mask selected some environments before the first reset of all; ale-py raises `RuntimeError`."""
 
 
 class OptionTypeError(TypeError, gymnasium.error.Error):

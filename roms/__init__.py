@@ -1,6 +1,6 @@
 """ROM files: find, verify, identify and import them, by their content and never by their names.
 
-ale-py's wheel carries the ROM files of every game, so nothing has to be set up. `find` searches, in this order, a path
+ale-py's wheel carries the ROM files of every game, so no setup is needed. `find` searches, in this order, a path
 that you give, the folders in the environment variable `ATARI_ROMS` (separated as in `PATH`), your own folder
 (filled by `import_from` and `install`), and ale-py's wheel. Each file in these folders is a candidate under any name,
 such as `Breakout (1978) (Atari).a26`, plain or gzip-compressed.

@@ -1,7 +1,7 @@
 """Downloading the ROM files with AutoROM, the Farama Foundation's installer, which requires a licence first.
 
-Rarely needed, because ale-py's wheel has the files. AutoROM downloads to a temporary folder, from which only files with
-the right content are imported.
+It is rarely needed, because ale-py's wheel has the files. AutoROM downloads to a temporary folder, from which only
+files with the right content are imported.
 """
 
 import contextlib
@@ -19,7 +19,7 @@ from atari.roms.importing import ImportReport, import_from
 
 
 def install(accept_license: bool = False) -> ImportReport:
-    """Download the ROM files with AutoROM and import them into your own folder, as `import_from`.
+    """Download the ROM files with AutoROM and import them into your own folder, like `import_from`.
 
     Args:
         accept_license: you own a licence to the ROM files; without it, AutoROM requests confirmation on the terminal.
@@ -27,7 +27,7 @@ def install(accept_license: bool = False) -> ImportReport:
     Raises:
         gymnasium.error.DependencyNotInstalled: AutoROM, the extra `roms`, is missing.
         PermissionError: the licence was declined.
-        ConnectionError: the download failed, as it does on a machine that is offline.
+        ConnectionError: the download failed, for example because the machine is offline.
     """
     try:
         from AutoROM import AutoROM
@@ -62,7 +62,7 @@ def _failed(reason: str) -> ConnectionError:
 
 
 class _Listener(io.TextIOBase):
-    """A stream that forwards its text to another, and keeps it."""
+    """A stream that forwards its text to another stream, and keeps it."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
@@ -76,5 +76,5 @@ class _Listener(io.TextIOBase):
         self._stream.flush()
 
     def last_words(self) -> str:
-        """The last line without a prompt: the end of a prompt's line is typed, not printed."""
+        """The last line without a prompt, because a user types the end of a prompt's line."""
         return self.text.strip().rpartition("\n")[2].rpartition("]: ")[2]

@@ -18,10 +18,10 @@ from atari.games.game import Game
 from atari.roms.image import md5, read_image
 from atari.roms.locations import lookup
 
-# Shorter sequences occur in several games by chance, or as the zeros at the start of many.
+# Shorter sequences occur in several games by chance, or are the zeros at the start of many games.
 _SHORTEST_PIECE = 64
 
-# Two different games share at most an eighth of their bytes, but for Atlantis and its sequel.
+# Two different games share at most an eighth of their bytes, except Atlantis and its sequel.
 _NEAR = 0.3
 
 
@@ -81,7 +81,7 @@ def known_images() -> dict[str, bytes]:
 
 
 def recognise(name: str, image: bytes, known: Mapping[str, bytes]) -> Identification:
-    """Identify an image; an unknown one is compared with the `known` images."""
+    """Identify an image; an unknown image is compared with the `known` images."""
     game = by_content(image)
     nearest, verdict = (None, f"is {game.title}") if game else describe(image, known)
     digest = hashlib.sha256(image).hexdigest()
@@ -110,7 +110,7 @@ def _piece(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | None:
     wholes = [game for game, whole in known.items() if len(image) >= _SHORTEST_PIECE and image in whole]
     if not wholes:
         return None
-    # Games that begin with it come first: files are truncated at the end far more often than at the start.
+    # Games that begin with the piece come first: files are truncated at the end far more often than at the start.
     wholes.sort(key=lambda game: not known[game].startswith(image))
     whole = known[wholes[0]]
     titles = " or ".join(games[game].title for game in wholes[:3])
@@ -135,7 +135,7 @@ def _overdump(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | No
 
 
 def _similar(image: bytes, known: Mapping[str, bytes]) -> tuple[Game, str] | None:
-    """The game with the largest share of equal bytes, if it is large enough to be no coincidence."""
+    """The game with the largest share of equal bytes, if the share is too large for a coincidence."""
     equal = {game: _equal_bytes(image, whole) for game, whole in known.items()}
     shares = {game: equal[game] / max(len(image), len(whole)) for game, whole in known.items()}
     best = max(shares, key=shares.__getitem__, default=None)

@@ -1,7 +1,6 @@
 """The bytes of a ROM file: read with a limit, and unpacked if they are gzip-compressed.
 
-All files that users name are read by this module, so that a folder, a pipe, a huge file or a gzip bomb raises an
-exception.
+This module reads all files that users name, so that a folder, a pipe, a huge file or a gzip bomb raises an exception.
 """
 
 import hashlib
@@ -21,8 +20,8 @@ def read_image(file: Path) -> bytes:
     """The cartridge image in `file`, unpacked.
 
     Raises:
-        FileNotFoundError, IsADirectoryError, PermissionError: it cannot be read.
-        ValueError: it is no regular file, is larger than `LIMIT`, is damaged gzip, or a zip archive.
+        FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
+        ValueError: the file is no regular file, is larger than `LIMIT`, is damaged gzip, or a zip archive.
     """
     check_file(file, "give the ROM file in it, or set ATARI_ROMS to the folder")
     try:
@@ -37,7 +36,7 @@ def unpack(name: str, data: bytes) -> bytes:
     """`data`, decompressed if it is gzip; errors contain `name`.
 
     Raises:
-        ValueError: more than `LIMIT` bytes, before or after; damaged gzip; a zip archive.
+        ValueError: the data has more than `LIMIT` bytes, before or after, is damaged gzip, or a zip archive.
     """
     if data.startswith(_ZIP_MAGICS):
         raise ValueError(f"{name} is a zip archive, not a ROM file; `atari roms import` unpacks it, if it is sound")
@@ -49,7 +48,7 @@ def unpack(name: str, data: bytes) -> bytes:
 
 
 def _gunzip(name: str, data: bytes) -> bytes:
-    """The content of a gzip file of one member, up to `LIMIT` + 1 bytes.
+    """The content of a gzip file with one member, up to `LIMIT` + 1 bytes.
 
     A file can consist of thousands of empty members, and each costs time, so more than one member is an error.
     """
@@ -65,5 +64,5 @@ def _gunzip(name: str, data: bytes) -> bytes:
 
 
 def md5(image: bytes) -> str:
-    """The MD5 of an image, as ale-py and the game definitions have it, in hexadecimal digits."""
+    """The MD5 of an image in hexadecimal digits, as in ale-py and the game definitions."""
     return hashlib.md5(image, usedforsecurity=False).hexdigest()

@@ -1,7 +1,7 @@
 """Copies ROM files from a folder, archive or file into your own folder, under their usual names.
 
 Collections are nested folders of files with long names, or of zip archives with one file each. Every file is read,
-identified by its content, and written under the game's id: names in an archive never decide where a file is written.
+identified by its content, and written under the game's id. Names in an archive never decide the path of a file.
 """
 
 import os
@@ -19,14 +19,14 @@ from atari.validation import check_file
 
 _MOST_MEMBERS = 20_000
 
-# The bytes that an import may unpack from all its archives together: a constant, and more for each byte of an archive.
+# The bytes that an import may unpack from all archives together: a constant, plus a multiple of an archive's bytes.
 # Collections of ROM files are packed to about a third.
 _UNPACKED, _UNPACKED_PER_BYTE = 64 << 20, 32
 
 # Unknown files are compared with all known games until their sizes add up to this. A comparison also has a fixed cost.
 _COMPARED, _COMPARED_PER_FILE = 4 << 20, 16 << 10
 
-_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others unpack 4 KB to gigabytes before a limit can act
+_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # other methods unpack 4 KB to gigabytes before a limit can act
 
 _Read = Callable[[], bytes]
 
@@ -54,7 +54,7 @@ def import_from(source: str | os.PathLike[str]) -> ImportReport:
 
     Raises:
         FileNotFoundError, PermissionError: `source` cannot be read.
-        ValueError: it is a device or a pipe.
+        ValueError: `source` is a device or a pipe.
         OSError: your own folder cannot be written to.
 
     Example:
@@ -92,7 +92,7 @@ def import_from(source: str | os.PathLike[str]) -> ImportReport:
 
 
 class _Files:
-    """The files in `source`. Each is its name and a function that reads it, or raises OSError or ValueError."""
+    """The files in `source`. Each has its name and a function that reads it, or raises OSError or ValueError."""
 
     def __init__(self, source: Path) -> None:
         self._source = source
@@ -111,7 +111,7 @@ class _Files:
             yield str(error.filename), partial(_fail, error)
 
     def _in_file(self, file: Path) -> Iterator[tuple[str, _Read]]:
-        # Checked in this order, because opening a pipe could block for ever.
+        # This order of checks matters, because opening a pipe could block for ever.
         if os.path.isfile(file) and zipfile.is_zipfile(file):
             yield from self._in_zip(file)
         else:
@@ -120,7 +120,7 @@ class _Files:
     def _in_zip(self, file: Path) -> Iterator[tuple[str, _Read]]:
         try:
             archive = zipfile.ZipFile(file)
-        except Exception as error:  # damaged archives raise many classes
+        except Exception as error:  # damaged archives raise errors of many classes
             yield str(file), partial(_fail, ValueError(f"{file} is a damaged zip archive ({error}); get it again"))
             return
         with archive:
@@ -145,19 +145,19 @@ class _Files:
         try:
             with archive.open(info) as stream:
                 data = stream.read(LIMIT + 1)
-        except Exception as error:  # any error of its decompressor, or encryption
+        except Exception as error:  # any error of the decompressor, or encryption
             raise ValueError(f"{name} cannot be unpacked ({error}); unpack it yourself, or get it again") from None
         try:
             image = unpack(name, data)
         except ValueError:
-            self._unpackable -= LIMIT  # which gzip may have produced
+            self._unpackable -= LIMIT  # gzip may have produced them
             raise
         self._unpackable -= len(image)
         return image
 
 
 def _names_a_file(name: str) -> bool:
-    """Whether a member's name is one that an archiver gives to a file in a folder."""
+    """Whether a member's name is a valid name of a file in a folder."""
     return bool(name) and not name.startswith(("/", "\\")) and ".." not in re.split(r"[/\\]", name)
 
 

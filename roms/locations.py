@@ -38,7 +38,7 @@ def _ale_py_folders() -> Iterator[Path]:
 
 
 def lookup(game: Game) -> Path | None:
-    """The first file in `folders()` that holds this game, or None."""
+    """The first file in `folders()` with the ROM of this game, or None."""
     for folder in folders():
         for file in chain(usual_files(folder, game), _files_with(folder, game.rom.md5)):
             if holds(file, game):
@@ -52,7 +52,7 @@ def usual_files(folder: Path, game: Game) -> tuple[Path, Path]:
 
 
 def holds(file: Path, game: Game) -> bool:
-    """Whether `file` can be read and holds the ROM of `game`."""
+    """Whether `file` can be read and is the ROM of `game`."""
     try:
         return md5(read_image(file)) == game.rom.md5
     except (OSError, ValueError):
@@ -85,8 +85,8 @@ def _md5_of(name: str, mtime_ns: int, size: int) -> str:
 def misleads(file: Path, game: Game) -> bool:
     """Whether the name of `file` is the id of another game than its content.
 
-    ale-py uses the rules of the first game, in a table of its own, that fits the content *or* the name up to its last
-    dot, in any case: Breakout in `asterix.bin` would be scored as Asterix.
+    ale-py uses the rules of the first game, in its own table, that fits the content *or* the name up to its last dot,
+    in any case: Breakout in `asterix.bin` would be scored as Asterix.
     """
     stem = (file.name.rpartition(".")[0] or file.name).lower()
     return stem in games and stem != game.id
@@ -101,7 +101,7 @@ def store(game: Game, image: bytes) -> Path:
     """Write `image`, the ROM of `game`, to your own folder and return its path.
 
     No file is ever replaced: if there is another file of the usual name, the name gets the start of the MD5. The file
-    appears complete or not at all, also when several processes store the same game.
+    appears complete or not at all, even if several processes store the same game.
 
     Raises:
         OSError: the folder cannot be made or written to, or has other files of both names.
@@ -122,8 +122,8 @@ def _create(target: Path, image: bytes) -> None:
     """Write a new file.
 
     Raises:
-        FileExistsError: there is one.
-        OSError: it cannot be written.
+        FileExistsError: the file exists.
+        OSError: the file cannot be written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_name(f".{target.stem}.{uuid.uuid4().hex}")

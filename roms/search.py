@@ -21,20 +21,20 @@ _registered: dict[Path | None, Path] = {}
 
 
 def remember(game: Game, rom: str | os.PathLike[str]) -> None:
-    """Let `find` return this ROM for a game of a user's own, until the process ends."""
+    """Store this ROM for `find`, for a user's own game, until the process ends."""
     _registered[game.file] = Path(rom).absolute()
 
 
 def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
-    """The absolute path of a file that holds the ROM of `game`, checked by its content.
+    """The absolute path of a file with the ROM of `game`, checked by its content.
 
     Args:
         game: id of a game, for example "breakout", or a `Game`. A game of your own without a hash accepts any file.
         path: the file to use; None searches the folders. The ROM of a game of your own may also lie beside its
-            definition, with the same name and the ending .bin or .a26.
+            definition, with the same name and the suffix .bin or .a26.
 
-    A file of a known game that is named as another game would be played by ale-py under that game's rules. It is copied
-    to your own folder under its right name, and the copy is returned. No file there is replaced.
+    ale-py plays a file that has the name of another game under that game's rules. So such a file is copied to your own
+    folder under its right name, and the copy is returned. No file there is replaced.
 
     Raises:
         TypeError: `game` or `path` is of the wrong kind.
@@ -71,7 +71,7 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
 
 
 def installed() -> dict[str, Path]:
-    """The file that the search finds for each game that has one, by game id.
+    """The file that the search finds for each game, by game id, without games that have none.
 
     Example:
         >>> import atari.roms
@@ -95,14 +95,14 @@ class Check:
 
 
 def verify(game: str | Game | None = None) -> dict[str, Check]:
-    """Check the files that would be used for one game or for all games, by game id.
+    """Check the files that `find` would use for one game or for all games, by game id.
 
     Returns:
         By game id, an object with `game`, `status`, `file`, `md5`, `sha256` and `note`. `status` is "ok" if `file`,
         which would be used, has the right MD5 and SHA-256; "missing" if no folder has the ROM; "wrong" if only a file
         with the game's name and another content exists. `md5` and `sha256` belong to the unpacked file. `note`
-        describes a file with the game's name that is not used because it is not this game, also with status "ok"; else
-        it is empty.
+        describes a file with the game's name and another content, which is not used, also with status "ok"; else it
+        is empty.
 
     Raises:
         TypeError, ValueError: `game` is neither the id of a game nor a `Game`.
@@ -124,14 +124,14 @@ def _verify(game: Game) -> Check:
         return Check(game.id, "wrong" if note else "missing", None, None, None, note)
     image = read_image(file)
     sha256 = hashlib.sha256(image).hexdigest()
-    if game.rom.sha256 in (sha256, *([""] if game.file else [])):  # a user's own game may name no hash
+    if game.rom.sha256 in (sha256, *([""] if game.file else [])):  # a user's own game may lack the hash
         return Check(game.id, "ok", file, md5(image), sha256, note)
     note = f"{file} has the MD5 of {game.title} but another SHA-256, so it was forged; remove it"
     return Check(game.id, "wrong", file, md5(image), sha256, note)
 
 
 def _passed_over(game: Game, used: Path | None) -> str:
-    """A sentence on the first file with the game's name and another content, up to the folder of `used`; or ""."""
+    """A sentence about the first file with the game's name and another content, up to the folder of `used`; or ""."""
     for folder in folders():
         for file in usual_files(folder, game):
             if file == used:

@@ -17,7 +17,7 @@ pytest.register_assert_rewrite("core_contract", "core_tools", "env_tools", "snap
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
-    """Skip a test that compares with something that the installed Gymnasium or ale-py is too old for.
+    """Skip a test that compares with a feature that the installed Gymnasium or ale-py lacks.
 
     With the releases that CI installs nothing is skipped, so no error is hidden there.
     """
@@ -30,7 +30,7 @@ def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
 
 
 def _lacks_peer(error: Exception) -> bool:
-    """Whether a line of a test, not of the package, named something that Gymnasium or ale-py lacks."""
+    """Whether a line of a test, not of the package, uses a name that Gymnasium or ale-py lacks."""
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.name != "__getattr__"]
     where = Path(frames[-1].filename)
     missing = any(f"module '{peer}" in str(error) or f"from '{peer}" in str(error) for peer in ("gymnasium", "ale_py"))

@@ -4,8 +4,8 @@
 preprocessing in one pass; the other wrappers are single steps to combine. All can be pickled, and
 `gymnasium.make(env.spec)` makes them again.
 
-Gymnasium has wrappers of some of these names, but its reward and image wrappers keep lambdas, which cannot be pickled,
-and its stack copies each frame twice.
+Gymnasium has wrappers with some of these names. But its reward and image wrappers keep lambdas, which cannot be
+pickled, and its stack copies each frame twice.
 """
 
 from typing import Any

@@ -1,4 +1,4 @@
-"""`AleSeeding`: episodes that are seeded and drawn as those of ale-py's vector environment."""
+"""`AleSeeding`: episodes with the seeding and the random draws of ale-py's vector environment."""
 
 from typing import Any
 
@@ -11,9 +11,9 @@ from atari.wrappers._checks import Environment, require_atari
 
 
 class AleSeeding(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
-    """Let `reset(seed=...)` seed the emulator with the seed itself, and the numbers of no-ops and frames too.
+    """`reset(seed=...)` seeds the emulator, and the numbers of no-ops and frames, with the seed itself.
 
-    The `AtariEnv` keeps the generator, for its snapshots and copies; this wrapper gives it one, also when
+    The `AtariEnv` keeps the generator, for its snapshots and copies; this wrapper sets it, also when
     `gymnasium.make(env.spec)` makes the environment again. Seeds are below 2**31.
 
     Args:

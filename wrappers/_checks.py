@@ -12,9 +12,9 @@ from atari.restorable import layers
 
 Environment = gymnasium.Env[Any, Any]
 
-# Attributes with the number of frames a step: of ale-py's and our AtariEnv, of Gymnasium's AtariPreprocessing and ours,
-# of its RepeatAction, of its MaxAndSkipObservation and Stable-Baselines3's. (Gymnasium's StickyAction has a
-# `num_repeats` with another meaning, which is 0.)
+# Attributes with the number of frames a step, in this order: ale-py's and our AtariEnv, Gymnasium's
+# AtariPreprocessing and ours, its RepeatAction, its MaxAndSkipObservation and Stable-Baselines3's. (Gymnasium's
+# StickyAction has a `num_repeats` with another meaning, which is 0.)
 _SKIP_ATTRIBUTES = ("_frameskip", "frame_skip", "num_repeats", "_skip")
 
 
@@ -22,7 +22,7 @@ def require_atari(env: Environment, wrapper: str) -> AtariEnv:
     """The `AtariEnv` under `env`.
 
     Raises:
-        TypeError: it is another environment.
+        TypeError: the innermost environment is no `AtariEnv`.
     """
     if not isinstance(env.unwrapped, AtariEnv):
         raise TypeError(f"{wrapper} reads the emulator of an atari.AtariEnv, got {env}; make one with atari.make()")
@@ -47,7 +47,7 @@ def require_pixels(env: Environment, wrapper: str) -> tuple[int, ...]:
 
 
 def require_single_frames(env: Environment, wrapper: str) -> None:
-    """Refuse to skip frames twice.
+    """Raise an error if frames would be skipped twice.
 
     Raises:
         ValueError: the environment, or a wrapper around it, already plays several frames a step.
@@ -64,12 +64,12 @@ def require_single_frames(env: Environment, wrapper: str) -> None:
 
 
 def has_noop(env: Environment) -> bool:
-    """Whether episodes can begin with NOOP; the minimal sets of Backgammon and Video Checkers do not have it."""
+    """Whether episodes can begin with NOOP, which the minimal sets of Backgammon and Video Checkers lack."""
     return not isinstance(env.action_space, spaces.Discrete) or "NOOP" in begin_meanings(env)
 
 
 def action_meanings(env: Environment) -> list[str]:
-    """The names of the actions, as the outermost wrapper that overrides them gives them."""
+    """The names of the actions, from the outermost wrapper that overrides them."""
     # With Gymnasium 0.29, `env.get_wrapper_attr` warns.
     overriding = (layer for layer in layers(env) if hasattr(type(layer), "get_action_meanings"))
     meanings: list[str] = next(overriding, env.unwrapped).get_action_meanings()  # type: ignore[attr-defined]
@@ -77,7 +77,7 @@ def action_meanings(env: Environment) -> list[str]:
 
 
 def begin_meanings(env: Environment) -> list[str]:
-    """The names of the actions that begin episodes: the game's if an agent of an `AtariEnv` has only some."""
+    """The names of the actions that begin episodes: the game's, if the agent of an `AtariEnv` has only some."""
     meanings, inner = action_meanings(env), env.unwrapped
     if isinstance(inner, AtariEnv) and meanings == inner.get_action_meanings():
         return [action.name for action in inner.task.begin_actions]
@@ -94,9 +94,9 @@ _FIRE = np.array([0, 0, 1], np.float32)
 
 
 def step_named(env: Environment, name: str) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-    """A step of an action, NOOP or FIRE if the action space is continuous.
+    """Play a step of an action by name; if the action space is continuous, NOOP or FIRE.
 
-    If it is not in the action space, the `AtariEnv` plays it in place of the step's action.
+    If the action is not in the action space, the `AtariEnv` plays it in place of the step's action.
     """
     if not isinstance(env.action_space, spaces.Discrete):
         return env.step(_FIRE.copy() if name == "FIRE" else _AT_REST.copy())

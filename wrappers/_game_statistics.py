@@ -1,4 +1,4 @@
-"""`GameStatistics`: what was played of the whole game, for the presets."""
+"""`GameStatistics`: statistics of the whole game, for the presets."""
 
 from typing import Any
 
@@ -13,11 +13,11 @@ _STEPS_WITHOUT_PROGRESS = 2250  # 9,000 frames, two and a half minutes of play
 
 
 class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
-    """Add to `info` what `AtariEnv` counts: rewards before clipping, and whole games, across lost lives.
+    """Add the counts of `AtariEnv` to `info`: rewards before clipping, and whole games, across lost lives.
 
     Each `info` has, under EnvPool's names: "reward", the reward before clipping, a float; "elapsed_step", the steps of
-    the game, lost lives do not matter; "terminated", whether the game is over. When a game has ended, in the step or
-    inside the reset, `info` has "episode", see `atari.wrappers.preset`.
+    the game despite lost lives; "terminated", whether the game is over. When a game has ended, in the step or inside
+    the reset, `info` has "episode", see `atari.wrappers.preset`.
 
     In games with FIRE, the first 9,000 frames in which nothing happens give a warning: the game may wait for it.
 
@@ -31,7 +31,7 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
         self._atari = require_atari(env, "GameStatistics")
         meanings = action_meanings(env) if isinstance(env.action_space, spaces.Discrete) else []
         self._fires = [index for index, meaning in enumerate(meanings) if "FIRE" in meaning]
-        self._progress: Any = None  # the game, its rewards and its lives when they were compared last
+        self._progress: Any = None  # the game, its rewards and its lives at the last comparison
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset, and add the statistics to `info`."""
@@ -48,7 +48,7 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
         return observation, reward, terminated, truncated, self._with_statistics(info, reward, truncated)
 
     def _warn_of_waiting(self, action: Any) -> None:
-        """Warn once if rewards and lives are those of the last check, unless the action is FIRE."""
+        """Warn once if rewards and lives equal those at the last check, unless the action is FIRE."""
         game = self._atari.driver.played
         progress = game, game.rewards, self._atari.core.lives
         before, self._progress = self._progress, progress
@@ -66,7 +66,7 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
         driver = self._atari.driver
         over, ended = driver.core.game_over, driver.ended
         info = {**info, "reward": reward, "elapsed_step": driver.played.steps, "terminated": over}
-        if ended is not None or truncated:  # truncated by a wrapper, which the environment does not see
+        if ended is not None or truncated:  # `truncated` may come from a wrapper, unseen by the environment
             info["episode"] = ended or driver.played.statistics(driver.core)
             driver.ended = None
         return info

@@ -1,8 +1,8 @@
 """`DqnPreprocessing`: from the emulator's frames to the observations of a deep Q-network, in one pass.
 
-Repeat the action, take the maximum of the last two frames, make it gray, scale it down, stack it (Mnih et al. 2015).
-With separate wrappers, each frame would become an unused RGB observation. `DqnPreprocessing` plays the frames without
-observations. The emulator's `ObservationStack`, which makes the observations of `AtariVectorEnv`, reads at most two.
+It repeats the action, takes the maximum of the last two frames, makes it gray, resizes it and stacks it (Mnih et al.
+2015). With separate wrappers, each frame would become an unused RGB observation. `DqnPreprocessing` plays the frames
+without observations. The emulator's `ObservationStack`, which also serves `AtariVectorEnv`, reads at most two frames.
 
 Implementations differ in details, mostly in the observation when an episode ends inside a skip; `atari.wrappers.preset`
 has the parameters of each.
@@ -34,7 +34,7 @@ EndFrames = Literal["last", "gymnasium", "baselines", "envpool"]
 DqnObsType = Literal["image", "ram"]
 ScreenSize = int | tuple[int | None, int | None] | None
 
-# Layers whose `step` need not be called for each frame: checks, and `EpisodicLife`, whose rule this wrapper applies.
+# Layers whose `step` need not run for each frame: checks, and `EpisodicLife`, whose rule this wrapper applies.
 _TRANSPARENT = (OrderEnforcing, PassiveEnvChecker, EpisodicLife)
 
 
@@ -48,37 +48,37 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
 
     Wrappers that only act at a reset (`NoopReset`, `FireReset`) and `EpisodicLife` can be inside without a cost. If
     any other inner wrapper changes `step`, or each frame is rendered, frames are played through its `step`, which is
-    slower and gives the same. Frames are always read from the emulator: changes of observations by inner wrappers
+    slower and gives the same results. Frames always come from the emulator: changes of observations by inner wrappers
     have no effect.
 
     Args:
         env: an `AtariEnv` that plays one frame a step, possibly wrapped.
         frame_skip: frames for each action, or (low, high) for a random number within low..high-1 at each step, drawn
             from the environment's generator before the first frame.
-        screen_size: side of the square image, or (width, height), as Gymnasium's `AtariPreprocessing` has it; None in
-            place of a number or of all is the size of the screen.
-        stack_size: frames, or RAM vectors, in an observation; None is one without an axis for it.
+        screen_size: side of the square image, or (width, height), like `screen_size` of Gymnasium's
+            `AtariPreprocessing`. None in place of a number, or of both, means the size of the screen.
+        stack_size: frames, or RAM vectors, in an observation; None means one, without an axis for it.
         grayscale: False keeps red, green and blue.
         max_pool: take the maximum of the last two frames of a skip; False takes the last one.
         pool_rgb: pool red, green and blue, and make them gray with OpenCV afterwards (Baselines, DQN 2015), instead of
-            pooling ALE's gray values. Goes with `end_frames` "last" and "baselines".
+            pooling ALE's gray values. It requires `end_frames` "last" or "baselines".
         padding_type: before the first frame of an episode, "reset" repeats it, "zero" is black.
         end_frames: the new frame of the observation when the episode ends inside a skip.
             "last": the last frame of the episode;
-            "gymnasium": not that frame; the previous step's, or its maximum with this skip's last but one
+            "gymnasium": the previous step's, or its maximum with this skip's last but one; never the episode's last
             (Gymnasium, ale-py's vector environment);
-            "baselines": that frame if it is one of the skip's last two, pooled with the other buffer's latest frame
-            (Baselines, Stable-Baselines3, Dopamine);
-            "envpool": that frame if it is one of the skip's last two, else the previous step's.
-        seamless_lives: a life lost in an inner `EpisodicLife` neither cuts the skip short nor clears the stack at the
-            reset that follows (EnvPool).
-        max_frames: truncate after this many frames, not counting those of inner wrappers; None is never.
-        obs_type: "image" or "ram". RAM is not pooled; the arguments about images stay as they are then.
+            "baselines": the episode's last frame if it is one of the skip's last two, pooled with the other buffer's
+            latest frame (Baselines, Stable-Baselines3, Dopamine);
+            "envpool": the episode's last frame if it is one of the skip's last two, else the previous step's.
+        seamless_lives: a life lost in an inner `EpisodicLife` does not cut the skip short, and the next reset does not
+            clear the stack (EnvPool).
+        max_frames: truncate after this many frames, not counting those of inner wrappers; None means never.
+        obs_type: "image" or "ram". RAM is not pooled; the arguments about images then have no effect.
             `RamObservation` around this one adds the RAM to images.
 
     Raises:
-        TypeError, ValueError: an argument is of the wrong kind or out of range; the environment is no `AtariEnv`, gives
-            RAM in place of the pixels that are to be preprocessed, or skips frames already.
+        TypeError, ValueError: an argument is of the wrong kind or out of range; or the environment is no `AtariEnv`,
+            returns RAM in place of pixels, or skips frames already.
 
     Example:
         >>> import atari
@@ -122,7 +122,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         frame_skip = low if high == low + 1 else (low, high)
         given = {"frame_skip": frame_skip, "stack_size": stack_size, "max_frames": max_frames}
         recorded: dict[str, Any] = {
-            name: list(value) if isinstance(value, tuple) else value  # as JSON has them
+            name: list(value) if isinstance(value, tuple) else value  # the form of JSON
             for name, value in {**arguments, **given}.items()
         }
         RecordConstructorArgs.__init__(self, **recorded)
@@ -155,7 +155,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             width, height = _check_size(screen_size, screen.shape)
             try:
                 self._images = _make_images(screen, height, width, settings)
-            except ValueError:  # a size that only OpenCV makes, of images of the screen
+            except ValueError:  # only OpenCV makes this size, from images of the screen
                 self._resized = width, height
                 self._images = _make_images(screen, *screen.shape, settings)
             shown = (stack_size or 1, height, width, 3)[not self._stacked : 3 if grayscale else 4]
@@ -165,7 +165,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         """Reset; the observation is the screen after the resets of the inner wrappers.
 
         Args:
-            seed: of the environment.
+            seed: the seed of the environment.
             options: for the inner wrappers: "noops" (`NoopReset`), "fire" (`FireReset`), "new_game" (`EpisodicLife`).
         """
         if self._max_frames is not None and self._frames_played >= self._max_frames:
@@ -177,7 +177,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         return self._first_observation(same_game), {**info, **self._atari.driver.info()}
 
     def _first_observation(self, same_game: bool) -> ByteArray:
-        """The observation after a reset, which has continued the same game or begun a new one."""
+        """The observation after a reset that has continued the same game or begun a new one."""
         core, images = self._atari.core, self._images
         if images is not None:
             fill = not same_game or self._seamless_life is None
@@ -198,7 +198,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         total = 0.0
         ended = False
         while left and not ended:
-            frames = left - 1 or 1  # up to the last but one, which `images` reads
+            frames = left - 1 or 1  # up to the last but one, because `images` reads it
             if most is not None:
                 frames = min(frames, max(most - self._frames_played, 1))
             reward, played, terminated, truncated = play(move, frames)
@@ -264,7 +264,7 @@ _ALSO_OF_RAM = ("frame_skip", "stack_size", "padding_type", "seamless_lives", "m
 
 
 def _check_observations(env: Environment, arguments: dict[str, Any]) -> None:
-    """Check that the environment and the arguments fit what is observed."""
+    """Check that the environment and the arguments fit the observations."""
     if check_name("obs_type", arguments["obs_type"], get_args(DqnObsType)) == "image":
         require_pixels(env, "DqnPreprocessing")
         return
@@ -277,7 +277,7 @@ def _check_observations(env: Environment, arguments: dict[str, Any]) -> None:
 
 
 def _check_frame_skip(frame_skip: Any) -> tuple[int, int]:
-    """`frame_skip` as (low, high), for low..high-1 frames."""
+    """`frame_skip` as (low, high), which means low..high-1 frames."""
     if not isinstance(frame_skip, (tuple, list)):
         frames = check_integer("frame_skip", frame_skip, 1, 10_000)
         return frames, frames + 1
@@ -290,7 +290,7 @@ def _check_frame_skip(frame_skip: Any) -> tuple[int, int]:
 
 
 def _check_size(screen_size: Any, screen: tuple[int, int]) -> tuple[int, int]:
-    """`screen_size` as (width, height), with the size (rows, columns) of the screen for None."""
+    """`screen_size` as (width, height), None means the size (rows, columns) of the screen."""
     pair = screen_size if isinstance(screen_size, (tuple, list)) else (screen_size, screen_size)
     if len(pair) != 2:
         raise ValueError(f"screen_size must be an integer or (width, height), got {screen_size!r}")
@@ -311,7 +311,7 @@ def _pixels(grayscale: bool, pool_rgb: bool) -> _emulator.PixelFormat:
 
 
 def _can_drive_directly(env: Environment, atari: AtariEnv) -> bool:
-    """Whether the `step` of all inner layers does no more than to play a frame."""
+    """Whether the `step` of each inner layer only plays a frame."""
     plain = all(
         type(layer).step is gymnasium.Wrapper.step or type(layer) in _TRANSPARENT
         for layer in layers(env)

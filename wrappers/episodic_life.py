@@ -1,8 +1,8 @@
 """`EpisodicLife`: a lost life ends the episode.
 
-Learning to avoid the loss of a life is easier when it ends the return (Mnih et al. 2015). Implementations
-differ in what the next reset does, see `on_reset`. The wrapper can be outside of a frame skip, as in OpenAI's
-Baselines, or inside `DqnPreprocessing`, which then ends the skip at the frame in which the life is lost.
+Learning to avoid the loss of a life is easier when it ends the return (Mnih et al. 2015). Implementations differ in
+the effect of the next reset, see `on_reset`. The wrapper can be outside a frame skip, as in OpenAI's Baselines. It
+can also be inside `DqnPreprocessing`, which then ends the skip at the frame in which the life is lost.
 """
 
 from typing import Any, Literal, get_args
@@ -23,17 +23,17 @@ OnReset = Literal["noop", "continue", "new_game"]
 class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Terminate when a life is lost.
 
-    A reset after a lost life continues the same game, so that agents reach all of it; a seeded one, and
+    A reset after a lost life continues the same game, so that agents reach all of it. A reset with a seed, and
     `reset(options={"new_game": True})`, start a new game. Lives are `info["lives"]`; games without lives are
     unaffected.
 
     Args:
         env: the environment.
-        on_reset: after a lost life, a reset
-            "noop": plays one step of NOOP (Baselines, Stable-Baselines3);
-            "continue": plays nothing and returns the last observation again (EnvPool and DQN 2015 play no-ops then: put
-            `NoopReset` around this);
-            "new_game": starts a new game nevertheless (Gymnasium, ale-py's vector environment).
+        on_reset: the effect of a reset after a lost life:
+            "noop": it plays one step of NOOP (Baselines, Stable-Baselines3);
+            "continue": it plays nothing and returns the last observation again (EnvPool and DQN 2015 then play no-ops:
+                put `NoopReset` around this);
+            "new_game": it starts a new game (Gymnasium, ale-py's vector environment).
         last_life: also end when the last life is lost but the game is not over yet, as Gymnasium does; some games
             (Bank Heist, Frogger) continue for a while with no life left.
 
@@ -67,17 +67,17 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         """Whether the last reset continued the same game."""
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        """Step; terminated also if it cost a life."""
+        """Step; also terminate if a life was lost."""
         if self._atari is not None and self._atari.driver.restored:
             warn_of_restore(self.env, "EpisodicLife")
         observation, reward, terminated, truncated, info = self.env.step(action)
         if self._atari is not None and self._atari.driver.replacement is not None and not has_noop(self.env):
-            return observation, reward, terminated, truncated, info  # a NOOP that the game does not have is no step
+            return observation, reward, terminated, truncated, info  # if the game has no NOOP, no step is played
         self._last = observation, info
         return observation, reward, self.observe(info["lives"], terminated, truncated), truncated, info
 
     def observe(self, lives: int, terminated: bool, truncated: bool) -> bool:
-        """Update the state after a step or a frame; returns whether it terminated the episode."""
+        """Update the state after a step or a frame; returns whether this terminated the episode."""
         lost = lives < self._lives and (lives > 0 or self._last_life)
         self._lives = lives
         self.life_lost = (self.life_lost or lost) and not (terminated or truncated)
@@ -87,8 +87,8 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         """Continue the same game if a life was lost, else start a new one.
 
         Args:
-            seed: of the environment; with a seed, a new game is started.
-            options: with "new_game" true, a new game is started; all are passed on.
+            seed: the seed of the environment; a seed starts a new game.
+            options: "new_game" true starts a new game; all options are passed on.
         """
         new_game = seed is not None or self._on_reset == "new_game" or (options or {}).get("new_game", False)
         self.same_game = self.life_lost and not new_game
@@ -105,7 +105,7 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         return observation, info
 
     def _save_state(self) -> State:
-        """The last observation is needed only where a reset may return it again."""
+        """Omit the last observation unless a reset may return it again."""
         state: dict[str, Any] = {"lives": self._lives, "life_lost": self.life_lost, "same_game": self.same_game}
         if self._on_reset == "continue":
             observation, info = self._last

@@ -14,20 +14,20 @@ from atari.wrappers._checks import Environment, begin_meanings, step_named
 
 
 class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
-    """After a reset, play one step of FIRE. Games without a FIRE action are left as they are.
+    """After a reset, play one step of FIRE. Games without a FIRE action are not changed.
 
-    The game decides, not the agent: with an `AtariEnv` whose `actions` are some of the game's, FIRE and action 2 are
-    those of the game.
+    The game decides, not the agent: if the `actions` of an `AtariEnv` are some of the game's, FIRE and action 2 are the
+    game's.
 
-    If the episode ends meanwhile, the environment is reset once more.
+    If the episode ends during these steps, the environment is reset once more.
 
     Args:
         env: the environment; around a frame skip, FIRE is held for the whole skip.
-        then_action_2: play one step of action 2 of the action set after it, whichever action that is, as
-            OpenAI's Baselines and Stable-Baselines3 do.
+        then_action_2: play one step of action 2 of the action set after FIRE, whichever action that is, as OpenAI's
+            Baselines and Stable-Baselines3 do.
 
     Raises:
-        ValueError: `then_action_2` with fewer than three actions or a continuous action space.
+        ValueError: `then_action_2` is true, with fewer than three actions or a continuous action space.
 
     Example:
         >>> import atari
@@ -54,8 +54,8 @@ class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         """Reset, then press FIRE.
 
         Args:
-            seed: of the environment.
-            options: with "fire" false, FIRE is not pressed; all are passed on.
+            seed: the seed of the environment.
+            options: "fire" false omits FIRE; all options are passed on.
         """
         observation, info = self.env.reset(seed=seed, options=options)
         for action in self._actions if (options or {}).get("fire", True) else ():

@@ -1,6 +1,6 @@
 """`FrameSkip`: repeat each action for several frames.
 
-The console draws 60 frames a second, more than an agent needs. Many games draw some objects only in every other frame,
+The console draws 60 frames a second, more than an agent needs. Many games draw some objects only every other frame,
 so the observation is the maximum of the last two frames (Mnih et al. 2015).
 """
 
@@ -18,13 +18,13 @@ from atari.wrappers._checks import Environment, require_pixels, require_single_f
 class FrameSkip(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """Play each action for `frame_skip` steps and sum the rewards.
 
-    The observation is the maximum, pixel by pixel, of the last two that were played, also when the episode ends inside
-    the skip. (`DqnPreprocessing` does this and the next steps faster.)
+    The observation is the maximum, pixel by pixel, of the last two frames played, also when the episode ends inside the
+    skip. (`DqnPreprocessing` does this and the next steps faster.)
 
     Args:
         env: an environment that plays one frame a step.
         frame_skip: steps for each action, 1 or more.
-        max_pool: False returns the last observation alone; needed for RAM.
+        max_pool: False returns only the last observation; RAM needs False.
 
     Raises:
         TypeError, ValueError: `frame_skip` is not an integer, or less than 1; the environment already skips frames; the

@@ -1,7 +1,7 @@
 """`FrameStack`: stack the last few observations, so that one observation contains motion.
 
-Successive stacks of four share three frames. A replay memory that keeps stacks as arrays holds each frame four times,
-eight with the next observations; `lazy` stacks hold it once.
+Successive stacks of four share three frames. A replay memory that stores stacks as arrays has each frame four times,
+eight times with the next observations; `lazy` stacks have it once.
 """
 
 from collections import deque
@@ -23,14 +23,14 @@ Array = npt.NDArray[Any]
 
 
 class FrameStack(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
-    """Observations become (stack_size, *shape), the oldest first.
+    """Observations become (stack_size, *shape), the oldest frame first.
 
-    Each is a new array, as Gymnasium demands of environments, into which the frames are copied. With `lazy` no frame is
+    Each is a new array with copies of the frames, as Gymnasium requires. With `lazy` no frame is
     ever copied: an observation is a `LazyStack`, which refers to frames and becomes an array when NumPy converts it.
     (Gymnasium's `FrameStackObservation` copies each frame twice and has no lazy stacks.)
 
     Args:
-        env: an environment of Box observations.
+        env: an environment with Box observations.
         stack_size: the number of observations, 1 or more.
         padding_type: the frames before the first observation of an episode: "reset" repeats it, "zero" is black.
         lazy: observations are `LazyStack`s.
@@ -95,8 +95,8 @@ class FrameStack(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
 class LazyStack:
     """A stack of frames that becomes an array when NumPy converts it.
 
-    `np.asarray(stack)`, `stack[-1]`, `len(stack)` and `==` work as on the array (stack_size, *shape). Stacks share the
-    frames they have in common, also when they are pickled together; frames are read-only.
+    `np.asarray(stack)`, `stack[-1]`, `len(stack)` and `==` have the results of the array (stack_size, *shape). Stacks
+    share their common frames, also when they are pickled together; frames are read-only.
 
     Example:
         >>> import atari, numpy
@@ -110,7 +110,7 @@ class LazyStack:
 
     def __init__(self, frames: tuple[Array, ...]) -> None:
         for frame in frames:
-            frame.flags.writeable = False  # other stacks share it
+            frame.flags.writeable = False  # other stacks share the frame
         self.frames = frames
 
     @property

@@ -1,4 +1,4 @@
-"""`Grayscale`: one brightness a pixel instead of three colours."""
+"""`Grayscale`: one brightness for each pixel instead of three colours."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ class Grayscale(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordC
     """RGB images (rows, columns, 3) become gray ones (rows, columns), uint8, by OpenCV.
 
     The brightness is 0.299 red + 0.587 green + 0.114 blue, as in OpenAI's Baselines. ALE has its own table of gray
-    values, which differ a little: for those make the environment with `obs_type="grayscale"`. (Gymnasium's
+    values, which differ a little: for them make the environment with `obs_type="grayscale"`. (Gymnasium's
     `GrayscaleObservation` uses other weights, computes in float64, which is slow, and cannot be pickled.)
 
     Args:

@@ -11,8 +11,8 @@ S is the frame skip, `DqnPreprocessing`; L is `EpisodicLife`, N `NoopReset`, F `
 "skip"        "skip"         N S L F
 ============= ============== ======================= ==================
 
-A layer inside of S plays single frames, a layer outside of it whole skips. A layer whose reset finds the episode ended
-resets the layers inside of it once more, and goes on.
+A layer inside S plays single frames, a layer outside S whole skips. If the episode ends during a layer's reset, the
+layer resets the layers inside it once more, and continues.
 """
 
 from collections.abc import Iterator, Mapping
@@ -76,7 +76,7 @@ def _fire(task: Any) -> list[Layer]:
 
 def _noops(task: Any) -> list[Layer]:
     low, high = task.noops
-    if high == 0 and task.seeding != "ale":  # which draws their number all the same
+    if high == 0 and task.seeding != "ale":  # ale's seeding draws even a number that must be 0
         return []
     arguments = {"noop_max": high, "noop_min": low, "fire_counts": task.fire_counts}
     if task.fire == "before_noops":
@@ -102,7 +102,7 @@ def _preprocessing(task: Any, *, stacks: bool) -> dict[str, Any]:
 
 
 def _reports(task: Any) -> Iterator[Layer]:
-    """The layers that change no frame: what is reported of each step, and the limit of steps."""
+    """The layers that change no frame: the reports of each step, and the limit of steps."""
     if task.life_loss_info:
         yield LifeLossInfo, {"last_life": task.last_life}
     if task.max_episode_steps is not None:

@@ -1,6 +1,6 @@
 """`LifeLossInfo`: a lost life is reported as a termination, and the game goes on.
 
-A learner that cuts its returns at lost lives, as with `EpisodicLife`, plays whole games here, without a reset after
+A learner that cuts its returns at lost lives, as with `EpisodicLife`, here plays whole games, without a reset after
 each life; this is `life_loss_info` of ale-py's vector environment.
 """
 
@@ -15,11 +15,11 @@ from atari.wrappers.episodic_life import EpisodicLife
 
 
 class LifeLossInfo(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
-    """Report a lost life as `terminated`. The next step goes on with the game; only a reset begins a new one.
+    """Report a lost life as `terminated`. The next step continues the game; only a reset begins a new one.
 
-    The lives after a step are compared with those before it. Put it outside of a frame skip, and leave `EpisodicLife`
-    out. A loss in the step that reaches a limit is both, terminated and truncated; ale-py's vector environment then
-    shows the loss alone, and resets.
+    The lives after a step are compared with the lives before it. Put it outside a frame skip, and leave `EpisodicLife`
+    out. If a step loses a life and reaches a limit, it is both terminated and truncated; ale-py's vector environment
+    then reports only the loss, and resets.
 
     Args:
         env: an `AtariEnv`, possibly wrapped.
@@ -53,7 +53,7 @@ class LifeLossInfo(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         self._last_life = last_life
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        """Step; terminated also if it cost a life."""
+        """Step; also terminate if a life was lost."""
         before = self._atari.core.lives
         observation, reward, terminated, truncated, info = self.env.step(action)
         lives = self._atari.core.lives

@@ -18,18 +18,18 @@ from atari.wrappers.fire_reset import FireReset
 class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
     """After a reset, play between `noop_min` and `noop_max` steps of NOOP.
 
-    The number is drawn from `env.unwrapped.np_random` as Gymnasium's and Stable-Baselines3's wrappers draw it, so equal
-    seeds give equal starts; `reset(options={"noops": n})` sets it instead. If the episode ends meanwhile, the
+    The number is drawn from `env.unwrapped.np_random` as in Gymnasium's and Stable-Baselines3's wrappers, so equal
+    seeds give equal starts; `reset(options={"noops": n})` sets it instead. If the episode ends during the no-ops, the
     environment is reset and the rest is played. With `noop_max=0` nothing is played.
 
     Args:
-        env: without frame skip, a step is one frame.
-        noop_max: the greatest number, 0 or more.
-        noop_min: the least number, 0..noop_max.
-        fire_counts: play one less in games with a FIRE action, because FIRE, pressed by `FireReset`, counts as one
-            of them (EnvPool, ale-py's vector environment).
-        fire_again: whether an inner `FireReset` presses FIRE again when the environment is reset because the episode
-            ended meanwhile; it does not in ale-py's vector environment.
+        env: the environment; without frame skip, a step is one frame.
+        noop_max: the greatest number of no-ops, 0 or more.
+        noop_min: the least number of no-ops, 0..noop_max.
+        fire_counts: play one no-op less in games with a FIRE action, because the FIRE of `FireReset` counts as one of
+            them (EnvPool, ale-py's vector environment).
+        fire_again: whether an inner `FireReset` presses FIRE again if the episode ends during the no-ops and the
+            environment is reset; in ale-py's vector environment it does not.
 
     Raises:
         TypeError, ValueError: `noop_max` or `noop_min` is not an integer, or out of range; `fire_again` is false
@@ -68,8 +68,8 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         """Reset, then play no-ops.
 
         Args:
-            seed: of the environment, from which the number of no-ops is drawn too.
-            options: "noops" is the number of no-ops, 0 or more; all are passed on.
+            seed: the seed of the environment, also for the number of no-ops.
+            options: "noops" is the number of no-ops, 0 or more; all options are passed on.
 
         Raises:
             TypeError, ValueError: "noops" is not such a number; nothing is reset.

@@ -21,7 +21,7 @@ def preset(
     clip_reward: bool | None = None,
     reward_clipping: bool | None = None,
 ) -> Environment:
-    """Put the preprocessing of an implementation or a protocol around an `AtariEnv`.
+    """Put the preprocessing of an implementation or an evaluation protocol around an `AtariEnv`.
 
     Observations are (4, 84, 84) uint8, the oldest image first; actions are played for 4 frames.
 
@@ -38,40 +38,40 @@ def preset(
     ale_vector    0-29, FIRE in before        (new game)   ALE's         yes   zero    previous frames
     ============= ============= ============= ============ ============= ===== ======= ===================
 
-    "lost life" is what the reset after a lost life does. In brackets: by default a lost life does not end the episode.
-    "clip" is clipping the reward to -1..1.
+    "lost life" is the effect of the reset after one. In brackets: by default a lost life does not end the episode.
+    "clip" says whether the reward is clipped to -1..1.
 
     baselines, gymnasium, dopamine, envpool and ale_vector give the same bytes as these implementations, from the same
-    start (`reset(options={"noops": n})` chooses one) and with the same seeds of sticky actions, but in two corners: if
-    FIRE at the start ends an episode, Stable-Baselines3 shows that end and this the start of the next; and EnvPool
-    calls a game over in the last step of its limit a truncation. The other three are protocols; no one program defines
-    them, and they are built from the publications (`PRESETS[name].source`).
+    start (`reset(options={"noops": n})` chooses one) and with the same seeds of sticky actions. There are two
+    exceptions. If FIRE at the start ends an episode, Stable-Baselines3 returns that end, this preset the start of the
+    next. EnvPool calls a game over in the last step of its limit a truncation. The other three are protocols: no one
+    program defines them, and they follow the publications (`PRESETS[name].source`).
 
-    `info` has what `AtariEnv` gives, and of the whole game, lost lives do not matter:
+    `info` has the items of `AtariEnv`, and the following about the whole game, despite lost lives:
 
     - "reward", a float: the step's reward before clipping;
     - "elapsed_step", an int: the agent's steps in this game; "episode_frame_number" are its frames;
     - "terminated", a bool: whether the game is over;
-    - "episode", when the game has ended, over or truncated, in this step or inside this reset: what
-      `RecordEpisodeStatistics` and Stable-Baselines3's `Monitor` record directly around the `AtariEnv`. "r" is the sum
-      of all rewards, not clipped, no-ops and FIRE included; "l" the emulated frames since the emulator's reset; "t" the
-      seconds since then. So neither is needed around a preset, and Gymnasium's refuses to write "episode" again: leave
+    - "episode", when the game has ended, over or truncated, in this step or inside this reset: the record of
+      `RecordEpisodeStatistics` and of Stable-Baselines3's `Monitor` directly around the `AtariEnv`. "r" is the sum of
+      all rewards, not clipped, no-ops and FIRE included; "l" the emulated frames since the emulator's reset; "t" the
+      seconds since then. So neither is needed around a preset. Gymnasium's raises an error if "episode" exists: leave
       it out, or give it another `stats_key`.
 
     Args:
-        env: made with the options `preset_options(name)`: `frameskip=1` always, and, where a protocol prescribes them,
-            its sticky actions and its action set.
+        env: made with the options `preset_options(name)`: always `frameskip=1`, and, if an evaluation protocol
+            prescribes them, its sticky actions and its action set.
         name: one of the names above.
-        episodic_life: whether a lost life ends the episode; None is as the implementation does by default. For
-            evaluation: False, or True for an agent that never presses FIRE, which games such as Breakout wait for
-            after each lost life; the environment warns if a game seems to wait.
-        clip_reward: whether rewards are clipped; None is as the implementation does by default. For evaluation: False.
+        episodic_life: whether a lost life ends the episode; None means the implementation's default. For evaluation use
+            False, or True for an agent that never presses FIRE: games such as Breakout wait for it after each lost
+            life. The environment warns if a game seems to wait.
+        clip_reward: whether rewards are clipped; None means the implementation's default. For evaluation use False.
         reward_clipping: another name of `clip_reward`, used by ale-py's vector environment.
 
     Raises:
         TypeError: `env` is no `AtariEnv`, or both names of an option are given.
-        ValueError: there is no such preset (the nearest is suggested), or the environment does not fit; the text says
-            how to make it.
+        ValueError: there is no such preset (the message suggests the nearest), or the environment does not fit; the
+            message says how to make it.
 
     Example:
         >>> import atari
@@ -104,7 +104,7 @@ def preset_options(name: str) -> dict[str, Any]:
     """The options of `AtariEnv` with which to make an environment for a preset.
 
     Raises:
-        ValueError: there is no such preset; the nearest is suggested.
+        ValueError: there is no such preset; the message suggests the nearest.
 
     Example:
         >>> from atari.wrappers import preset_options
@@ -120,17 +120,17 @@ def preset_options(name: str) -> dict[str, Any]:
 
 
 def _require_options(atari: AtariEnv, name: str) -> None:
-    """Refuse an environment that a preset does not fit.
+    """Raise an error for an environment that does not fit a preset.
 
     Raises:
-        ValueError: it was made with other options; the text says how to make it.
+        ValueError: the environment has other options; the message says how to make it.
     """
     chosen, wanted = find_preset(name), preset_options(name)
     minimal, full = atari.game.minimal_actions, atari.game.legal_actions
     fits = {
         "frameskip": atari.task.frameskip == 1,
         "repeat_action_probability": atari.task.repeat_action_probability == wanted.get("repeat_action_probability"),
-        # The set counts, not the option: in some games both sets are the same.
+        # The set is compared, not the option: in some games both sets are the same.
         "full_action_space": atari.task.action_set == (full if wanted.get("full_action_space") else minimal),
     }
     required = ("full_action_space" if option == "actions" else option for option in chosen.required)

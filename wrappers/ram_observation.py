@@ -15,7 +15,7 @@ class RamObservation(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], Re
     """Observations become `{"image": the pixels, "ram": (128,) uint8}`.
 
     The RAM is read at the time of the observation. With `sound_obs`, "ram" joins "image" and "sound". Put it outside
-    of the wrappers that work on pixels; `atari.games[game].ram_labels` has the meaning of the bytes.
+    the wrappers that work on pixels; `atari.games[game].ram_labels` has the meaning of the bytes.
 
     Raises:
         TypeError: the environment is not an `AtariEnv`.

@@ -17,7 +17,7 @@ from atari.wrappers._checks import Environment, require_pixels
 class Resize(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
     """Scale images to `shape` by averaging areas (OpenCV's INTER_AREA).
 
-    The same as Gymnasium's `ResizeObservation`, which cannot be pickled.
+    It equals Gymnasium's `ResizeObservation`, which cannot be pickled.
 
     Args:
         env: an environment with observations (rows, columns) or (rows, columns, colours).

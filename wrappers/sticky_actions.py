@@ -2,7 +2,7 @@
 
 Without this, an agent can memorise a sequence of button presses (Machado et al. 2018, "Revisiting the Arcade
 Learning Environment", section 5). `AtariEnv` does it inside the emulator, frame by frame, with
-`repeat_action_probability`; this wrapper is for environments that do not, and draws as Stable-Baselines3's does.
+`repeat_action_probability`. This wrapper serves other environments, and draws like Stable-Baselines3's.
 """
 
 from typing import Any
@@ -27,10 +27,10 @@ class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCon
 
     Args:
         env: the environment.
-        repeat_action_probability: of repeating, 0..1.
+        repeat_action_probability: the probability of repeating, 0..1.
 
     Raises:
-        TypeError, ValueError: not a probability; the environment's actions are already sticky or lack NOOP.
+        TypeError, ValueError: it is no probability, or the environment's actions are already sticky or lack NOOP.
 
     Example:
         >>> import atari
@@ -68,7 +68,7 @@ class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCon
         """Play this action, or the previous one again.
 
         Raises:
-            TypeError, ValueError: no action of the action space, even where the previous one would be played.
+            TypeError, ValueError: the action is not in the action space, even if the previous one would be played.
         """
         space = self.action_space
         if isinstance(space, spaces.Discrete):

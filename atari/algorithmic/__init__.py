@@ -1,4 +1,4 @@
-"""The algorithmic tasks of OpenAI Gym: learn to copy, reverse and add what is on a tape, one character at a time.
+"""The algorithmic tasks of OpenAI Gym: learn to copy, reverse and add the content of a tape, one character at a time.
 
 They are also the worked example of an environment of your own. Read in this order: `environment` has the rules and is a
 complete `gymnasium.Env`; `tape` and `grid` define the input; `tasks` has the five tasks, a few lines each;

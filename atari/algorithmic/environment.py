@@ -1,7 +1,7 @@
 """`AlgorithmicEnv`: read characters from an input, write others to an output tape.
 
 The agent observes the character under its read head. An action moves the head, and may write a character. Each right
-character is a point; a wrong one ends the episode. A task defines what must be written.
+character is a point; a wrong one ends the episode. A task defines the target.
 
 The class also shows how to write a `gymnasium.Env`: spaces in `__init__`, the start of an episode in `reset`, its rules
 in `step`, randomness from `self.np_random` alone, and a text of the state in `render`.
@@ -31,7 +31,7 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
     """The rules that all algorithmic tasks share.
 
     Args:
-        base: how many different characters there are, 1 to as many as the alphabet has.
+        base: the number of different characters, 1 to the size of the alphabet.
         min_length: the shortest input at first, 1 to 30; the longest has two characters more.
         render_mode: "ansi" returns a text from `render`, "human" prints it after each step.
 
@@ -44,8 +44,8 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
     After `window` solved episodes in a row, the inputs grow by one character. A `reset` with a seed starts from
     `min_length` again, so that equal seeds and actions give equal episodes.
 
-    `reset` and `step` return with `info`: `input` and `target` as text, `read_head` (column, row), `write_head` (how
-    much is written), `time` and `time_limit` in steps, `min_length` and `solved`.
+    `reset` and `step` return with `info`: `input` and `target` as text, `read_head` (column, row), `write_head` (the
+    number of written characters), `time` and `time_limit` in steps, `min_length` and `solved`.
 
     Raises:
         TypeError, ValueError: an option is not an integer, or out of range.

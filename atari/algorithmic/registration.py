@@ -13,7 +13,7 @@ TASKS: dict[str, tuple[str, dict[str, Any], float]] = {
     "ReversedAddition-v0": ("ReversedAdditionEnv", {"rows": 2}, 25.0),
     "ReversedAddition3-v0": ("ReversedAdditionEnv", {"rows": 3}, 25.0),
 }
-"""By ID: the class, its options, and the mean return over 100 episodes in a row at which the task counts as solved."""
+"""For each ID the class, its options, and the mean return over 100 episodes in a row that solves the task."""
 
 
 def register_all() -> None:

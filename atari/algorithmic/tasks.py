@@ -1,4 +1,4 @@
-"""The five tasks: what must be written, and how the input is drawn if its characters are not independent."""
+"""The five tasks: the target of each, and the drawing of inputs whose characters are not independent."""
 
 from typing import Literal
 
@@ -30,7 +30,7 @@ class CopyEnv(TapeEnv):
 
 
 class DuplicatedInputEnv(TapeEnv):
-    """Each letter stands `duplication` times in a row, 1 to 100; write it once.
+    """Each letter occurs `duplication` times in a row, 1 to 100; write it once.
 
     Example:
         >>> from atari.algorithmic import DuplicatedInputEnv
@@ -47,7 +47,7 @@ class DuplicatedInputEnv(TapeEnv):
         super().__init__(base, min_length, render_mode)
 
     def draw(self, length: int) -> Rows:
-        """Letters, each repeated; as many as fit, but at least one."""
+        """Letters, each repeated: the most that fit, but at least one."""
         letters = super().draw(max(length // self.duplication, 1))[0]
         return [[letter for letter in letters for _ in range(self.duplication)]]
 
@@ -102,9 +102,9 @@ class ReversedAdditionEnv(GridEnv):
     """Add the numbers in the rows of the grid and write the sum, all with their lowest digits first.
 
     Args:
-        rows: how many numbers, 1 to 100.
-        base: of the numbers, 1 to 10.
-        min_length: how many digits they have at first, 1 to 30.
+        rows: the number of numbers, 1 to 100.
+        base: the base of the numbers, 1 to 10.
+        min_length: the number of their digits at first, 1 to 30.
         steps_per_column: time limit, 1 to 100, to which 4 steps are added. Gym's is 2, too little to read three rows
             of more than four digits: no agent solves `ReversedAddition3-v0` as published, and 3 makes it solvable.
         render_mode: "ansi" or "human".

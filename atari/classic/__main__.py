@@ -12,7 +12,7 @@ _HELP = "Runs a script of OpenAI Gym's time: `import gym` gives it atari.classic
 
 
 def main(arguments: list[str]) -> int:
-    """Run a script as `python script.py` would, and return its exit code."""
+    """Run a script like `python script.py`, and return its exit code."""
     return run_script("atari.classic", _HELP, arguments, _prepare)
 
 
@@ -22,7 +22,7 @@ def _prepare() -> None:
 
 
 def stand_in() -> None:
-    """Let `import gym` give this package, and the import of a module of `gym` the module of that name here."""
+    """Make `import gym` import this package, and a module of `gym` the module of that name here."""
     name = atari.classic.__name__
     sys.modules["gym"] = atari.classic
     for module in pkgutil.walk_packages(atari.classic.__path__, f"{name}."):

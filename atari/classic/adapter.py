@@ -5,7 +5,7 @@ Gymnasium moved three things, which `Adapter` moves back:
 - The seed is an argument of `reset`, not of a method. `seed` stores it for the next `reset`.
 - The render mode is an argument of the constructor, not of `render`. The environment is made with a mode that opens no
   window; `render` sets another mode for the length of the call.
-- `done` is split into terminated and truncated. `done` is either; `info["TimeLimit.truncated"]` distinguishes them.
+- `done` is split into terminated and truncated. `done` means either; `info["TimeLimit.truncated"]` distinguishes them.
 """
 
 import inspect
@@ -29,7 +29,7 @@ _COUNTED = {"nS": "observation_space", "nA": "action_space"}  # attributes of Gy
 _GYMS_OWN = (
     "gymnasium.envs.classic_control.",
     "gymnasium.envs.toy_text.",
-)  # seeded as in Gym
+)  # these are seeded like in Gym
 _OWN = frozenset({"action_space", "metadata", "observation_space", "reward_range", "spec"})
 
 
@@ -76,10 +76,10 @@ class Adapter(Env):
     def seed(self, seed: int | None = None) -> list[int]:
         """Store the seed for the next `reset`; None chooses one. Returns the seed.
 
-        Classic control and toy text then have the episodes that they had in Gym, as printed in books.
+        Classic control and toy text then have Gym's episodes, as printed in books.
 
         Raises:
-            ValueError: not an integer of 0 or more.
+            ValueError: it is no integer of 0 or more.
         """
         if seed is None:
             seed = secrets.randbits(31)
@@ -195,7 +195,7 @@ class GoalAdapter(Adapter, GoalEnv):
     """An `Adapter` of an environment with goals, such as those of Gymnasium-Robotics."""
 
     def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: dict[str, Any]) -> Any:
-        """The reward of having achieved one goal where another was desired."""
+        """The reward for an achieved goal when another one was desired."""
         return self.modern.unwrapped.compute_reward(achieved_goal, desired_goal, info)  # type: ignore[attr-defined]
 
 
@@ -205,9 +205,9 @@ def adapt(modern: Modern) -> Adapter:
 
 
 def quiet_options(creator: Any) -> dict[str, Any]:
-    """The option `render_mode` with which an environment shows nothing until `render` is called.
+    """The option `render_mode` with which an environment shows nothing before `render`.
 
-    Empty if the environment has no such mode, takes no such argument, or is of the old interface.
+    The result is empty if the environment has no such mode, no such argument, or the old interface.
     """
     metadata = getattr(creator, "metadata", None)
     modes = metadata.get("render_modes") or () if isinstance(metadata, dict) else ()
@@ -220,7 +220,7 @@ def quiet_options(creator: Any) -> dict[str, Any]:
 
 
 def to_action(space: spaces.Space[Any], action: Any) -> Any:
-    """The action, checked and of the type that the environment expects.
+    """The action, checked in the type that the environment expects.
 
     Raises:
         TypeError, ValueError: it is not in the space. Numbers beyond a Box's bounds are accepted: environments clip

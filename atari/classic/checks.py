@@ -1,4 +1,4 @@
-"""`Checked`: clear errors for the common mistakes in environments that users write."""
+"""`Checked`: clear errors for the common mistakes in users' environments."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from atari.classic.core import Env, Step, Wrapper
 
 
 class Checked(Wrapper):
-    """Checks the actions and results of an old-style environment; `make` wraps environments of users in it.
+    """Checks the actions and results of an old-style environment; `make` wraps users' environments in it.
 
     `step` raises:
         gymnasium.error.ResetNeeded: before the first reset.
@@ -48,7 +48,7 @@ def check_step(result: Any, name: str) -> Step:
     """The result of `step`, checked.
 
     Raises:
-        TypeError: it is not observation, reward, done and info; the message says what to do.
+        TypeError: it is not observation, reward, done and info; the message says how to fix it.
     """
     wanted = f"{name}.step() must return observation, reward, done, info"
     if not isinstance(result, tuple):

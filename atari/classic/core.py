@@ -38,7 +38,7 @@ class Env:
     """
 
     metadata: dict[str, Any] = {"render.modes": []}  # noqa: RUF012
-    """"render.modes" lists what `render` takes, of "human", "rgb_array" and "ansi"."""
+    """"render.modes" lists the modes of `render`, from "human", "rgb_array" and "ansi"."""
 
     reward_range: tuple[float, float] = (-float("inf"), float("inf"))
     spec: Spec | None = None
@@ -98,7 +98,7 @@ class Env:
 
 
 class GoalEnv(Env):
-    """An environment of goals: observations are dictionaries of observation, achieved_goal and desired_goal.
+    """An environment with goals: observations are dictionaries of observation, achieved_goal and desired_goal.
 
     `compute_reward` returns the reward that a step would have had with another goal (Andrychowicz et al. 2017,
     "Hindsight Experience Replay").
@@ -110,7 +110,7 @@ class GoalEnv(Env):
     """
 
     def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: dict[str, Any]) -> Any:
-        """The reward of having achieved one goal where another was desired.
+        """The reward for an achieved goal when another one was desired.
 
         Raises:
             NotImplementedError: the environment does not define it.

@@ -37,7 +37,7 @@ class EnvMonitor:
         """Begin to record, after seeding the environment if `seed` is given; `options` are those of `Monitor`.
 
         Raises:
-            gymnasium.error.Error: it records already, or as of `Monitor`.
+            gymnasium.error.Error: it records already, or see `Monitor`.
         """
         if self._recorder is not None:
             raise gymnasium.error.Error("env.monitor is started already; call env.monitor.close() first")

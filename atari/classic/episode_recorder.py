@@ -1,8 +1,8 @@
 """`EpisodeRecorder`: videos and statistics of episodes, in the files that Gym's Monitor wrote.
 
-A folder holds, for each recorder that wrote to it, a manifest, statistics of all episodes (`*.stats.json`) and some
-videos, each with a `*.meta.json`. Their names share the number of the recorder and of the process, as scripts that read
-such folders expect.
+A folder has, for each recorder that wrote to it, a manifest, statistics of all episodes (`*.stats.json`) and some
+videos, each with a `*.meta.json`. Their names share the numbers of the recorder and of the process, which scripts
+expect.
 """
 
 import json
@@ -36,7 +36,7 @@ class Renderable(Protocol):
 
 
 class EpisodeRecorder:
-    """Writes videos of some episodes and the statistics of all; the arguments are those of `Monitor`.
+    """Writes videos of some episodes and the statistics of all episodes; the arguments are those of `Monitor`.
 
     The owner calls `check_running` before a step, `add_step` after it, `begin_episode` after a reset, and `close`.
     """
@@ -80,7 +80,7 @@ class EpisodeRecorder:
             self._begin_video(number)
 
     def check_running(self) -> None:
-        """Refuse a step after the end of an episode.
+        """Raise an error for a step after the end of an episode.
 
         Raises:
             gymnasium.error.Error: the episode is over.

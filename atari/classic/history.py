@@ -1,4 +1,4 @@
-"""The differences between OpenAI Gym's specs and those registered today, and environments that are gone."""
+"""The differences between OpenAI Gym's specs and those registered today, and environments that no longer exist."""
 
 import re
 from dataclasses import dataclass, field
@@ -19,8 +19,8 @@ class Changes:
 
 
 def atari_changes(modern: ModernSpec) -> Changes:
-    """Gym before 0.21 counted steps of Atari games, with limits by ID, where ale-py now counts frames."""
-    if "base" not in modern.kwargs or "rom" in modern.kwargs:  # not of a game that Gym had
+    """Gym before 0.21 counted steps of Atari games, with limits by ID; ale-py now counts frames."""
+    if "base" not in modern.kwargs or "rom" in modern.kwargs:  # no game of Gym's
         return Changes()
     return Changes(
         _atari_steps(modern.id),

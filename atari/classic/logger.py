@@ -1,4 +1,4 @@
-"""`gym.logger`: warnings on stderr, and the level from which they are printed."""
+"""`gym.logger`: warnings on stderr, and the least level that is printed."""
 
 import sys
 from functools import cache

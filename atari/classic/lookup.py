@@ -15,14 +15,14 @@ _VERSION = re.compile(r"(.+)-v(\d+)")
 
 
 def resolve(env_id: str) -> str:
-    """The registered ID for an ID: itself, or with a warning its newest version, if that is newer.
+    """The registered ID for an ID: itself, or its newest version with a warning, if that is newer.
 
     Args:
         env_id: an ID, which may name a module to import first: "my_module:Corridor-v0".
 
     Raises:
         TypeError: it is not a string.
-        gymnasium.error.UnregisteredEnv: there is no such environment; the message suggests an ID, or what to
+        gymnasium.error.UnregisteredEnv: there is no such environment; the message suggests an ID, or a package to
             install.
     """
     if not isinstance(env_id, str):
@@ -54,7 +54,7 @@ def load_robotics() -> None:
     """Import Gymnasium-Robotics, if installed, which registers its environments."""
     if "gymnasium_robotics" not in sys.modules and util.find_spec("gymnasium_robotics") is not None:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # it warns that it replaces dead registrations
+            warnings.simplefilter("ignore")  # its warning says that it replaces dead registrations
             import_module("gymnasium_robotics")
 
 
@@ -86,5 +86,5 @@ def _cure(env_id: str) -> str:
 
 
 def _skeleton(env_id: str) -> str:
-    """An ID without namespace, version, case and punctuation, to find IDs that are spelt alike."""
+    """An ID without namespace, version, case and punctuation, to find IDs with similar spelling."""
     return re.sub(r"^.*/|-v\d+$|[^a-z0-9]", "", env_id.lower())

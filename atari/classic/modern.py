@@ -1,7 +1,7 @@
 """`Modern`: an old-style environment for `gymnasium.make`, Gymnasium's wrappers and vector environments.
 
 `atari.classic.register` puts an `EntryPoint` into Gymnasium's registry. It loads the class only when it is needed, and
-finds out then whether the class has the old or the new interface.
+then checks whether the class has the old or the new interface.
 """
 
 import inspect
@@ -25,11 +25,11 @@ class Modern(gymnasium.Env[Any, Any]):
 
     Args:
         classic: the environment.
-        render_mode: the mode for the environment's `render`; with "human" it is called after each reset and step.
+        render_mode: the mode for the environment's `render`; with "human", it is called after every reset and step.
 
     Raises:
         gymnasium.error.UnsupportedMode: the environment has no such render mode.
-        TypeError: it lacks a space; from `reset` and `step`: it returned a wrong result.
+        TypeError: the environment lacks a space; from `reset` and `step`: it returned a wrong result.
     """
 
     classic: Env
@@ -79,7 +79,7 @@ class Modern(gymnasium.Env[Any, Any]):
         self._checked.close()
 
     def __getattr__(self, name: str) -> Any:
-        # `seed` is an argument of reset() here; `copy` looks up the other names before they exist.
+        # `seed` is an argument of `reset` here; `copy` looks up the other names before they exist.
         if name.startswith("__") or name in ("classic", "_checked", "seed"):
             raise AttributeError(name)
         return getattr(self.classic, name)
@@ -116,10 +116,10 @@ class EntryPoint:
         return modern_metadata(self.load().metadata)  # type: ignore[attr-defined]
 
     def create(self, **options: Any) -> Env | gymnasium.Env[Any, Any]:
-        """Make an environment, of either interface.
+        """Make an environment, with either interface.
 
         Raises:
-            TypeError: the result is of neither; the message says what to do.
+            TypeError: the result has neither; the message says how to fix it.
         """
         env = self.load()(**options)
         if isinstance(env, Env):
@@ -135,7 +135,7 @@ class EntryPoint:
         return env
 
     def __call__(self, **options: Any) -> gymnasium.Env[Any, Any]:
-        """Make an environment of the new interface."""
+        """Make an environment with the new interface."""
         creator = self.load()
         render_mode = options.get("render_mode")
         modern_class = isinstance(creator, type) and issubclass(creator, gymnasium.Env)

@@ -6,7 +6,7 @@ from atari.classic import logger
 
 
 def upload(*_: Any, **__: Any) -> None:
-    """Warn that the site for results is closed, and do nothing else; the files stay where they are."""
+    """Warn that the site for results is closed, and do nothing else; the files do not move."""
     logger.warn_once(
         "gym.upload() does nothing, as the site it went to is closed; the results are still in their folder"
     )

@@ -1,4 +1,4 @@
-"""Run a user's script as `python script.py` would, for programs that first replace modules."""
+"""Run a user's script like `python script.py`, for programs that first replace modules."""
 
 import os
 import sys
@@ -11,9 +11,9 @@ def run_script(program: str, help_text: str, arguments: list[str], prepare: Call
 
     Args:
         program: the module's name, such as "atari.classic".
-        help_text: what `--help` prints below the usage.
+        help_text: the text below the usage in `--help`.
         arguments: the script's path, and its own arguments.
-        prepare: called before the script runs.
+        prepare: a function to call before the script runs.
     """
     usage = f"usage: python -m {program} script.py [arguments of the script]"
     if not arguments or arguments[0] in ("-h", "--help"):

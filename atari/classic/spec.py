@@ -9,8 +9,8 @@ from typing import Any
 class Spec:
     """The fields of a registry entry; `EnvSpec` adds `make`.
 
-    `max_episode_steps` is the time limit, None for none; `reward_threshold` the mean return from which the task counts
-    as solved, None if unknown; `nondeterministic` whether seeding does not make it repeatable.
+    `max_episode_steps` is the time limit, None if there is none. `reward_threshold` is the mean return from which the
+    task counts as solved, None if unknown. `nondeterministic` says whether episodes differ despite equal seeds.
     """
 
     id: str
@@ -27,7 +27,7 @@ class Spec:
 
     @property
     def tags(self) -> dict[str, Any]:
-        """The time limit, where scripts of 2016 read it."""
+        """The time limit in the form that scripts of 2016 read."""
         return {"wrapper_config.TimeLimit.max_episode_steps": self.max_episode_steps}
 
     def __repr__(self) -> str:

@@ -17,8 +17,8 @@ class Viewer:
     """A window that shows images at a given rate. Without a display it prints a warning and shows nothing.
 
     Args:
-        title: of the window.
-        frames_per_second: images a second, at most.
+        title: the title of the window.
+        frames_per_second: the most images a second.
         pixel_aspect: columns and rows of the window for a pixel of an image, such as (2, 1) on an Atari.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The command line `atari`. Each command has the file of its name, and its module is imported only when it runs.
+"""The command line `atari`. Each command has a module of its name, which is imported only when the command runs.
 
 Results go to stdout, as text or with `--json` as one JSON document; progress and errors go to stderr. The exit code
 is 0, 1 for a failure, 2 for a wrong command line, 130 after Ctrl-C.
@@ -22,7 +22,7 @@ _COMMANDS = tuple(
     "list info explain roms verify demo record replay play train watch evaluate collect lab causes completion".split()
 )
 _FORMER = {"lab map": "causes", "lab collect": "collect"}
-"""Names of commands before 0.2, and the present ones."""
+"""The present names of commands by their names before 0.2."""
 
 _EXAMPLES = """\
 examples:
@@ -47,7 +47,7 @@ examples:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command line (without the program's name; None is `sys.argv`) and return its exit code."""
     if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
-        sys.stdout.reconfigure(errors="backslashreplace")  # a file's name can have bytes that are no text
+        sys.stdout.reconfigure(errors="backslashreplace")  # a file's name can contain bytes that are no text
     try:
         code = _run(argv)
         print(end="", flush=True)  # a closed pipe raises here, not at the interpreter's exit
@@ -69,7 +69,7 @@ def _run(argv: Sequence[str] | None) -> int:
         if (former := " ".join(words[:2])) in _FORMER:
             raise ValueError(f"`atari {former}` is now `atari {_FORMER[former]}`")
         args, unknown = _parser(words).parse_known_args(words)
-        if unknown:  # argparse itself would print the usage of `atari`, not that of the command
+        if unknown:  # argparse itself would print the usage of `atari`, not of the command
             args.parser.error(f"unrecognized arguments: {' '.join(unknown)}")
     except SystemExit as exit_:  # argparse has printed help, the version or the error
         return int(exit_.code or 0)

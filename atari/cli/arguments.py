@@ -1,4 +1,4 @@
-"""The arguments of commands: how a command is declared, and types of arguments."""
+"""The arguments of commands: the declaration of commands, and types of arguments."""
 
 import argparse
 import difflib
@@ -41,10 +41,10 @@ class Parser(argparse.ArgumentParser):
         self._intermixed = False
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse; an option may stand before an argument that may be left out, such as the games of `evaluate`."""
+        """Parse; an option may precede an optional argument, such as the games of `evaluate`."""
         if self._intermixed or any(action.nargs in (argparse.PARSER, argparse.REMAINDER) for action in self._actions):
             return super().parse_known_args(args, namespace)
-        self._intermixed = True  # for the calls of this method by the next one
+        self._intermixed = True  # for nested calls of this method
         try:
             return self.parse_known_intermixed_args(args, namespace)
         finally:
@@ -84,7 +84,7 @@ def add_command(
 
 
 def add_rom(parser: argparse.ArgumentParser) -> None:
-    """Add the option --rom, for game definitions of one's own."""
+    """Add the option --rom, for the user's own game definitions."""
     parser.add_argument(
         "--rom",
         type=Path,
@@ -113,10 +113,11 @@ def _overlay(text: str) -> tuple[str, ...]:
 def find_game(name: str, playable: bool = True) -> Game:
     """The game of an argument: a game's name, an ID, the file of a game definition (.toml), or a task (.json).
 
-    If it must be `playable`, two-player cartridges are refused.
+    With `playable`, two-player cartridges are an error.
 
     Raises:
-        ValueError, FileNotFoundError, gymnasium.error.NameNotFound: there is no such game; the nearest is suggested.
+        ValueError, FileNotFoundError, gymnasium.error.NameNotFound: there is no such game; the message suggests
+            the nearest.
     """
     game = game_of(name)
     if isinstance(game, Task) or (isinstance(game, str) and is_id(game)):

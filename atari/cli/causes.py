@@ -1,4 +1,4 @@
-"""`atari causes`: what each byte of a game's RAM causes, as data and as a picture."""
+"""`atari causes`: the effects of each byte of a game's RAM, as data and as an image."""
 
 import argparse
 import time

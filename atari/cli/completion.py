@@ -68,7 +68,7 @@ _COMPLETED = {
     "preset": "presets",
     "protocol": "protocols",
 }
-"""By the destination of an argument, the kind of words that complete it; files complete an argument of a path."""
+"""The kind of words that complete an argument, by its destination; files complete a path."""
 
 
 def register(commands: "Commands") -> None:

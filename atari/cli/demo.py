@@ -1,4 +1,4 @@
-"""`atari demo`: `atari record` of a random agent on the preprocessing of DQN.
+"""`atari demo`: `atari record` of a random agent with the preprocessing of DQN.
 
 The agent gets DQN's observations, four 84x84 frames a step. The video shows every emulated frame of the console, with
 sound.

@@ -1,4 +1,4 @@
-"""`atari evaluate`: whole games of a policy by a protocol, and published results beside them."""
+"""`atari evaluate`: whole games of a policy by an evaluation protocol, beside published results."""
 
 import argparse
 from collections.abc import Callable
@@ -72,7 +72,7 @@ def _evaluate(args: argparse.Namespace) -> int:
     if args.list:
         return _list(args)
     if args.source is None:
-        with suppress(SystemExit):  # the exit code is 2
+        with suppress(SystemExit):  # this function returns exit code 2
             args.parser.error("the following arguments are required: SOURCE (or --list)")
         return 2
     _check_before_playing(args)
@@ -95,7 +95,7 @@ def _evaluate(args: argparse.Namespace) -> int:
 
 
 def _check_before_playing(args: argparse.Namespace) -> None:
-    """Refuse what would be refused after the games, which may take hours."""
+    """Raise errors before the games, which may take hours, rather than after them."""
     protocol = find_protocol(args.protocol)
     Published.human_scores(args.human)
     _check_comparable(args, lambda agent: protocol_faults(protocol, agent))
@@ -109,7 +109,7 @@ def _check_before_playing(args: argparse.Namespace) -> None:
 
 
 def _check_budgets(args: argparse.Namespace, policies: dict[str, Policy]) -> None:
-    """Refuse published agents without scores at the training's frames, before the games."""
+    """Raise an error, before the games, for published agents without scores at the training's frames."""
     trained = {getattr(policy, "training_frames", None) for policy in policies.values()}
     frames = args.frames or (trained.pop() if len(trained) == 1 else None)
     _check_comparable(args, lambda agent: budget_faults(agent, frames))

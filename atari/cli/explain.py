@@ -1,4 +1,4 @@
-"""`atari explain`: what is played by an environment ID, a game or a task, with options."""
+"""`atari explain`: the task of an environment ID, a game or a task file, with options."""
 
 import argparse
 import json

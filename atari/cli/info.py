@@ -49,7 +49,7 @@ def _of_video(args: argparse.Namespace) -> int:
         return 0
     try:
         played = str(Task.from_json(json.dumps(facts["task"])))
-    except (KeyError, TypeError, ValueError):  # a game of your own, or of several players
+    except (KeyError, TypeError, ValueError):  # the user's own game, or a game for several players
         played = json.dumps(facts.get("task", facts))
     print(f"{args.game}: written by {facts['package']}\n{played}")
     if "core_seeds" in facts:
@@ -82,7 +82,7 @@ def _description(game: Game, ids: list[str]) -> str:
 
 
 def _manual(manual: Manual) -> list[tuple[str, list[Any]]]:
-    """Return what the manual says of the game as a whole."""
+    """Return the manual's texts about the game as a whole."""
     released = [str(fact) for fact in (manual.year, manual.maker) if fact is not None]
     texts = (("reward", manual.reward), ("lives", manual.lives), ("end", manual.end))
     return [
@@ -119,7 +119,7 @@ def _settings(game: Game) -> list[tuple[str, list[Any]]]:
 
 
 def _multiplayer(rules: Multiplayer, manual: Manual | None) -> list[tuple[str, list[Any]]]:
-    """Return the modes of several players, by number of players."""
+    """Return the modes for several players, by number of players."""
     names = " ".join(action.name for action in rules.minimal_actions)
     modes = [f"{players} players: modes {', '.join(map(str, modes))}" for players, modes in rules.modes.items()]
     named = _meanings(manual.multiplayer_modes if manual else {})
@@ -127,7 +127,7 @@ def _multiplayer(rules: Multiplayer, manual: Manual | None) -> list[tuple[str, l
 
 
 def _labels(game: Game) -> list[str]:
-    """Return the names of bytes with their places, a kind of label after the other."""
+    """Return the names of bytes with their indices, grouped by the kind of label."""
     kinds: dict[str, list[str]] = {}
     for label in game.ram_labels.values():
         kinds.setdefault(label.kind, []).append(f"{label.name}:{label.index}")

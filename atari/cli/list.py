@@ -40,7 +40,7 @@ def _list(args: argparse.Namespace) -> int:
 
 
 def _multiplayer_rows(players: int) -> Iterator[tuple[str, str, int, int]]:
-    """The environments of PettingZoo's that a number of players can play, then the other games."""
+    """PettingZoo's environments for a number of players, then the other games."""
     named = {environment.game for environment in ENVIRONMENTS.values()}
     for environment in ENVIRONMENTS.values():
         rules = games[environment.game].multiplayer

@@ -19,18 +19,18 @@ _OBEYED = ("players", "mode", "difficulty", "obs_type")
 
 
 def is_match(args: argparse.Namespace) -> bool:
-    """Whether several players play, as the flags or a task say."""
+    """Whether the flags or a task select several players."""
     game = game_of(args.game)
     players: int = getattr(args, "players", game.players if isinstance(game, Task) else 1)
     return players > 1
 
 
 def match_task(args: argparse.Namespace) -> Task:
-    """The task of several players. A name of PettingZoo's chooses the mode, unless there is a flag.
+    """The task for several players. A name of PettingZoo's chooses the mode, unless there is a flag.
 
     Raises:
-        ValueError: there is no such game or mode, the number of players is wrong, or there is a field that sessions of
-            several players do not play.
+        ValueError: there is no such game or mode, the number of players is wrong, or there is a field that sessions
+            for several players do not honour.
     """
     given, name = given_options(args), args.game
     environment = None if name.endswith((".toml", ".json")) else find_environment(name)

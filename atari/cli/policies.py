@@ -22,25 +22,25 @@ from atari.task.arguments import game_of, given_options, task_of
 from atari.task.resolution import is_id
 
 OF_GAME = ("mode", "difficulty", "interventions")
-"""Fields that the game decides where an evaluation protocol, or the policy's training, decides the others."""
+"""Fields that the game decides when an evaluation protocol, or the policy's training, decides the others."""
 
 ALONE = (
     *("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
     *("life_loss_info", "reward_clipping"),
 )
-"""Fields that whole games of policies have no place for: their scores are the game's own."""
+"""Fields that recorded games of policies do not honour: their scores are the game's own."""
 
 RecordGames = Callable[[Sequence[int], Path], list[tuple[float, int]]]
 """Records games of seeds in a replay, and returns the score and the frames of each."""
 
 
 class PolicySession:
-    """A policy in an environment of one player, step by step; `MultiplayerSession` is the same for several players.
+    """A policy in an environment, step by step, for one player; `MultiplayerSession` serves several players.
 
     Args:
         env: the environment.
         task: the task of the environment.
-        policy: it gets batches of one observation.
+        policy: the policy, which gets batches of one observation.
         seed: the seed of the first game and of the policy in it. Each further game has the next seed.
     """
 
@@ -67,7 +67,7 @@ class PolicySession:
         self._ended = False
 
     def play(self) -> None:
-        """Play a step, after a reset where an episode has ended and its game goes on."""
+        """Play a step; if an episode has ended and its game continues, reset first."""
         if self._ended:
             self._seen, _ = self._env.reset()
             if not self._task.seamless_lives:
@@ -86,16 +86,16 @@ class PolicySession:
 
 
 def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = None) -> tuple[Entry, ...]:
-    """The games of a command line with `add_task`, or without names that of the policy's training.
+    """The games of a command line with `add_task`, or without names the game of the policy's training.
 
     Args:
-        args: parsed.
+        args: the parsed arguments.
         names: games, IDs, sets of games, or files.
-        policy: it decides how games are played, if it says what it needs.
+        policy: its `task` or `environment`, if present, decides how games are played.
 
     Raises:
-        gymnasium.error.NameNotFound, ValueError, FileNotFoundError: there is no such game, or none is named; or a flag
-            contradicts what the policy decides.
+        gymnasium.error.NameNotFound, ValueError, FileNotFoundError: there is no such game, or none is named; or a
+            flag contradicts the policy.
     """
     trained = getattr(policy, "task", None)
     alone = getattr(policy, "game", None) if trained is None else game_of_policy(trained)
@@ -118,21 +118,21 @@ def games_of(policy: Any, entry: Entry, protocol: str | None = None) -> tuple[Ta
     """The task that a policy plays in a game, and the function that records games of it.
 
     Args:
-        policy, entry: as of `record_games`.
-        protocol: name of a protocol; None is the usual one of the policy.
+        policy, entry: see `record_games`.
+        protocol: name of a protocol; None means the policy's usual one.
 
     Raises:
-        TypeError, ValueError: as `record_games`.
+        TypeError, ValueError: see `record_games`.
     """
     found = find_protocol(protocol) if protocol else usual_protocol(policy, entry)
     return Player(policy, found, entry).task, partial(record_games, policy, entry, found)
 
 
 def replay_of(args: argparse.Namespace, path: str) -> Replay:
-    """A replay of the game of a command line.
+    """The replay of a command line's game.
 
     Raises:
-        ValueError: it is of another game, or the command line says more than the game, which the replay decides.
+        ValueError: it belongs to another game, or the command line sets other fields, which the replay decides.
     """
     game = find_game(args.game)
     replay = Replay.load(path, game=game if game.file else None, rom=getattr(args, "rom", None))

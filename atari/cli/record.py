@@ -91,7 +91,7 @@ def add_recording(parser: argparse.ArgumentParser) -> Any:
 
 
 def record(args: argparse.Namespace) -> int:
-    """Record what the arguments say."""
+    """Make the recordings of the arguments."""
     policies = args.policy or ["random"]
     match = is_match(args)
     if len(policies) > 1 and not match:
@@ -129,7 +129,7 @@ def record(args: argparse.Namespace) -> int:
 
 
 def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
-    """The task of one player, and the function that plays it."""
+    """The task for one player, and the function that plays it."""
     if policy.endswith(SUFFIX):
         if args.steps is not None or (args.best and args.seconds is not None):
             raise ValueError("a replay is filmed whole, up to --seconds, or its --best game; leave the others out")
@@ -155,7 +155,7 @@ def _play_alone(args: argparse.Namespace, task: Task, policy: LoadedPolicy, path
 
 
 def _match(args: argparse.Namespace, names: list[str]) -> tuple[Task, Play]:
-    """The task of several players, and the function that plays it."""
+    """The task for several players, and the function that plays it."""
     if args.steps is not None:
         raise ValueError("--steps is for one player; give --seconds or --episodes")
     task = match_task(args)
@@ -178,7 +178,7 @@ def _play(args: argparse.Namespace, session: PolicySession | MultiplayerSession)
 
 
 class _Ends:
-    """Whether play is long enough; shows a progress bar on a terminal, or else a line for each tenth of the steps."""
+    """The end of a recording; shows a progress bar on a terminal, else a line for each tenth of the steps."""
 
     def __init__(self, args: argparse.Namespace, game: Game) -> None:
         self._steps = args.steps or math.inf
@@ -202,9 +202,9 @@ class _Outputs:
     """The replays and videos that a command writes.
 
     Attributes:
-        files: their endings say what they are.
-        scale, sound, overlay: as of `Replay.render`.
-        best: whether videos show the game with the highest score alone.
+        files: the files; their suffixes decide their formats.
+        scale, sound, overlay: see `Replay.render`.
+        best: whether videos show only the game with the highest score.
     """
 
     files: list[Path]
@@ -222,10 +222,10 @@ class _Outputs:
         return [path for path in self.files if path.suffix.lower() != SUFFIX]
 
     def check(self, game: Game) -> None:
-        """Find what is wrong with the videos before the games are played, which may take hours.
+        """Check the videos before the games, which may take hours.
 
         Raises:
-            TypeError, ValueError, OSError, gymnasium.error.DependencyNotInstalled: as `VideoWriter`.
+            TypeError, ValueError, OSError, gymnasium.error.DependencyNotInstalled: see `VideoWriter`.
         """
         endings = (*FORMATS, SUFFIX)
         for path in self.files:
@@ -243,8 +243,8 @@ class _Outputs:
         """Write all files except the loaded replay itself, and return the number of frames of a video.
 
         Args:
-            replay: what was played.
-            seconds: the length of the videos; None is the whole.
+            replay: the replay of the games.
+            seconds: the length of the videos; None means the whole replay.
         """
         for path in self.replays:
             if path != replay.path:

@@ -18,7 +18,7 @@ from atari.roms.search import Check
 if TYPE_CHECKING:
     from atari.cli.arguments import Commands
 
-_REJECTED_SHOWN = 20  # a folder of all the console's ROM files has thousands that are not of an ALE game
+_REJECTED_SHOWN = 20  # a folder of all the console's ROM files has thousands of other games
 
 
 def register(commands: "Commands") -> None:
@@ -68,7 +68,7 @@ def _identify(args: argparse.Namespace) -> int:
     for file in args.files:
         try:
             found.append(roms.identify(file))
-        except (OSError, ValueError) as error:  # one bad file of many does not hide the others
+        except (OSError, ValueError) as error:  # a bad file does not hide the other files
             print_error(error)
     if args.json:
         print_json([_identification(each) for each in found])
@@ -94,7 +94,7 @@ def _install(args: argparse.Namespace) -> int:
 
 
 def _report(report: ImportReport, json: bool) -> int:
-    """Print what was imported; the exit code is 1 if no file was imported or present."""
+    """Print the imported files; the exit code is 1 if no file was imported or present."""
     if json:
         print_json(report)
     else:

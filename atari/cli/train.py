@@ -55,7 +55,7 @@ def _train(args: argparse.Namespace) -> int:
         agent, *words = args.words or [""]
         if agent not in AGENTS:
             raise ValueError(f"name an agent ({', '.join(AGENTS)}) and a game, as in `atari train ppo pong --fast`")
-        output = argparse.ArgumentParser(add_help=False)  # flags that may stand before the agent, too
+        output = argparse.ArgumentParser(add_help=False)  # flags that may also precede the agent
         output.add_argument("--json", action="store_true", help="print one JSON document")
         _add_games(output)
         args = argparse.Namespace(json=args.json, games=args.games)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from atari.cli.arguments import Commands
 
 _BASE = {"max_num_frames_per_episode": None, "frameskip": 1, "actions": "full"}
-"""Each frame is compared, with actions of the test. A name alone has no limit of frames."""
+"""The test compares each frame, with its own actions. A name alone has no limit of frames."""
 
 
 def register(commands: "Commands") -> None:
@@ -121,7 +121,7 @@ def _results(runs: list[Run], jobs: int) -> Iterator[Difference | None]:
     if jobs == 1 or len(runs) == 1:
         yield from map(verify, runs)
         return
-    # Separate processes, because ale-py can end its process. Spawned, because the parent may have threads.
+    # Processes are separate because ale-py can end its process, and spawned because the parent may have threads.
     with ProcessPoolExecutor(min(jobs, len(runs)), mp_context=get_context("spawn")) as pool:
         for future in as_completed([pool.submit(verify, run) for run in runs]):
             yield future.result()

@@ -1,8 +1,8 @@
 """`AleCore`: ale-py with the interface `Core`, and with checks.
 
 ale-py ends the process on a missing or foreign ROM, crashes on a call before loading, and hangs or fails obscurely on
-wrong values; so `AleCore` checks every argument first. ale-py's states are incomplete; so a snapshot is a journal of
-calls, which `restore` replays. That is exact for every game.
+wrong values. So `AleCore` checks every argument first. ale-py's states are incomplete. So a snapshot is a journal
+of calls, which `restore` replays; this is exact for every game.
 """
 
 import hashlib
@@ -30,13 +30,13 @@ from atari.validation import check_action, check_integer, check_poke, check_stre
 ALEInterface.setLoggerMode(LoggerMode.Error)  # process-wide: no banner, no line per load
 
 OLDEST_ALE_PY = "0.12.1"
-"""The oldest ale-py that `AleCore` is tested with; the interface of 0.8.1 is another, without sound."""
+"""The oldest ale-py that `AleCore` is tested with; 0.8.1 has another interface, without sound."""
 
 
 class AleState:
-    """ale-py's state with the hash of its ROM, as `AleCore.clone_state` returned it, or made of `serialize`'s bytes.
+    """ale-py's state with the hash of its ROM, a result of `AleCore.clone_state`, or made from `serialize`'s bytes.
 
-    Immutable, with the methods of ale-py's `ALEState`. States are equal if ROM and ale-py's states are.
+    Immutable, with the methods of ale-py's `ALEState`. Two states are equal if their ROMs and ale-py's states are.
 
     Raises:
         TypeError, ValueError: these are not such bytes.
@@ -49,7 +49,7 @@ class AleState:
 
     @classmethod
     def of(cls, rom_md5: str, state: ALEState) -> "AleState":
-        """A state of ale-py of the game with this ROM."""
+        """A state of ale-py for the game with this ROM."""
         made = cls.__new__(cls)
         made.rom_md5, made.state = rom_md5, state
         return made
@@ -95,13 +95,13 @@ class AleCore:
 
     Args:
         game: id of a playable game, for example "pong", or such a `Game`.
-        seed: of ALE's generator (sticky actions), 0 .. 2**32 - 1. ale-py cannot use 2**32 - 1; it becomes 2**32 - 2.
-        repeat_action_probability: with which the previous action is repeated, each frame.
+        seed: for ALE's generator (sticky actions), 0 .. 2**32 - 1. ale-py cannot use 2**32 - 1; it becomes 2**32 - 2.
+        repeat_action_probability: probability of repeating the previous action, each frame.
         mode, difficulty: among `games[game].modes` and `.difficulties`; None is the default.
-        frame_skip: frames for each `act`, as in ALE also for the actions by which a reset selects the mode (in Berzerk,
-            Double Dunk and Video Cube). `AtariEnv` has 1 here and skips frames by itself, as ale-py's does, so its
-            resets of these games differ from those of a core with its frame skip.
-        max_num_frames_per_episode: frames after which an episode is truncated; 0 is never.
+        frame_skip: frames for each `act`. As in ALE, it also applies to the actions with which a reset selects the
+            mode (in Berzerk, Double Dunk and Video Cube). `AtariEnv` has 1 here and skips frames itself, like ale-py's
+            environment. So its resets of these games differ from those of a core with the same frame skip.
+        max_num_frames_per_episode: frames after which an episode is truncated; 0 means never.
         sound: produce samples for `audio()`.
         color_averaging: average each frame with the one before it (ALE's colour averaging, against flicker).
         rom: path of the ROM file; None searches (see `atari.roms`).
@@ -163,8 +163,8 @@ class AleCore:
         self._rom = find(self.game.id, rom)
         self._journal: Journal | None
         self.sound = self._options.sound
-        # A reset sets all that ale-py's states leave out, except the sound generator and the variables that
-        # the rules of two games keep over a reset. With those, only a journal since loading is complete.
+        # A reset sets everything that ale-py's states leave out, except the sound generator and the variables that the
+        # rules of two games keep over a reset. With those, only a journal since loading is complete.
         kept = self.game.rules is not None and bool(self.game.rules.kept_over_reset)
         self._sound_or_rules_outlive_reset = self.sound or kept
         ale = ALEInterface()
@@ -274,7 +274,7 @@ class AleCore:
         return _filled(self._ale.getScreenGrayscale, self.game.screen.shape, out)
 
     def redraw(self, out: ByteArray | None = None) -> ByteArray:
-        """Not possible: ale-py's states leave out the framebuffer, so a frame could not be taken back.
+        """Not possible: ale-py's states leave out the framebuffer, so no frame can be undone.
 
         Raises:
             NotImplementedError: always.
@@ -293,11 +293,11 @@ class AleCore:
         """Continue from a state that `clone_state` returned.
 
         As in ale-py, the framebuffer changes only with the next act, the held action stays, and the generator of
-        sticky actions continues unless the state includes it. The machine is then in a state that no journal leads
-        to, so `snapshot` raises until the next reset (with `sound`, until the next `seed`).
+        sticky actions continues unless the state includes it. No journal leads to this state of the machine. So
+        `snapshot` raises until the next reset (with `sound`, until the next `seed`).
 
         Raises:
-            TypeError, ValueError: not such a state, or of another game.
+            TypeError, ValueError: it is no such state, or belongs to another game.
         """
         if not isinstance(state, AleState):
             raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")
@@ -307,10 +307,10 @@ class AleCore:
         self._journal = None
 
     def with_sound(self) -> "AleCore":
-        """This core if it makes sound, else a new one that does, brought to the same state as by `restore`.
+        """This core if it makes sound, else a new one that does, brought to the same state by `restore`.
 
         Raises:
-            RuntimeError: as `snapshot`.
+            RuntimeError: see `snapshot`.
         """
         return self if self.sound else self._twin(self._seed, self._complete_journal(), sound=True)
 
@@ -328,11 +328,11 @@ class AleCore:
         return snapshot.pack(facts, blobs)
 
     def restore(self, data: bytes) -> None:
-        """Continue from a snapshot: load the game and replay the calls, which takes as long as they took.
+        """Continue from a snapshot: load the game and replay the calls, in about the time that they took.
 
         Raises:
-            TypeError, ValueError: not a snapshot, damaged, or of another game, core, ale-py or other options; or its
-                calls do not lead to the state that it was taken in. The core is as it was.
+            TypeError, ValueError: `data` is no snapshot, is damaged, or belongs to another game, core, ale-py or other
+                options; or the calls do not lead to the snapshot's state. The core has not changed.
         """
         facts, blobs = snapshot.unpack(data)
         snapshot.require(facts, self._facts())
@@ -363,7 +363,7 @@ class AleCore:
         """Load the ROM, which also resets ale-py's counters and generators."""
         rom = find(self.game.id, self._rom)  # checked again: ale-py ends the process if the file is missing or wrong
         ale = self._ale.ale if isinstance(self._ale, _Unloaded) else self._ale
-        word = min(seed, SEED_LIMIT - 2)  # 2**32 - 1 is -1 as int32, which ale-py replaces by the clock
+        word = min(seed, SEED_LIMIT - 2)  # ale-py replaces 2**32 - 1, which is -1 as int32, by the clock
         ale.setInt("random_seed", word if word < 2**31 else word - 2**32)
         ale.loadROM(rom)
         if self._mode is not None:
@@ -373,7 +373,7 @@ class AleCore:
         self._ale, self._seed = ale, seed
 
     def _begin_journal(self, base: bytes = b"") -> None:
-        """Start a journal from this point, with the mode and difficulty, which may not be those of the options."""
+        """Start a journal from this point, with the present mode and difficulty, which may differ from the options."""
         self._journal = Journal(base)
         if self._mode is not None:
             self._journal.set_mode(self._mode)
@@ -415,7 +415,7 @@ class AleCore:
         self._journal = Journal(journal.base, bytearray(journal.events))
 
     def _facts(self) -> dict[str, Any]:
-        """The facts in which a snapshot must agree with this core."""
+        """The facts that must be equal in a snapshot for this core."""
         return {
             "core": self.name,
             "game": self.game.id,
@@ -434,7 +434,7 @@ class AleCore:
 
 
 class _Unloaded:
-    """Loads a core's game at its first use: it takes a tenth of a second, which a seed before that would repeat."""
+    """Loads a core's game at its first use: this takes a tenth of a second, and an earlier seed would repeat it."""
 
     def __init__(self, core: AleCore, ale: ALEInterface) -> None:
         self.core, self.ale = core, ale
@@ -452,7 +452,7 @@ class _Closed:
 
 
 def _filled(getter: Any, shape: tuple[int, ...], out: ByteArray | None) -> ByteArray:
-    """The array that `getter` makes, or `out` filled by it after checking that it fits."""
+    """The array that `getter` makes, or `out`, which is checked and then filled by `getter`."""
     if out is None:
         array: ByteArray = getter()
         return array

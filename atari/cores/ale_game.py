@@ -1,4 +1,4 @@
-"""`AleGame`: a loaded game that closes, opens again and takes settings as a game of ale-py's does."""
+"""`AleGame`: a loaded game that closes, opens again and takes settings like a game of ale-py."""
 
 import copy
 from contextlib import suppress
@@ -24,7 +24,7 @@ class AleGame:
         interventions: changes of the game.
 
     Raises:
-        TypeError, ValueError, FileNotFoundError: as the core.
+        TypeError, ValueError, FileNotFoundError: see the core.
     """
 
     core: Core
@@ -58,7 +58,7 @@ class AleGame:
 
     @property
     def closed(self) -> bool:
-        """Whether `close` was called, and `reopen` was not since."""
+        """Whether `close` was called after the last `reopen`."""
         return self._closed_state is not None
 
     def load_game(self) -> None:
@@ -78,7 +78,7 @@ class AleGame:
     def close(self) -> None:
         """Release the emulator."""
         if self._closed_state is None:
-            with suppress(RuntimeError):  # the core itself was closed
+            with suppress(RuntimeError):  # the core was closed already
                 self._closed_state = self.core.clone_state(include_rng=True)
         self.core.close()
 
@@ -92,7 +92,7 @@ class AleGame:
         self._closed_state = None
 
     def settings_state(self) -> dict[str, Any]:
-        """The settings, for `restore_settings`: also those of the core, and the writes of `Freeze` and `Poke`."""
+        """The settings, for `restore_settings`: including those of the core, and the writes of `Freeze` and `Poke`."""
         return {
             "ale_settings": copy.deepcopy(self.ale_settings),
             "core_options": self.core_options,
@@ -103,7 +103,7 @@ class AleGame:
         }
 
     def restore_settings(self, state: dict[str, Any]) -> None:
-        """Set what `settings_state` of a game with the same arguments has returned; other keys do not matter."""
+        """Restore a result of `settings_state` of a game with the same arguments; other keys are ignored."""
         self.ale_settings = state["ale_settings"]
         if self.core_options != state["core_options"]:
             self.core_options = state["core_options"]
@@ -128,10 +128,10 @@ class AleGame:
         self.core = self._make_core()
 
     def _apply_settings(self) -> None:
-        """Apply what was set since the last load, and the first mode and difficulty."""
+        """Apply the settings made since the last load, and the first mode and difficulty."""
         options, before = self.ale_settings.core_options(), self.core_options
         mode, difficulty = self._arguments["mode"], self._arguments["difficulty"] or 0
-        if options != before or difficulty not in self.game.difficulties:  # backgammon's default is none of its own
+        if options != before or difficulty not in self.game.difficulties:  # backgammon's list lacks its default
             self.core_options = options
             added = writes.slots(self.core)
             state = self.core.save() if added else None  # type: ignore[attr-defined]  # with which writes are done

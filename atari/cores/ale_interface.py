@@ -34,13 +34,13 @@ _DEFAULTS: dict[str, Any] = {
 _UNUSED = {"sound": "render_mode='human'", "display_screen": "render_mode='human'"} | dict.fromkeys(
     ("record_screen_dir", "record_sound_filename"), "atari.recording"
 )
-"""Settings of ale-py that no core has, with what to use instead. They can be set to their default."""
+"""Settings of ale-py that no core has, with their replacements. They can be set to their default."""
 
 
 class AleSettings:
-    """Settings by ale-py's names. As in ale-py, what is set applies when the game is next loaded.
+    """Settings by ale-py's names. As in ale-py, a setting applies when the game is next loaded.
 
-    `stale` says whether something was set since then.
+    `stale` says whether a setting changed after the last load.
     """
 
     def __init__(self, **values: Any) -> None:
@@ -63,7 +63,7 @@ class AleSettings:
 
         Raises:
             TypeError: the value is of another kind.
-            ValueError: it is out of range. AleError: as `get`, or this package does the setting's work otherwise.
+            ValueError: it is out of range. AleError: see `get`, or another option does the setting's work.
         """
         before = self.get(name, kind)
         checked = _checked(name, kind, value)
@@ -114,7 +114,7 @@ class Player(Protocol):
 class AleInterface:
     """The methods of ale-py's `ALEInterface` for a running game; ale-py documents each.
 
-    Arrays are those of `atari.cores.Core`, and so are errors, with `AleError` where ale-py raises RuntimeError.
+    Arrays and errors are those of `atari.cores.Core`, with `AleError` where ale-py raises RuntimeError.
     """
 
     # ruff: noqa: D102 - the names are ale-py's, one line each
@@ -136,7 +136,7 @@ class AleInterface:
         """Load the game again, with the settings.
 
         Raises:
-            AleError: there is no such file, or it is not of the game that the environment plays.
+            AleError: there is no such file, or it is no ROM of the environment's game.
         """
         game = self._core.game
         if self.isSupportedROM(rom) != game.id:
@@ -185,7 +185,7 @@ class AleInterface:
         Raises:
             OSError: the file cannot be written.
         """
-        import cv2  # here, because it takes long
+        import cv2  # here, because the import takes long
 
         _, png = cv2.imencode(".png", self._core.screen_rgb()[..., ::-1].repeat(2, axis=1))
         Path(path).write_bytes(png.tobytes())
@@ -260,7 +260,7 @@ class AleInterface:
 
     @staticmethod
     def isSupportedROM(rom: str | PathLike[str]) -> str | None:
-        """The game of a ROM file, None if it is of none.
+        """The game of a ROM file, None if no game has this ROM.
 
         Raises:
             AleError: there is no such file.

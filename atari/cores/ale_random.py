@@ -18,7 +18,7 @@ class AleRandom:
     """A Mersenne Twister with ale-py's way to draw a number from a range.
 
     Args:
-        seed: 0 or more; its lowest 32 bits count; None draws one.
+        seed: 0 or more; its lowest 32 bits count; None draws a seed.
     """
 
     def __init__(self, seed: int | None = None) -> None:
@@ -26,7 +26,7 @@ class AleRandom:
         self.seed(seed)
 
     def seed(self, seed: int | None) -> int:
-        """Start over with a seed, and return the lowest 32 bits of it; None draws one.
+        """Start over with a seed, and return its lowest 32 bits; None draws a seed.
 
         Raises:
             TypeError, ValueError: the seed is no integer of 0 or more.
@@ -34,7 +34,7 @@ class AleRandom:
         if seed is None:
             seed = int(np.random.SeedSequence().generate_state(1)[0])
         seed = check_integer("seed", seed, 0, 2**63 - 1) % SEED_LIMIT
-        # A RandomState still seeds by the one word alone. A new MT19937 hashes its seed.
+        # A RandomState still uses the word itself as its seed. A new MT19937 hashes its seed.
         self._set_words(np.random.RandomState(seed).get_state(legacy=False)["state"])
         return seed
 
@@ -53,14 +53,14 @@ class AleRandom:
 
     @classmethod
     def of_state(cls, state: bytes) -> "AleRandom":
-        """The generator that continues from what `state` returned.
+        """The generator that continues from a result of `state`.
 
         Raises:
             ValueError: these are not such bytes.
         """
         words = np.frombuffer(state, "<u4") if len(state) == 4 * (_WORDS + 1) else np.zeros(_WORDS + 1, "<u4")
         key, position = words[:-1].astype(np.uint32), int(words[-1])
-        # From a state of zeros (the twister ignores 31 of its bits), `below` would draw zeros without an end.
+        # With a state of zeros (the twister ignores 31 of its bits), `below` would draw zeros for ever.
         if position > _WORDS or not (key[0] >> 31 or key[1:].any()):
             raise ValueError("the snapshot is damaged: ale_random is no state of a Mersenne Twister")
         generator = cls()

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from atari.games.game import Game
 
 ByteArray = npt.NDArray[np.uint8]
-"""An array of uint8, of any shape."""
+"""An array of uint8 with any shape."""
 
 
 class Core(Protocol):
@@ -39,7 +39,7 @@ class Core(Protocol):
         """Start over as if constructed with this seed (0 .. 2**32 - 1); mode and difficulty stay.
 
         Raises:
-            TypeError, ValueError: not such a seed.
+            TypeError, ValueError: it is no such seed.
         """
 
     def reset(self) -> None:
@@ -52,7 +52,7 @@ class Core(Protocol):
         happens and the reward is 0.
 
         Raises:
-            TypeError, ValueError: not an action, or a strength that is not finite.
+            TypeError, ValueError: `action` is no action, or `strength` is not finite.
         """
 
     def set_mode(self, mode: int) -> None:
@@ -117,7 +117,7 @@ class Core(Protocol):
         """(height, 160) luminance, by ALE's table."""
 
     def redraw(self, out: ByteArray | None = None) -> ByteArray:
-        """(height, 160, 3): the present RAM, drawn by emulating a frame in a copy. The state stays what it is.
+        """(height, 160, 3): the present RAM, rendered by emulating a frame in a copy. The state does not change.
 
         Raises:
             NotImplementedError: the core is ale-py's, whose states are incomplete.
@@ -139,7 +139,7 @@ class Core(Protocol):
         """Continue from a snapshot.
 
         Raises:
-            TypeError, ValueError: not a snapshot, damaged, or of another game, core or other options.
+            TypeError, ValueError: `data` is no snapshot, is damaged, or belongs to another game, core or options.
         """
 
     def clone_state(self, include_rng: bool = False) -> Any:
@@ -149,7 +149,7 @@ class Core(Protocol):
         """Continue from a cloned state, with its random generators if the state includes them.
 
         Raises:
-            TypeError, ValueError: not a cloned state, or of another game or kind of core.
+            TypeError, ValueError: it is no cloned state, or belongs to another game or kind of core.
         """
 
     def close(self) -> None:

@@ -1,7 +1,7 @@
 """`Journal`: the calls that an emulator received since a known point, to be replayed.
 
 ale-py's own states leave out part of the machine: the framebuffer, the held (sticky) action, the sound generator, the
-TIA's unfinished frame. A journal is complete: it holds a starting point from which ale-py is exact (a fresh load, or a
+TIA's unfinished frame. A journal is complete: it has a starting point from which ale-py is exact (a fresh load, or a
 state directly before a reset) and every call since. A replay gives the same machine.
 """
 
@@ -24,7 +24,7 @@ _CHOICE = struct.Struct("<i")
 
 @dataclass
 class Journal:
-    """The calls since `base`, a serialised ale-py state with generators (empty: since the game was loaded)."""
+    """The calls since `base`, a serialised ale-py state with generators (empty: the game as loaded)."""
 
     base: bytes = b""
     events: bytearray = field(default_factory=bytearray)

@@ -49,8 +49,8 @@ class EmulatorCore(_emulator.Emulator):
         """Continue from a snapshot.
 
         Raises:
-            TypeError, ValueError: not a snapshot, damaged, or of another game, core, version or other options. The
-                game is as it was.
+            TypeError, ValueError: `data` is no snapshot, is damaged, or belongs to another game, core, version or
+                options. The game has not changed.
         """
         facts, blobs = snapshot.unpack(data)
         self._check(facts)
@@ -62,11 +62,11 @@ class EmulatorCore(_emulator.Emulator):
         self.load(state)
 
     def _check(self, facts: dict[str, Any]) -> None:
-        """Refuse a snapshot that the core cannot continue from."""
+        """Raise an error for a snapshot from which the core cannot continue."""
         snapshot.require(facts, self._facts())
 
     def _facts(self) -> dict[str, Any]:
-        """The facts in which a snapshot must agree with this core."""
+        """The facts that must be equal in a snapshot for this core."""
         raise NotImplementedError
 
 
@@ -75,12 +75,12 @@ class NativeCore(EmulatorCore):
 
     Args:
         game: id of a game ("pong"), or a `Game`. The two-player cartridges run too, without reward, lives and end.
-        rom: path of the ROM file; None searches (see `atari.roms`). With a `Game` that names no hash, any image.
+        rom: path of the ROM file; None searches (see `atari.roms`). A `Game` without a hash accepts any image.
         interventions: changes of the game, which its frames and resets apply (see `atari.games.interventions`).
 
-    The other arguments, and the errors, are those of `AleCore`. Python's global interpreter lock is released while
-    frames are played. Several threads may use a core; their calls run one at a time. A core that another thread played
-    when the process was forked raises RuntimeError in the child process.
+    The other arguments, and the errors, are those of `AleCore`. The core releases Python's global interpreter lock
+    while it plays frames. Several threads may use a core; their calls run one at a time. If another thread played a
+    core while the process was forked, the core raises RuntimeError in the child process.
 
     Example:
         >>> import atari
@@ -165,7 +165,7 @@ class NativeCore(EmulatorCore):
         """Continue from a state that `clone_state` returned; it is complete, with framebuffer, sound and held action.
 
         Raises:
-            TypeError, ValueError: not such a state, or of another game.
+            TypeError, ValueError: it is no such state, or belongs to another game.
         """
         if not isinstance(state, _emulator.State):
             raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")
@@ -184,7 +184,7 @@ class NativeCore(EmulatorCore):
 
     def _facts(self) -> dict[str, Any]:
         return {
-            "core": NativeCore.name,  # `PlainCore` has it too: its state is the same to the byte
+            "core": NativeCore.name,  # for `PlainCore` too, whose state is the same to the byte
             "game": self.game.id,
             "rom": self.rom_md5,
             "state version": STATE_VERSION,
@@ -244,7 +244,7 @@ def make_game(
     default_mode: int,
     paddle_range: tuple[int, int] | None = None,
 ) -> _emulator.Game:
-    """A game for the emulator, with rules of one or of several players."""
+    """A game for the emulator, with rules for one or for several players."""
     controllers = game.controllers
     switches = 0x3F | (controllers.left_difficulty == "A") << 6 | (controllers.right_difficulty == "A") << 7
     swapped = rom_image.md5(image) in _F8_SWAPPED and not game.rom.cartridge

@@ -25,7 +25,7 @@ class CoreOptions:
 
     @classmethod
     def check(cls, game: Game, **options: Any) -> "CoreOptions":
-        """Check options given by a user against what `game` offers."""
+        """Check a user's options against the options that `game` offers."""
         probability = options["repeat_action_probability"]
         checked = cls(
             repeat_action_probability=check_probability("repeat_action_probability", probability),
@@ -44,9 +44,9 @@ class CoreOptions:
 
 
 def _check_selection(game: Game, frames: int, options: CoreOptions) -> None:
-    """Refuse options with which a reset that selects the mode by playing might never end.
+    """Raise an error for options with which the mode selection of a reset might never end.
 
-    Within these bounds, ale-py's reset always ended in thousands of trials.
+    Within these bounds, ale-py's reset ended in each of thousands of trials.
     """
     because = f"{game.id} selects its mode at reset by playing, which may never end with"
     if options.repeat_action_probability > 0.7:

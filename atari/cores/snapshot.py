@@ -10,7 +10,7 @@
     AleCore         the same, and the seed                           ale-py's state after the last reset, the calls
                                                                      since, a digest of the result
 
-The native core's state is `EnvironmentState` in `emulator/ale/environment_state.hpp` and what `Console::save` writes.
+The native core's state is `EnvironmentState` in `emulator/ale/environment_state.hpp` and the bytes of `Console::save`.
 
 Layout, all integers little-endian:
 
@@ -19,7 +19,7 @@ Layout, all integers little-endian:
     8       2     format version
     10      16    BLAKE2b digest of everything after it
     26      4     length n of the facts
-    30      n     the facts, JSON in UTF-8; "blobs" lists the names and sizes of what follows
+    30      n     the facts, JSON in UTF-8; "blobs" lists the names and sizes of the blobs
     30+n    ...   the blobs, one after the other
 """
 
@@ -71,7 +71,7 @@ def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
 
 
 def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
-    """Check that a snapshot's facts are those of the environment that restores it.
+    """Check that a snapshot's facts equal those of the environment that restores it.
 
     Raises:
         ValueError: one differs; the message has its name and both values.
@@ -85,14 +85,13 @@ def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
 
 
 def with_options(data: bytes, **options: Any) -> bytes:
-    """A core's snapshot with these options, which are those of the core that is to restore it.
+    """A core's snapshot with these options of the core that will restore it.
 
     The state of the native core depends neither on sound, whose generator it always includes, nor on the probability of
-    sticky actions or the limit of frames. A snapshot of ale-py's core is returned unchanged: its layout depends on
-    them.
+    sticky actions or the limit of frames. The snapshot of `AleCore` depends on them, so it is returned unchanged.
 
     Raises:
-        TypeError, ValueError: as `unpack`.
+        TypeError, ValueError: see `unpack`.
     """
     facts, blobs = unpack(data)
     if facts.get("core") == "ale":
@@ -129,7 +128,7 @@ def check_generator(state: Any, kind: type[Any]) -> Any:
 
 
 def _parse(body: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """The facts and blobs in what follows the checksum.
+    """The facts and blobs in the bytes after the checksum.
 
     Raises:
         ValueError: the facts are not a JSON object, or the blobs do not fill the rest.

@@ -23,7 +23,7 @@ _NUMBERS = ("lives", "game_over", "truncated", "frame_number", "episode_frame_nu
 
 @dataclass(frozen=True)
 class Run:
-    """One run of the test: a game, how it is played, and on which cores.
+    """One run of the test: a game, how it is played, and the two cores.
 
     Actions are drawn from `seed`: mostly minimal actions, sometimes any of the 18, each held for up to 11 frames. With
     `pokes`, RAM bytes are overwritten at random, with `strengths` paddles move by fractions.
@@ -90,7 +90,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Difference:
-    """The first difference of two cores: the run, the frame (from 0; -1 is before the first), and what differs."""
+    """The first difference of two cores: the run, the frame (from 0; -1 is before the first), and the values."""
 
     run: Run
     frame: int
@@ -115,7 +115,7 @@ def read(path: Path) -> Run:
     """The run in a file that `Difference.write` wrote, up to the difference.
 
     Raises:
-        ValueError: the file is not such a file.
+        ValueError: the file is no such file.
     """
     try:
         content = json.loads(path.read_text(encoding="utf-8"))

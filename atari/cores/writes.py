@@ -1,4 +1,4 @@
-"""Writes to RAM for the native core, made of the rules of `atari.games.interventions`."""
+"""Writes to RAM for the native core, made from the rules of `atari.games.interventions`."""
 
 import hashlib
 import json
@@ -43,7 +43,7 @@ def write_of(game: Game, definition: str) -> _emulator.Write:
     """The write of a `Write.definition`, which may come from a file.
 
     Raises:
-        ValueError, TypeError: it is none.
+        ValueError, TypeError: it is no such definition.
     """
     try:
         values = json.loads(definition)
@@ -70,7 +70,7 @@ def writes_of(game: Game, definitions: Sequence[str | None]) -> list[_emulator.W
     """The writes of `definitions`, by slot.
 
     Raises:
-        ValueError, TypeError: as `write_of`.
+        ValueError, TypeError: see `write_of`.
     """
     return [None if definition is None else write_of(game, definition) for definition in definitions]
 
@@ -84,7 +84,7 @@ def make_writes(game: Game, interventions: Sequence[Intervention]) -> list[_emul
     """The compiled writes of interventions, in their order.
 
     Raises:
-        TypeError, ValueError: as `make_write`.
+        TypeError, ValueError: see `make_write`.
     """
     return [
         make_write(game, rule, f"intervention {intervention.name!r}, writes[{number}]")
@@ -94,7 +94,7 @@ def make_writes(game: Game, interventions: Sequence[Intervention]) -> list[_emul
 
 
 def slots(core: Any) -> list[Any]:
-    """The writes of a core by slot; ale-py's has none."""
+    """The writes of a core by slot; `AleCore` has none."""
     return getattr(core, "writes", [])
 
 
@@ -108,7 +108,7 @@ def fact(interventions: Sequence[Intervention]) -> str | None:
 
 
 def _definition(rule: WriteRule) -> str:
-    """The rule as JSON, without what has its default."""
+    """The rule as JSON, without the attributes that have their default."""
     rest = {field.name: getattr(rule, field.name) for field in fields(rule)}
     defaults = {field.name: field.default for field in fields(rule) if field.default is not MISSING}
     return json.dumps({name: value for name, value in rest.items() if name not in defaults or defaults[name] != value})

@@ -42,7 +42,7 @@ class Games(Mapping[str, Game]):
         return f"<{len(self)} games: {_IDS[0]} ... {_IDS[-1]}>"
 
     def playable(self) -> Iterator[Game]:
-        """The games that can be made into an environment: those with single-player rules."""
+        """The games with single-player rules, which environments need."""
         return map(self.__getitem__, playable_ids())
 
     def resolve(self, game: "str | PathLike[str] | Game") -> Game:
@@ -50,7 +50,7 @@ class Games(Mapping[str, Game]):
 
         Raises:
             TypeError: `game` is none of these.
-            ValueError: there is no such game (the nearest id is suggested), or the file is not a game definition.
+            ValueError: there is no such game (the message suggests the nearest id), or the file is no game definition.
             FileNotFoundError: there is no such file.
         """
         if isinstance(game, Game):
@@ -64,10 +64,10 @@ class Games(Mapping[str, Game]):
         return self[game]
 
     def find(self, game: "str | PathLike[str] | Game") -> Game:
-        """The game of an argument, as `resolve`, if it has single-player rules.
+        """The game of an argument like `resolve`, if it has single-player rules.
 
         Raises:
-            TypeError, ValueError, FileNotFoundError: as `resolve`; ValueError also without single-player rules.
+            TypeError, ValueError, FileNotFoundError: see `resolve`; ValueError also without single-player rules.
         """
         found = self.resolve(game)
         if not found.single_player:
@@ -87,7 +87,7 @@ class Games(Mapping[str, Game]):
 
 @cache
 def playable_ids() -> tuple[str, ...]:
-    """The ids of `Games.playable`. `import atari` registers them, so this searches the files without parsing them."""
+    """The ids of `Games.playable`. `import atari` registers them, so this function only searches the files' text."""
     return tuple(name for name in _IDS if "\n[rules]\n" in (_FOLDER / f"{name}.toml").read_text(encoding="utf-8"))
 
 

@@ -47,7 +47,7 @@ class CompiledRules:
 
 
 def compile_rules(rules: Rules) -> CompiledRules:
-    """Compile the rules of a game. Variables are numbered: those of `state` first, in their order."""
+    """Compile the rules of a game. The numbers of variables begin with those of `state`, in their order."""
     names = dict.fromkeys([*rules.state, *rules.outputs, "terminal", "mode", *(name for name, _ in rules.step)])
     numbers = {name: number for number, name in enumerate(names)}
     step = _Assembler(numbers)
@@ -75,7 +75,7 @@ def compile_expression(tree: ast.Expression, numbers: Mapping[str, int], result:
 
 
 class _Assembler:
-    """Collects instructions; `numbers` are the variables, to which hidden ones may be added."""
+    """Collects instructions; `numbers` are the variables; hidden ones may be added."""
 
     def __init__(self, numbers: dict[str, int]) -> None:
         self._numbers = numbers
@@ -155,7 +155,7 @@ class _Assembler:
             jump[1] = self._here()
 
     def _until(self, condition: str, body: Callable[[], object]) -> None:
-        """While not condition: body."""
+        """Repeat the body until the condition holds."""
         start = self._here()
         self.expression(condition)
         self.emit("not")
@@ -165,7 +165,7 @@ class _Assembler:
         done[1] = self._here()
 
     def _times(self, count: str, body: Callable[[], object]) -> None:
-        """`count` times: body."""
+        """Repeat the body `count` times."""
         counter = self._count_from(count)
         start = self._here()
         done = self._jump_if_counted_down(counter)
@@ -175,7 +175,7 @@ class _Assembler:
         done[1] = self._here()
 
     def _count_from(self, count: str) -> int:
-        """Set a hidden variable to an expression; its number."""
+        """Set a hidden variable to an expression, and return its number."""
         counter = len(self._numbers)
         self._numbers[f"#{counter}"] = counter
         self.expression(count)
@@ -195,7 +195,7 @@ class _Assembler:
         self.emit("store", counter)
 
     def _operation(self, operation: Operation) -> None:
-        """One operation; `atari.games.rules` has checked that it has the keys it needs."""
+        """Append one operation; `atari.games.rules` has checked its keys."""
         value, frames, until, times = (
             text or "0" for text in (operation.value, operation.frames, operation.until, operation.times)
         )
@@ -228,7 +228,7 @@ class _Assembler:
         self.emit("act", Action[str(operation.action)])
 
     def _press_until(self, condition: str, frames: str, most: int) -> None:
-        """While not condition: press SELECT, and fail after a number of presses."""
+        """Press SELECT until the condition holds; more than `most` presses are a failure."""
         counter = self._count_from(str(most))
         start = self._here()
         self.expression(condition)

@@ -1,4 +1,4 @@
-"""`fingerprint`: a hash of a game definition, to tell whether a game is played by the same rules."""
+"""`fingerprint`: a hash of a game definition, equal for equal rules of play."""
 
 import hashlib
 import json
@@ -11,11 +11,11 @@ from atari.games.toml_file import read_toml
 
 _FOLDER = Path(__file__).parent / "data"
 _DESCRIPTIVE = ("title", "notes", "ram", "rom")
-"""Tables of a game file that do not change how the game is played. The ROM has an MD5 of its own."""
+"""Tables of a game file that do not change how the game is played. The ROM has its own MD5."""
 
 
 def fingerprint(game: Game) -> str:
-    """The first 16 hexadecimal digits of the SHA-256 of what a game definition says about play.
+    """The first 16 hexadecimal digits of the SHA-256 of the parts of a game definition that concern play.
 
     Titles, notes and the names of RAM bytes do not count.
 

@@ -30,7 +30,7 @@ TV_FRAME_RATES = MappingProxyType({"NTSC": 60.0, "PAL": 50.0, "SECAM": 50.0})
 class Rom:
     """The identity of a cartridge image: hashes of the file, its size in bytes, its bank switching.
 
-    All are optional in a game of your own. Without a hash, any image is accepted; without `cartridge`, the bank
+    A game of your own may lack each of these. Without a hash, any image is accepted; without `cartridge`, the bank
     switching is detected from the image.
     """
 
@@ -45,7 +45,7 @@ class Screen:
     """The screen of a game.
 
     `height` is in rows (the width is always 160), `first_line` the scan line of row 0, `format` the TV format.
-    `format_detected` is False where the format comes from a table, not from detection in the first frames.
+    `format_detected` is False if the format comes from a table, not from detection in the first frames.
     """
 
     format: Literal["NTSC", "PAL", "SECAM"]
@@ -89,8 +89,8 @@ class RamLabel:
     """The meaning of one byte of RAM.
 
     `index` is 0..127 into the RAM observation. `transform` and `visible` are expressions over `v` (this byte) and
-    `ram` (all of them). `width` and `height` are those of the object on the screen, in
-    pixels. `sources` are documents that have the label, `evidence` is the result of a check against the running game.
+    `ram` (all bytes). `width` and `height` are the size of the object on the screen, in pixels. `sources` are documents
+    that have the label, `evidence` is the result of a check against the running game.
     """
 
     name: str
@@ -113,9 +113,9 @@ class RamLabel:
 class Game:
     """One game: its ROM, screen, controllers, actions, modes, rules and the names of its RAM bytes.
 
-    `rules` is None for the four two-player cartridges, which have no single-player rules in ALE: there are environments
-    of several players of them alone. Their action and mode tuples are empty. `multiplayer` is None for games that have
-    no rules for several players.
+    `rules` is None for the four two-player cartridges, which have no single-player rules in ALE: only environments
+    for several players play them. Their action and mode tuples are empty. `multiplayer` is None for games without
+    rules for several players.
 
     Example:
         >>> import atari
@@ -152,8 +152,8 @@ class Game:
     def manual(self) -> Manual | None:
         """Title, year, maker, description and meaning of modes and difficulties; None for a game of your own.
 
-        The file of `atari/games/manuals/` is read at the first use. A game of your own has the manual of the game here
-        that has its id and its ROM.
+        The file of `atari/games/manuals/` is read at the first use. A game of your own with the id and the ROM of a
+        game of this package has that game's manual.
         """
         found = _manual(self.id)
         return found[1] if found and found[0] == self.rom.md5 else None
@@ -187,7 +187,7 @@ class Game:
 
 
 def _numbered(values: tuple[int, ...], meanings: Mapping[int, str]) -> str:
-    """Numbers with their meanings, where they are known."""
+    """Numbers with their known meanings."""
     return "; ".join(f"{value}: {meanings[value]}" if value in meanings else str(value) for value in values)
 
 
@@ -196,8 +196,8 @@ def load_game(path: Path) -> Game:
 
     Raises:
         ValueError: the file is not valid TOML or not a game definition; the message names the file and the fault. Or
-            it is a device or a pipe.
-        FileNotFoundError, IsADirectoryError, PermissionError: it cannot be read.
+            the file is a device or a pipe.
+        FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
 
     Example:
         >>> from importlib.resources import files
@@ -240,7 +240,7 @@ def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
     """A `Game` from the parsed content of a game definition.
 
     Raises:
-        ValueError: the content is not a game definition; the message says where, and what is expected.
+        ValueError: the content is not a game definition; the message has the place and the expected content.
     """
     check_numbers(table, "")
     playing = ("actions", "settings", "rules")

@@ -5,7 +5,7 @@ import ast
 from atari.games.compiler import compile_expression
 from atari.games.game import RamLabel
 
-_BYTE, _RESULT = 0, 1  # variables, as in `Label` in atari/emulator/ale/labels.hpp
+_BYTE, _RESULT = 0, 1  # variables of `Label` in atari/emulator/ale/labels.hpp
 
 
 def value_source(label: RamLabel) -> str:
@@ -23,7 +23,7 @@ def value_source(label: RamLabel) -> str:
 
 
 def compile_label(label: RamLabel) -> tuple[int, int, bool, list[int], list[int]]:
-    """A label as `_emulator.Labels` takes it: index, mask, whether it is decimal, two programs."""
+    """A label for `_emulator.Labels`: index, mask, whether it is decimal, two programs."""
     programs = [
         compile_expression(ast.parse(source.strip(), mode="eval"), {"v": _BYTE}, _RESULT) if source else []
         for source in (value_source(label), label.visible)

@@ -34,16 +34,16 @@ class Manual:
 
     Attributes:
         title: the title on the cartridge.
-        year: of the release for the 2600, None where it is not known.
-        maker: the publisher of the cartridge, None where it is not known.
-        description: what the player does, what scores, what ends the game.
+        year: the year of the release for the 2600, None if unknown.
+        maker: the publisher of the cartridge, None if unknown.
+        description: the player's task, the scores, the end of the game.
         modes: meaning by mode number, for the modes whose meaning is known.
         difficulties: meaning by difficulty number, for those whose meaning is known.
         multiplayer_modes: meaning by mode number of `Game.multiplayer`, which has numbers of its own.
-        reward, lives, end: what pays, what a life is, and what ends an episode, a sentence each, or None.
-        sources: by the name of one of these attributes, where it comes from: some of "manual", "play" (found by running
-            the game), "rules" (read from the game definition) and "general knowledge".
-        notes: peculiarities, and where the rules of ALE differ from those of the cartridge.
+        reward, lives, end: the rewards, the lives, and the end of an episode, a sentence each, or None.
+        sources: the sources of these attributes by name: some of "manual", "play" (found by running the game), "rules"
+            (read from the game definition) and "general knowledge".
+        notes: peculiarities, and differences between the rules of ALE and of the cartridge.
     """
 
     title: str
@@ -64,13 +64,13 @@ def load_manual(path: Path, numbers: Mapping[str, Collection[int]]) -> Manual:
     """Read a file of `atari/games/manuals/`.
 
     Args:
-        path: of the file.
+        path: the file.
         numbers: the numbers that the game has, by "modes", "difficulties" and "multiplayer_modes".
 
     Raises:
         ValueError: the file is not valid TOML, lacks a key, has an unknown key or a wrong type, or has a number that is
             not in `numbers`; the message names the file and the key.
-        FileNotFoundError, IsADirectoryError, PermissionError: it cannot be read.
+        FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
     """
     table = read_toml(path, "a manual")
     try:
@@ -112,7 +112,7 @@ def parse_manual(table: Mapping[str, Any], numbers: Mapping[str, Collection[int]
 
 
 def _meanings(where: str, table: Any, allowed: Collection[int]) -> FrozenDict[int, str]:
-    """Meanings by number; a number of the game in decimal, without signs or leading zeros."""
+    """Meanings by number. The keys are the game's numbers in decimal, without signs or leading zeros."""
     if not isinstance(table, Mapping):
         raise ValueError(f"{where} must be a table, got {table!r}")
     for key, text in table.items():
@@ -126,7 +126,7 @@ def _meanings(where: str, table: Any, allowed: Collection[int]) -> FrozenDict[in
 
 
 def _sources(table: Mapping[str, Any]) -> FrozenDict[str, tuple[str, ...]]:
-    """The sources by fact, of facts that the file has; texts, modes and difficulties need one."""
+    """The sources by fact, for facts in the file; texts, modes and difficulties need a source."""
     sources = table["sources"]
     present = [key for key in _FACTS if key in table]
     check_keys(sources, "[sources]", [key for key in present if key != "notes"], present)

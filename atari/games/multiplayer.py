@@ -1,4 +1,4 @@
-"""`Multiplayer`: what a game definition says of two to four players, the table `[multiplayer]` of its file."""
+"""`Multiplayer`: the rules of a game for two to four players, the table `[multiplayer]` of its file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,12 +21,12 @@ class Multiplayer:
         starting_actions: held by player 1, then by player 2, at the end of a reset.
         difficulties: bit 0 is the left difficulty switch at A, bit 1 the right one.
         rules: with the outputs `reward_1`, `lives_1`, `reward_2`, `lives_2`, ... and `terminal`.
-        corrected: the same with a true score, where the rule of the reference reads a wrong byte; else None.
-        paddle_range: instead of the range in `[controllers]`.
+        corrected: the same with a true score, if the rule of the reference reads a wrong byte; else None.
+        paddle_range: replaces the range in `[controllers]`.
         parameters: numbers that the rules use and a user may set, by name.
-        mode_offset: what ale-py's numbers of these modes differ by.
+        mode_offset: the difference of ale-py's numbers of these modes.
         mirrored_modes: modes of two players in which player 2 plays player 1's game in a mirror: the court is the same
-            if left and right are exchanged, and an action moves either player alike.
+            if left and right are exchanged, and an action moves both players alike.
         notes: irregularities, in words.
     """
 
@@ -45,7 +45,7 @@ class Multiplayer:
 
     @property
     def most_players(self) -> int:
-        """The most players that a mode has; the rules have rewards and lives of as many."""
+        """The most players of a mode; the rules have rewards and lives for each of them."""
         return max(self.modes)
 
     def players(self, mode: int) -> int:
@@ -61,7 +61,7 @@ def parse_multiplayer(table: Mapping[str, Any]) -> Multiplayer:
     """Read and check a `[multiplayer]` table.
 
     Raises:
-        ValueError: the content is not such a table; the message says where, and what is expected.
+        ValueError: the content is not such a table; the message has the place and the expected content.
     """
     check_keys(table, "[multiplayer]", _NEEDED, _OPTIONAL)
     modes = _modes(table["modes"])
@@ -105,7 +105,7 @@ def _modes(table: Any) -> Mapping[int, tuple[int, ...]]:
 
 
 def _rules(table: Mapping[str, Any], players: int, step: str) -> Rules:
-    """The rules with one of their steps, and with the parameters as variables that keep their value."""
+    """The rules with one of their steps. The parameters are variables that keep their value."""
     parameters = table.get("parameters", {})
     optional = ("corrected_step", "mode_select", "kept_over_reset")
     check_keys(table["rules"], "[multiplayer.rules]", ("state", "step"), optional)

@@ -1,4 +1,4 @@
-"""PettingZoo's 24 Atari environments: their names, versions and parameters, and the mode that these stand for."""
+"""PettingZoo's 24 Atari environments: their names, versions and parameters, and the mode that the parameters select."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -23,11 +23,11 @@ class Environment:
     """One of PettingZoo's environments.
 
     Attributes:
-        name: without the version, for example "pong".
-        version: its newest version, which is made.
+        name: its name without the version, for example "pong".
+        version: its newest version, the only one that is made.
         game: id of the game.
-        defaults: its own parameters.
-        mode: from its parameters to the mode, in Multi-Agent-ALE's numbering; raises ValueError for a wrong one.
+        defaults: its parameters with their defaults.
+        mode: returns the mode of parameters, in Multi-Agent-ALE's numbering; raises ValueError for a wrong one.
 
     Example:
         >>> from atari.multiplayer import ENVIRONMENTS
@@ -48,7 +48,7 @@ class Environment:
 
     @property
     def players(self) -> tuple[int, ...]:
-        """The numbers of players that it can have."""
+        """The possible numbers of players."""
         rules = games[self.game].multiplayer
         assert rules is not None
         if "num_players" in self.defaults:
@@ -56,11 +56,11 @@ class Environment:
         return (rules.players(self.choose({})),)
 
     def choose(self, parameters: Mapping[str, Any]) -> int:
-        """The mode for some of its parameters.
+        """The mode for some parameters; the others have their defaults.
 
         Raises:
-            TypeError: a parameter that it does not have.
-            ValueError: a value that it does not have.
+            TypeError: the environment does not have a parameter.
+            ValueError: a parameter does not have a value.
         """
         for name, value in parameters.items():
             if name not in self.defaults:
@@ -159,7 +159,7 @@ ENVIRONMENTS: Mapping[str, Environment] = {
         _plain("wizard_of_wor", 3, 1),
     )
 }
-"""By name without the version."""
+"""The environments by name without the version."""
 
 
 def find_environment(name: str) -> Environment | None:
@@ -169,7 +169,7 @@ def find_environment(name: str) -> Environment | None:
         None if the name is the id of another game with rules for several players.
 
     Raises:
-        ValueError: no such name, or an older version; the message suggests the nearest.
+        ValueError: there is no such name, or the version is older; the message suggests the nearest.
     """
     plain, version = split_name(name)
     known = ENVIRONMENTS.get(plain)

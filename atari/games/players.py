@@ -14,7 +14,7 @@ def rules_of(game: Game) -> Multiplayer:
     """The game's rules for several players.
 
     Raises:
-        ValueError: it has none; the message names games that have.
+        ValueError: it has none; the message names games with such rules.
     """
     if game.multiplayer is None:
         having = ", ".join(sorted(other.id for other in games.values() if other.multiplayer is not None))
@@ -25,13 +25,13 @@ def rules_of(game: Game) -> Multiplayer:
 def choose_mode(game: Game, mode: int | None, players: int | None, offset: int = 0) -> tuple[int, int]:
     """The mode in Multi-Agent-ALE's numbering, and its number of players.
 
-    Without a mode it is that of PettingZoo's environment of the game's name, else the first for `players`.
+    The default is the mode of PettingZoo's environment with the game's name, else the first for `players`.
 
     Args:
         game: the game.
-        mode: its number, None is the default.
-        players: 2, 3 or 4; None is that of the mode.
-        offset: what the numbers of modes differ by.
+        mode: its number; None means the default.
+        players: 2, 3 or 4; None means the number of the mode.
+        offset: the difference between the numbers of modes.
 
     Raises:
         TypeError, ValueError: the game has no such mode, or none for this number of players.
@@ -60,12 +60,12 @@ def _default_mode(game: Game, rules: Multiplayer, players: int | None) -> int:
 
 
 def options_of(environment: Environment, options: Mapping[str, Any], offset: int = 0) -> dict[str, Any]:
-    """Options with the mode and the number of players in place of the parameters of an environment of PettingZoo's.
+    """Options with the mode and the number of players in place of the parameters of a PettingZoo environment.
 
     Args:
         environment: the environment.
         options: its parameters, and options of a task.
-        offset: what the number of the mode among `options` differs by.
+        offset: the difference of the mode's number in `options`.
 
     Raises:
         TypeError, ValueError: a parameter is wrong, or contradicts another option.

@@ -16,7 +16,7 @@ from atari.games.frozen import FrozenDict
 
 
 class Helper(NamedTuple):
-    """A function of the language: how many arguments it takes, and how many of them (from the first) are addresses."""
+    """A function of the language: the numbers of its arguments, and how many of the first are addresses."""
 
     fewest: int
     most: int
@@ -34,10 +34,10 @@ HELPERS: Mapping[str, Helper] = {
 }
 MEMORIES = ("ram", "xram")
 OUTPUTS = ("reward", "lives")
-"""The outputs of the rules of one player, beside `terminal`. Rules of several assign `reward_1`, `lives_1`, ..."""
+"""The outputs of one player's rules, beside `terminal`. Rules of several players assign `reward_1`, `lives_1`, ..."""
 RULE_ADDRESSES = range(0x80, 0x100)
 _LONGEST, _DEEPEST = 2000, 100
-"""The most characters of an expression, and levels of nesting in it."""
+"""The most characters of an expression, and the most levels of nesting in it."""
 
 LABEL_ADDRESSES = range(128)
 """Addresses of the bytes of RAM: rules use addresses on the console's bus, RAM labels indices into `ram()`."""
@@ -70,10 +70,9 @@ class Operation:
 class Rules:
     """How reward, lives and the end of a game follow from RAM, and how a reset selects the mode.
 
-    `step` holds `(name, expression)` pairs, evaluated from first to last after every emulated frame; the names in
-    `state` persist from frame to frame, all others live for one evaluation; `terminal` and `outputs` are what the
-    emulator reads. Where `mode_select` plays until a condition holds, `selection_frames` is how many frames that may
-    take.
+    `step` holds `(name, expression)` pairs, evaluated from first to last after every emulated frame. The names in
+    `state` persist from frame to frame, all others exist for one evaluation. The emulator reads `terminal` and
+    `outputs`. If `mode_select` plays until a condition holds, `selection_frames` is the most frames that it may take.
     """
 
     lives_initial: int
@@ -89,7 +88,7 @@ class Rules:
         return next((source for target, source in reversed(self.step) if target == name), name)
 
 
-# The keys of each mode_select operation: those it needs, and those it may have.
+# The keys of each mode_select operation: the required ones, and the optional ones.
 _OPERATION_KEYS: Mapping[str, tuple[set[str], set[str]]] = {
     "set": ({"var", "value"}, set()),
     "press_select": ({"frames"}, set()),
@@ -107,10 +106,10 @@ def parse_rules(table: Mapping[str, Any], outputs: tuple[str, ...] = OUTPUTS) ->
 
     Args:
         table: its content.
-        outputs: what `step` must assign in addition to `terminal`.
+        outputs: the names that `step` must assign in addition to `terminal`.
 
     Raises:
-        ValueError: a key is missing or unknown, or an expression is outside the grammar; the message says which.
+        ValueError: a key is missing or unknown, or an expression is outside the grammar; the message names it.
     """
     optional = {"lives_initial", "mode_select", "kept_over_reset", "selection_frames"}
     needed = {"state", "step"} | ({"lives_initial"} if outputs == OUTPUTS else set())
@@ -158,11 +157,11 @@ def check_expression(
         source: the expression.
         names: the variables in scope.
         where: the expression's place in the file, for error messages.
-        addresses: those that `ram[...]` and the helpers accept.
+        addresses: the addresses that `ram[...]` and the helpers accept.
         helpers: the functions of the language.
 
     Raises:
-        ValueError: `source` is not an expression of this language; the message says where and what is wrong.
+        ValueError: `source` is not an expression of this language; the message has the place and the fault.
     """
     if not isinstance(source, str) or len(source) > _LONGEST:
         raise ValueError(f"{where}: an expression is a text of at most {_LONGEST:,} characters")
@@ -188,7 +187,7 @@ def check_label_expression(source: str, where: str) -> None:
     """Check an expression of a RAM label: over `v`, the byte, and `ram[0..127]`.
 
     Raises:
-        ValueError: as `check_expression`. A label has neither `xram` nor `rng()`.
+        ValueError: see `check_expression`. A label has neither `xram` nor `rng()`.
     """
     tree = check_expression(source, {"v"}, where, LABEL_ADDRESSES)
     for node in ast.walk(tree):

@@ -1,4 +1,4 @@
-"""Reads the tables of a game definition: keys, types and numbers are checked, and errors name the place."""
+"""Reads the tables of a game definition: it checks keys, types and numbers, and its errors name the place."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, fields
@@ -24,7 +24,7 @@ def build(kind: type[T], table: Mapping[str, Any], where: str) -> T:
 
 
 def check_numbers(value: Any, where: str, depth: int = 0) -> None:
-    """Check all numbers in a value, which the emulator stores in 32 bits."""
+    """Check that all numbers in a value fit in the emulator's 32 bits."""
     if depth > _DEEPEST:
         raise ValueError(f"{where} is nested too deeply")
     if isinstance(value, int) and not -(2**31) <= value < 2**31:
@@ -34,7 +34,7 @@ def check_numbers(value: Any, where: str, depth: int = 0) -> None:
 
 
 def check_keys(table: Mapping[str, Any], where: str, required: Iterable[str], optional: Iterable[str] = ()) -> None:
-    """Check that a value is a table with the required keys, and no others than the optional ones."""
+    """Check that a value is a table with the required keys, and no other keys except the optional ones."""
     if not isinstance(table, Mapping):
         raise ValueError(f"{where} must be a table, got {table!r}")
     allowed = (*required, *optional)
@@ -47,7 +47,7 @@ def check_keys(table: Mapping[str, Any], where: str, required: Iterable[str], op
 
 
 def check_value(where: str, value: Any, kind: Any) -> None:
-    """Check that a TOML value is of the type that a field is annotated with."""
+    """Check that a TOML value has the annotated type of a field."""
     if not _fits(value, kind):
         # In Python 3.10, `tuple[int, ...]` is an instance of `type`.
         text = kind.__name__ if isinstance(kind, type) and not get_origin(kind) else str(kind).replace("typing.", "")
@@ -55,7 +55,7 @@ def check_value(where: str, value: Any, kind: Any) -> None:
 
 
 def _fits(value: Any, kind: Any) -> bool:
-    """Whether a TOML value is of the type that a field is annotated with."""
+    """Whether a TOML value has the annotated type of a field."""
     if get_origin(kind) is Literal:
         return value in get_args(kind)
     if isinstance(kind, UnionType):
@@ -67,7 +67,7 @@ def _fits(value: Any, kind: Any) -> bool:
 
 
 def actions(names: "Literal['all'] | list[str]") -> tuple[Action, ...]:
-    """The actions with these names; "all" is the eighteen of a player."""
+    """The actions with these names; "all" means a player's eighteen."""
     if names == "all":
         return PLAYER_ACTIONS
     check_value("[actions] a list of actions", names, tuple[str, ...])

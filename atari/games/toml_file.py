@@ -1,4 +1,4 @@
-"""`read_toml`: the tables of a TOML file that a user gives, with limits on what the parser may have to do."""
+"""`read_toml`: the tables of a user's TOML file, with limits on the parser's work."""
 
 import re
 import sys
@@ -16,7 +16,7 @@ MOST_BYTES = 256 << 10
 MOST_PARTS = 32
 """The most parts of a key; `screen.colours.first` has 3. The parser's time grows with the square of their number."""
 
-_STRING = r""""(?:[^"\\\n]|\\.)*"?|'[^'\n]*'?"""  # an unterminated one ends with its line
+_STRING = r""""(?:[^"\\\n]|\\.)*"?|'[^'\n]*'?"""  # an unterminated string ends with its line
 _KEY = rf"(?:[A-Za-z0-9_-]+|{_STRING})(?:[ \t]*\.[ \t]*(?:[A-Za-z0-9_-]+|{_STRING}))*"
 _TOKEN = re.compile(
     rf"""(?P<other>\#[^\n]*|\"""(?:[^\\]|\\[\s\S])*?(?:\"""|\Z)|'''[\s\S]*?(?:'''|\Z))|(?P<key>{_KEY})"""
@@ -25,12 +25,12 @@ _PART = re.compile(rf"[A-Za-z0-9_-]+|{_STRING}")
 
 
 def read_toml(path: Path, kind: str) -> dict[str, Any]:
-    """The tables of a file; `kind` names what it is in errors, such as "a manual".
+    """The tables of a file; `kind` names the kind of file in errors, such as "a manual".
 
     Raises:
         ValueError: the file has more than `MOST_BYTES` bytes, a key of more than `MOST_PARTS` parts, or is not valid
-            TOML; the message names the file. Or it is a device or a pipe.
-        FileNotFoundError, IsADirectoryError, PermissionError: it cannot be read.
+            TOML; the message names the file. Or the file is a device or a pipe.
+        FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
     """
     check_file(path)
     with path.open("rb") as stream:
@@ -49,7 +49,7 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
 
 
 def _check_keys(text: str) -> None:
-    """Refuse keys of too many parts. A key is in one line, so that most files need no more than a count of dots."""
+    """Refuse keys of too many parts. A key is in one line, so a count of dots suffices for most files."""
     if all(line.count(".") < MOST_PARTS for line in text.split("\n")):
         return
     for token in _TOKEN.finditer(text):

@@ -1,4 +1,4 @@
-"""NumPy arrays as PyTorch's and JAX's, without a copy (DLPack). Each library is imported at the first call."""
+"""NumPy arrays as arrays of PyTorch and JAX, without a copy (DLPack). Each library is imported at the first call."""
 
 from typing import Any
 
@@ -13,7 +13,7 @@ def to_torch(arrays: Any, device: Any = None, pin_memory: bool = False) -> Any:
 
     Args:
         arrays: the arrays.
-        device: a device as PyTorch names it, such as "cuda"; None is the CPU.
+        device: PyTorch's name of a device, such as "cuda"; None means the CPU.
         pin_memory: copy to page-locked memory first, from which a GPU copies asynchronously. Without CUDA it has no
             effect.
 

@@ -1,7 +1,7 @@
 """`AtariVecEnv`: the vector environment for Stable-Baselines3.
 
 Its `VecEnv` came before Gymnasium's and differs: an episode's end and the next one's start are one step, images have
-their channels first, and `infos` has a dict for each environment. `AtariVectorEnv` with SAME_STEP does most of this;
+their channels first, and `infos` has a dict for each environment. `AtariVectorEnv` with SAME_STEP does most of this.
 `AtariVecEnv` adds the rest, and the episode statistics of Stable-Baselines3's `Monitor`.
 """
 
@@ -45,14 +45,14 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     The `info` of each environment has `lives`, `frame_number`, `episode_frame_number`, `TimeLimit.truncated`, and when
     its episode ends `terminal_observation`. When a whole game ends, with all its lives, it also has `episode`: `r`, the
     sum of its rewards without clipping; `l`, its length in frames; `t`, the seconds since the
-    environments were made. So a `VecMonitor` is not needed, and would record clipped rewards of single lives. As
-    `Monitor` does, `r` includes the rewards during the no-ops and the FIRE of a reset, which no step returns.
+    environments were made. So a `VecMonitor` is not needed, and would record clipped rewards of single lives. As with
+    `Monitor`, `r` includes the rewards during the no-ops and the FIRE of a reset, which no step returns.
 
     With `channels_last=True` images are contiguous, (num_envs, img_height, img_width, stack_num), and
     Stable-Baselines3 transposes them like the images of its own environments. A training then ends with the same
     weights, to the bit. With channels first, convolutions add in another order, and weights differ by rounding.
 
-    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` are about its `lanes`. `RecordVideo` and
+    `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` apply to its `lanes`. `RecordVideo` and
     `RecordReplay` record it. A wrapper that does not change observations, rewards and actions can replace it.
 
     Args:
@@ -60,7 +60,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         options: options of `AtariVectorEnv`, except `autoreset_mode` and `batch_size`.
 
     Raises:
-        TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`.
+        TypeError, ValueError, FileNotFoundError: see `AtariVectorEnv`.
 
     Example:
         >>> from atari.sb3 import AtariVecEnv
@@ -110,7 +110,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     def step_async(self, actions: Any) -> None:
         """Begin a step; it raises the errors of `AtariVectorEnv.send`.
 
-        A wrapper around `vector` plays it in `step_wait`, which raises the errors then.
+        A wrapper around `vector` plays the step in `step_wait`, which then raises the errors.
         """
         self._actions = actions
         if self.vector is self._atari:
@@ -133,7 +133,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         whole = games.get("_episode", np.zeros_like(dones))
         seconds = round(time.time() - self._made_at, 6)
         for index in np.flatnonzero(dones).tolist():
-            # With `life_loss_info` an episode goes on after a termination.
+            # With `life_loss_info` an episode continues after a termination.
             source = final if info["_final_obs"][index] else shown
             infos[index]["terminal_observation"] = _row(source, index)
             if whole[index]:
@@ -141,10 +141,10 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
                 infos[index]["episode"] = {"r": float(score), "l": int(frames), "t": seconds}
 
     def seed(self, seed: int | None = None) -> Sequence[int | None]:
-        """Seed environment i with seed + i, at the next reset; None draws one.
+        """Seed environment i with seed + i, at the next reset; None draws a seed.
 
         Raises:
-            ValueError: it is not within 0..2**32-1.
+            ValueError: the seed is not within 0..2**32-1.
         """
         if seed is None:
             seed = int(np.random.randint(2**31 - self.num_envs))
@@ -162,7 +162,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         return self.env_method("screen_rgb")
 
     def get_attr(self, attr_name: str, indices: Indices = None) -> list[Any]:
-        """An attribute of each lane, or else of the vector, once for each. Spaces are a single environment's."""
+        """An attribute of each lane, or else of the vector, repeated. Spaces are a single environment's."""
         chosen = [self._atari.lanes[index] for index in self._get_indices(indices)]
         if attr_name in ("action_space", "observation_space"):
             return [getattr(self, attr_name)] * len(chosen)
@@ -191,7 +191,7 @@ def _is_stacked(space: spaces.Space[Any]) -> bool:
 
 
 def _called_by(kind: type[Any], frame: FrameType | None) -> bool:
-    """Whether the frame, or one that called it, runs a method of an object of this kind."""
+    """Whether the frame, or one of its callers, runs a method of an object of this kind."""
     while frame is not None:
         if isinstance(frame.f_locals.get("self"), kind):
             return True
@@ -218,7 +218,7 @@ def _channels_first(space: spaces.Space[Any]) -> spaces.Space[Any]:
 
 
 def _shown(observation: Any) -> Any:
-    """Observations as Stable-Baselines3 expects them: RGB copied, with stack and channels in one first axis."""
+    """Observations in Stable-Baselines3's form: RGB copied, with stack and channels in one first axis."""
     if isinstance(observation, dict):
         return {name: _shown(part) for name, part in observation.items()}
     if observation.ndim != 5:
@@ -235,7 +235,7 @@ def _row(observation: Any, index: int) -> Any:
 
 
 class _Recorder(VecEnvWrapper):  # type: ignore[misc]
-    """An `AtariVecEnv` whose `vector` is in a recorder."""
+    """An `AtariVecEnv` with a recorder around its `vector`."""
 
     def __init__(self, venv: AtariVecEnv, record: Callable[[Any], Any]) -> None:
         if not isinstance(venv, AtariVecEnv):
@@ -254,7 +254,7 @@ class _Recorder(VecEnvWrapper):  # type: ignore[misc]
 
 
 class RecordVideo(_Recorder):
-    """Record videos of an `AtariVecEnv`, as `atari.recording.RecordVideo` does of a vector.
+    """Record videos of an `AtariVecEnv`, like `atari.recording.RecordVideo` for a vector.
 
     It takes the place of Stable-Baselines3's `VecVideoRecorder`, and records every emulated frame, with its sound.
 
@@ -263,7 +263,7 @@ class RecordVideo(_Recorder):
         video_folder, options: see `atari.recording.RecordVideo`.
 
     Raises:
-        TypeError, ValueError, OSError: as `atari.recording.RecordVideo`; or `venv` is no `AtariVecEnv`.
+        TypeError, ValueError, OSError: see `atari.recording.RecordVideo`; or `venv` is no `AtariVecEnv`.
 
     Example:
         >>> from atari.sb3 import AtariVecEnv, RecordVideo
@@ -279,14 +279,14 @@ class RecordVideo(_Recorder):
 
 
 class RecordReplay(_Recorder):
-    """Record one environment of an `AtariVecEnv` in a replay, as `atari.recording.RecordReplay` does.
+    """Record one environment of an `AtariVecEnv` in a replay, like `atari.recording.RecordReplay`.
 
     Args:
         venv: an `AtariVecEnv`, in no other wrapper.
         path, index: see `atari.recording.RecordReplay`.
 
     Raises:
-        TypeError, ValueError, OSError: as `atari.recording.RecordReplay`; or `venv` is no `AtariVecEnv`.
+        TypeError, ValueError, OSError: see `atari.recording.RecordReplay`; or `venv` is no `AtariVecEnv`.
 
     Example:
         >>> from atari.sb3 import AtariVecEnv, RecordReplay

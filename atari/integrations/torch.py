@@ -16,16 +16,16 @@ except ImportError:
 
 
 class TorchEnvs:
-    """A vector environment with tensors; `envs.torch(device)` makes one of an `AtariVectorEnv`.
+    """A vector environment with tensors; `envs.torch(device)` makes it from an `AtariVectorEnv`.
 
     On the CPU, tensors share the memory of the arrays, without a copy. On another device, observations, rewards,
     terminations, truncations and `final_obs` are copied to the device; the rest of `info` stays on the CPU. The
-    environments write to two page-locked buffers in turn: the copy to a CUDA device runs on a stream of its own, while
+    environments write to two page-locked buffers in turn: the copy to a CUDA device runs on its own stream, while
     the environments may already play the next step. The current stream waits for the copy, Python does not.
 
     Args:
-        envs: the vector environment, which can still be used directly; or a game as `AtariVectorEnv` takes it.
-        device: a device as PyTorch names it; None is the CPU.
+        envs: the vector environment, which can still be used directly; or a game for `AtariVectorEnv`.
+        device: PyTorch's name of a device; None means the CPU.
         num_envs, options: arguments of `AtariVectorEnv`, for a game.
 
     Attributes:
@@ -34,8 +34,8 @@ class TorchEnvs:
         device: a `torch.device`.
 
     Raises:
-        TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`; or an option is given for
-            environments that exist.
+        TypeError, ValueError, FileNotFoundError: see `AtariVectorEnv`; or an option is given for an existing vector
+            environment.
     """
 
     def __init__(self, envs: Any, device: Any = None, num_envs: int | None = None, **options: Any) -> None:
@@ -52,7 +52,7 @@ class TorchEnvs:
         self.metadata = envs.metadata
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """As `AtariVectorEnv.reset`. A `reset_mask` may be a tensor of any device."""
+        """Reset like `AtariVectorEnv.reset`. A `reset_mask` may be a tensor on any device."""
         if options and isinstance(options.get("reset_mask"), torch.Tensor):
             options = {**options, "reset_mask": options["reset_mask"].cpu().numpy()}
         observation, info = self.envs.reset(seed=seed, options=options)
@@ -62,13 +62,13 @@ class TorchEnvs:
         """Play a step.
 
         Args:
-            actions: integers (batch,), a tensor of any device, or another argument of `AtariVectorEnv.step`.
+            actions: integers (batch,), a tensor on any device, or another argument of `AtariVectorEnv.step`.
 
         Returns:
-            As `AtariVectorEnv.step`, tensors of the same dtypes.
+            The results of `AtariVectorEnv.step`, as tensors of the same dtypes.
 
         Raises:
-            As `AtariVectorEnv.step`.
+            The errors of `AtariVectorEnv.step`.
         """
         self.send(actions)
         return self.recv()
@@ -78,7 +78,7 @@ class TorchEnvs:
         self.envs.send(self._on_host(actions), out=self._out())
 
     def recv(self) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """Wait for a batch of results, as `step` returns them."""
+        """Wait for a batch of results, in the form of `step`."""
         *parts, info = self.envs.recv()
         observation, reward, terminated, truncated = map(self._shown, parts)
         return observation, reward, terminated, truncated, self._shown_info(info)
@@ -118,12 +118,12 @@ class TorchEnvs:
 
 
 class _Copies:
-    """Copies of arrays on a device, through page-locked memory where it is a CUDA device."""
+    """Copies of arrays on a device, through page-locked memory for a CUDA device."""
 
     def __init__(self, device: Any) -> None:
         self._device = device
         self._stream = torch.cuda.Stream(device) if device.type == "cuda" else None
-        self._buffers: dict[Any, list[_Buffer]] = {}  # two by shape and dtype; the older copy's is the first
+        self._buffers: dict[Any, list[_Buffer]] = {}  # two for each shape and dtype, the older copy's first
 
     def array(self, shape: tuple[int, ...], dtype: Any) -> Any:
         """An array in page-locked memory that no copy reads. The next call of `of` copies it."""
@@ -159,10 +159,10 @@ class _Copies:
 
 
 class _Buffer:
-    """Memory from which a device copies: a tensor, and the same as an array; page-locked if `pinned`."""
+    """Memory from which a device copies: a tensor, and the same memory as an array; page-locked if `pinned`."""
 
     def __init__(self, shape: tuple[int, ...], dtype: Any, pinned: bool) -> None:
         like = torch.from_numpy(np.zeros(0, dtype))
         self.tensor = torch.empty(shape, dtype=like.dtype, pin_memory=pinned)
         self.array = self.tensor.numpy()
-        self.copied: Any = None  # an event: the last copy has ended
+        self.copied: Any = None  # the event of the last copy's end

@@ -32,16 +32,16 @@ class AtariTorchRLEnv(EnvBase):
     observation of an episode, not the first observation of the next episode.
 
     Args:
-        envs: an `AtariVectorEnv` with autoreset_mode="Disabled" and batches of all environments; or a game as
-            `AtariVectorEnv` takes it: an ID, a name, a game file, a `Game`, an `atari.Task`, or a list of them.
-        device: the device of the tensors; None is the CPU. `TorchEnvs` makes the copies to a CUDA device.
+        envs: an `AtariVectorEnv` with autoreset_mode="Disabled" and batches of all environments; or a game for
+            `AtariVectorEnv`: an ID, a name, a game file, a `Game`, an `atari.Task`, or a list of them.
+        device: the device of the tensors; None means the CPU. `TorchEnvs` makes the copies to a CUDA device.
         num_envs, options: arguments of `AtariVectorEnv`, for a game.
 
     Attributes:
         task: the task of the first environment.
 
     Raises:
-        TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`; or the vector environment resets by itself, or
+        TypeError, ValueError, FileNotFoundError: see `AtariVectorEnv`; or the vector environment resets by itself, or
             has batches of fewer than all environments, or several players.
 
     Example:
@@ -114,7 +114,7 @@ class AtariTorchRLEnv(EnvBase):
 
 
 def _spec(space: spaces.Space[Any], rows: tuple[int, ...], device: Any) -> Any:
-    """TorchRL's spec of a space of one environment, for a batch."""
+    """TorchRL's spec for a batch, from the space of one environment."""
     if isinstance(space, spaces.Discrete):
         return Categorical(int(space.n), shape=rows, device=device)
     assert isinstance(space, spaces.Box)

@@ -96,7 +96,7 @@ def parallel_env(game: "GameLike", **options: Any) -> "ParallelEnv[str, Any, int
 
 
 def _with_task(wrapper: Any, inner: Any) -> Any:
-    """A conversion of PettingZoo's, which hides what the environment inside has, with its `task`."""
+    """A conversion of PettingZoo's with the `task` of the environment inside, which it would hide."""
     env = wrapper(inner)
     env.task = inner.task
     return env

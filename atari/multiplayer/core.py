@@ -30,13 +30,13 @@ OF_CORE = (
     "interventions",
     "max_num_frames_per_episode",
 )
-"""The fields of a task that a core plays."""
+"""The fields of a task that a core honours."""
 
 _BASE = {"repeat_action_probability": 0.0, "frameskip": 1, "max_num_frames_per_episode": None}
-"""Fields that a name alone has instead of those of ALE's v5."""
+"""Fields of a name alone that replace those of ALE's v5."""
 
 _RESTORED = ("repeat_action_probability", "parameters", "corrected_scores", "end_of_reset", "random_words")
-"""Options that a snapshot does not contain, and in which two cores must agree to go on alike."""
+"""Options outside a snapshot, which must be equal in two cores for the same continuation."""
 
 
 class MultiplayerCore(EmulatorCore):
@@ -46,23 +46,23 @@ class MultiplayerCore(EmulatorCore):
     modes, the end of a reset and the source of random words; each has an option.
 
     Args:
-        game: a name of PettingZoo's ("pong_v3") or a game's, an environment ID, the path of a game file, a `Game`, or a
+        game: PettingZoo's name ("pong_v3") or a game's, an environment ID, the path of a game file, a `Game`, or a
             `Task`. A name, a file or a `Game` alone is played without sticky actions, frame skip and limit.
-        seed: of RAM, the timer and sticky actions, 0 .. 2**32 - 1.
+        seed: for RAM, the timer and sticky actions, 0 .. 2**32 - 1.
         parameters: numbers that the rules use, for example {"max_turn_time": 0}.
-        corrected_scores: use the true score where a rule of Multi-Agent-ALE's reads a wrong byte (flag_capture); the
-            other games have nothing to correct.
-        mode_numbers: whose numbers of modes `mode` has.
-        end_of_reset: of Multi-Agent-ALE, in which player 2 makes the starting actions, too; or of ale-py.
+        corrected_scores: use the true score if a rule of Multi-Agent-ALE reads a wrong byte (flag_capture); the other
+            games have nothing to correct.
+        mode_numbers: the project whose numbers `mode` has.
+        end_of_reset: Multi-Agent-ALE's, in which player 2 also makes the starting actions; or ale-py's.
         random_words: one generator for the machine and sticky actions, as in Multi-Agent-ALE; or ale-py's two.
         sound: fill `audio()`.
         rom: path of the ROM file; None searches.
-        **options: the fields of `Task` that `OF_CORE` names: `players` (None is that of the mode), `mode`,
+        **options: the fields of `Task` that `OF_CORE` names: `players` (None means the mode's number), `mode`,
             `difficulty`, `repeat_action_probability` (a number, or one for each player), `frameskip`,
-            `max_num_frames_per_episode` and `interventions`; and parameters of PettingZoo's (`num_players`).
+            `max_num_frames_per_episode` and `interventions`; and PettingZoo's parameters (`num_players`).
 
     Attributes:
-        task: what is played.
+        task: the task.
 
     Raises:
         ValueError, TypeError: an option is wrong, or the game has no rules for several players; or the task has a field
@@ -152,7 +152,7 @@ class MultiplayerCore(EmulatorCore):
             self.add_write(write)
 
     def act_players(self, actions: Sequence[int]) -> list[int]:
-        """Play `frameskip` frames with an action (0 .. 17, an ALE number) of each player; a reward for each."""
+        """Play `frameskip` frames with an action (0 .. 17, an ALE number) of each player; returns a reward for each."""
         if len(actions) != self.players:
             raise ValueError(f"there are {self.players} players, got {len(actions)} actions")
         return super().act_players(actions)
@@ -199,7 +199,7 @@ OWN_OPTIONS = (
 
 
 def _check_fields(task: Task) -> None:
-    """Refuse a task with a field that a core does not play."""
+    """Raise an error for a task with a field that a core does not honour."""
     for name in FIELDS:
         if name not in OF_CORE and getattr(task, name) != DEFAULTS[name]:
             raise ValueError(

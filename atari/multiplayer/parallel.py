@@ -34,7 +34,7 @@ _BASE = {
     "max_episode_steps": 100_000,
     "seeding": "ale",
 }
-"""The fields that a name alone has instead of those of ALE's v5: PettingZoo's environments."""
+"""Fields of a name alone that replace those of ALE's v5, as in PettingZoo's environments."""
 
 _NO_OP = 0
 
@@ -42,11 +42,11 @@ Infos = dict[str, dict[str, Any]]
 
 
 class MultiplayerEnv(ParallelEnv[str, Any, int]):
-    """All agents act in each step. They see the same observation, but for `agent_indicator`.
+    """All agents act in each step. Without `agent_indicator`, they see the same observation.
 
     A name alone, without a preset, has the spaces, rewards, ends and infos of PettingZoo's Atari environments. Any task
-    of several players is played as `AtariVectorEnv` plays it, with the channels of images last. `parallel_env` and
-    `env` put PettingZoo's checks around it; this class is the fast inside.
+    for several players is played like in `AtariVectorEnv`, with the channels of images last. `parallel_env` and `env`
+    put PettingZoo's checks around this fast class.
 
     Observations are uint8: (rows, columns, 3) for obs_type="rgb", (rows, columns) for "grayscale" and (128,) for "ram",
     or a dict; with `stack_num` images are (rows, columns, stack_num), in RGB (rows, columns, 3 * stack_num).
@@ -54,25 +54,25 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
     Args:
         game: a name of PettingZoo's with or without version ("pong_v3", "pong"), the id of a game that has rules for
             several players ("backgammon"), an environment ID, the path of a game file, a `Game`, or a `Task`.
-        preset: name of a preprocessing, one of `atari.PRESETS` that is for several players: "multiplayer_dqn".
+        preset: name of a preprocessing, one of `atari.PRESETS` for several players: "multiplayer_dqn".
         render_mode: None, "rgb_array", or "human", a window.
-        rom: a ROM file, or a folder with ROM files; None searches as `atari.roms.find` does. PettingZoo's name is
+        rom: a ROM file, or a folder with ROM files; None searches like `atari.roms.find`. PettingZoo's name is
             `auto_rom_install_path`.
-        seed: of the first game; None takes a random one.
-        action_sets: the names of each agent's actions, a list for each in their order, or by agent; None gives all
-            agents the actions of the task.
+        seed: for the first game; None takes a random one.
+        action_sets: the names of each agent's actions, a list for each agent in their order, or by agent; None
+            gives all agents the actions of the task.
         **options: fields of `Task`; the parameters of PettingZoo's environment (for example `num_players=4` of pong);
             and the options of `MultiplayerCore` that are no fields: `parameters`, `corrected_scores`, `mode_numbers`,
             `end_of_reset`, `random_words`, `sound`. PettingZoo's `max_cycles` is another name of `max_episode_steps`,
             obs_type="rgb_image" of "rgb", and "grayscale_image" of "grayscale" with stack_num=1.
 
     Attributes:
-        task: what is played.
+        task: the task.
         core: the `MultiplayerCore`.
         frame: steps of the episode.
 
     Raises:
-        ValueError, TypeError: a name, a parameter or an option that does not exist, or a field of one player.
+        ValueError, TypeError: a name, a parameter or an option does not exist, or a field is for one player.
 
     Example:
         >>> from atari.multiplayer import parallel_env
@@ -147,9 +147,9 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], Infos]:
-        """Begin a new game. With a seed, the console is loaded anew, so that equal seeds give equal games.
+        """Begin a new game. With a seed, the game is loaded again, so that equal seeds give equal games.
 
-        As in PettingZoo, whose tests of the API give some, `options` have no effect.
+        `options` have no effect, as in PettingZoo, whose API tests pass some.
         """
         if seed is not None:
             self._seed(check_integer("seed", seed, 0, 2**63 - 1))
@@ -177,7 +177,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         out = dict(zip(self.possible_agents, self._out, strict=True))
         terminations = {agent: terminated or out[agent] for agent in agents}
         truncations = {agent: truncated and not out[agent] for agent in agents}
-        self.agents = [agent for agent in agents if not terminations[agent]]  # as in PettingZoo, others are truncated
+        self.agents = [agent for agent in agents if not terminations[agent]]  # truncated agents stay, as in PettingZoo
         if self.render_mode == "human":
             self.render()
         paid_to = {
@@ -186,7 +186,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         return self._observe(agents), paid_to, terminations, truncations, {agent: {} for agent in agents}
 
     def _play(self, moves: list[int]) -> tuple[list[int], bool, bool]:
-        """Play the frames of a step; the rewards of the players, and whether the episode is terminated or truncated."""
+        """Play a step's frames; returns the rewards of the players, and whether the episode terminated or truncated."""
         task, core, seen = self.task, self.core, self._seen
         paid = [0] * len(moves)
         low, high = task.frames
@@ -207,7 +207,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         return paid, terminated, truncated or self.frame >= (task.max_episode_steps or self.frame + 1)
 
     def _rewards(self, paid: list[int]) -> list[Any]:
-        """The rewards of the players in a step as agents get them."""
+        """The rewards of the players of a step in the agents' form."""
         if self.task.reward_clipping:
             paid = [min(max(reward, -1), 1) for reward in paid]
         if self.task.zero_sum:
@@ -222,7 +222,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         screen = self.core.screen_rgb()
         if self.render_mode == "rgb_array":
             return screen
-        from atari.rendering import Window  # needs pygame
+        from atari.rendering import Window  # it needs pygame
 
         if self._window is None:
             self._window = Window(self.core.game, self.core.game.screen.frame_rate)
@@ -230,15 +230,15 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         return None
 
     def snapshot(self) -> tuple[Any, ...]:
-        """The task, and the state of the game, of its generator and its counters, the agents in it, and the images."""
+        """The task, the state of the game, of its generator and counters, the agents in it, and the images."""
         counters = (self.frame, self._frames_played, self._out.copy(), tuple(self.agents))
         return self.task, self.core.snapshot(), copy.deepcopy(self._random), counters, self._seen.save()
 
     def restore(self, snapshot: tuple[Any, ...]) -> None:
-        """Continue from what `snapshot` returned.
+        """Continue from a result of `snapshot`.
 
         Raises:
-            ValueError: it is of another task; nothing has changed.
+            ValueError: it belongs to another task; nothing has changed.
         """
         task, data, random, (frame, frames_played, out, agents), seen = snapshot
         if differing := self.task.differences(task):
@@ -256,7 +256,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
             self._window = None
 
     def _seed(self, seed: int) -> None:
-        """Start the generators as the lane of a vector does."""
+        """Start the generators like the lane of a vector."""
         first, second = (int(word) for word in np.random.SeedSequence(seed).generate_state(2))
         self._random = seeding.np_random(first)[0]
         if self.task.seeding == "ale":
@@ -295,7 +295,7 @@ def _space(observation: Any) -> spaces.Space[Any]:
 
 
 def _translated(options: Mapping[str, Any], preset: str | None) -> dict[str, Any]:
-    """Options with a task's names for PettingZoo's."""
+    """PettingZoo's options with the names of a task."""
     fields = dict(options)
     if "max_cycles" in fields:
         if "max_episode_steps" in fields:

@@ -1,4 +1,4 @@
-"""`resolve_several`: the task of a game and options, where PettingZoo's names are understood."""
+"""`resolve_several`: the task of a game and options, with PettingZoo's names."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -22,16 +22,16 @@ def resolve_several(
     others: Iterable[str],
     ale_numbers: bool = False,
 ) -> tuple[Task, str]:
-    """The task of a game of several players, and the name of its environment in PettingZoo.
+    """The task of a game for several players, and the name of its environment in PettingZoo.
 
     Args:
-        game: as of `resolve_task`, or a name of PettingZoo's with or without its version.
-        preset, base, owner, others: as of `resolve_task`.
-        options: fields of a task, and parameters of the environment of PettingZoo's.
+        game: see `resolve_task`; or a name of PettingZoo's with or without its version.
+        preset, base, owner, others: see `resolve_task`.
+        options: fields of a task, and parameters of PettingZoo's environment.
         ale_numbers: whether `mode` has ale-py's numbers.
 
     Raises:
-        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: as `resolve_task`; or the game has no
+        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: see `resolve_task`; or the game has no
             rules for several players.
     """
     options = {name: value for name, value in options.items() if value is not None or name not in _NONE_IS_NOT_GIVEN}
@@ -47,7 +47,7 @@ def resolve_several(
 
 
 def _environment(game: GameLike) -> Environment | None:
-    """The environment of PettingZoo's that a name is of; IDs and files are of none."""
+    """PettingZoo's environment with a name; IDs and files have none."""
     if not isinstance(game, str) or game.endswith(".toml"):
         return None
     if is_id(game) and split_name(game)[0] not in ENVIRONMENTS:

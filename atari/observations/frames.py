@@ -11,24 +11,24 @@ from atari.observations.settings import observation_settings
 from atari.task import Task
 
 Frame = Core | _emulator.Emulator | ByteArray
-"""A core, whose present frame is read where it is needed, or palette indices, (rows, 160) uint8, C-contiguous.
+"""A core, whose present frame is read if needed, or palette indices, (rows, 160) uint8, C-contiguous.
 
-For a task of RAM a core, or the RAM, (128,) uint8.
+For a task of RAM: a core, or the RAM, (128,) uint8.
 """
 
 
 class FrameObservations:
     """The observations of a task, equal to those of `AtariVectorEnv`.
 
-    `begin` gets the frame at the start of an episode, `frame_played` that after each frame of a step, and `skip_ended`
-    makes the image of the step. After `begin` and `skip_ended`, `observation` is what a policy sees.
+    `begin` gets the frame at the start of an episode, `frame_played` the frame after each frame of a step, and
+    `skip_ended` makes the image of the step. After `begin` and `skip_ended`, `observation` is a policy's observation.
 
     Args:
-        task: without sound.
+        task: a task without sound.
         layout: the axes and the dtype of observations.
 
     Raises:
-        ValueError: the task has sound, or images of a size that a vector does not make.
+        ValueError: the task has sound, or an image size that a vector does not support.
 
     Example:
         >>> import atari
@@ -53,7 +53,7 @@ class FrameObservations:
         self._ram: ByteArray = np.zeros(128, np.uint8)
 
     def see_ram(self, ram: ByteArray) -> None:
-        """The RAM of the next observation, for tasks whose observations have it without a stack."""
+        """The RAM of the next observation, for tasks whose observations contain RAM without a stack."""
         self._ram = ram
 
     def begin(self, frame: Frame, fill: bool = True) -> None:
@@ -67,12 +67,12 @@ class FrameObservations:
             self._stack.repeat(fill)
 
     def frame_played(self, frame: Frame, left: int, ended: bool) -> None:
-        """A frame of a step was played, with `left` to come; `ended` is whether the episode has ended with it."""
+        """A frame of a step was played, and `left` remain; `ended`: the episode has ended with it."""
         if self._stack is not None:
             self._stack.frame_played(frame, left, ended)
 
     def skip_ended(self, frame: Frame, left: int, ended: bool) -> None:
-        """A step has ended, `left` frames early; `ended` is whether the episode has ended with it."""
+        """A step has ended, `left` frames early; `ended`: the episode has ended with it."""
         if self._stack is not None:
             self._stack.skip_ended(frame, left, ended)
 
@@ -81,10 +81,10 @@ class FrameObservations:
         return b"" if self._stack is None else self._stack.save()
 
     def load(self, state: bytes) -> None:
-        """Go on from what `save` returned.
+        """Continue from a result of `save`.
 
         Raises:
-            ValueError: these are other bytes.
+            ValueError: the bytes are no such result.
         """
         if self._stack is not None:
             self._stack.load(state)

@@ -21,7 +21,7 @@ class Layout:
         channels_last: images are (height, width, stack), in RGB (height, width, 3 * stack).
         stacked: images have an axis for the stack; otherwise the stack is one image.
         dtype: "uint8" or "float32"; the values stay 0..255.
-        indicators: of how many players each sees an observation of its own, with an indicator of the player; 0 is one
+        indicators: the number of players, each with an own observation and an indicator of the player; 0 means one
             observation for all.
     """
 
@@ -58,11 +58,11 @@ class Layout:
 
     @property
     def is_engines(self) -> bool:
-        """Whether observations are returned as the engine writes them."""
+        """Whether observations are returned in the engine's form."""
         return self == Layout()
 
     def given(self) -> str:
-        """The options by which this differs from what the engine writes."""
+        """The options that change the engine's form."""
         options = {
             "channels_last": self.channels_last,
             "dtype": self.dtype != "uint8",
@@ -95,7 +95,7 @@ class Layout:
             array = array.reshape(count, height, width, stack * colours[0]) if colours else array
         if self.indicators:
             array = self._with_indicators(array)
-        return array if self.dtype == "uint8" else array.astype(np.float32)  # of the same strides
+        return array if self.dtype == "uint8" else array.astype(np.float32)  # `astype` keeps the strides
 
     def _with_indicators(self, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """An observation for each player, (batch, players, ...), with a channel a player added: 255 in its own, else 0.
@@ -103,7 +103,7 @@ class Layout:
         This is the indicator of SuperSuit's `agent_indicator_v0`. The channels of RAM are its bytes.
         """
         players = self.indicators
-        axis = 2 if array.ndim == 4 and self.stacked and not self.channels_last else -1  # of the channels in the result
+        axis = 2 if array.ndim == 4 and self.stacked and not self.channels_last else -1  # the result's channels
         one_each = np.broadcast_to(array[:, None], (len(array), players, *array.shape[1:]))
         widths = [(0, 0)] * one_each.ndim
         widths[axis] = (0, players)

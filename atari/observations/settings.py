@@ -39,7 +39,7 @@ def filled_by_name(settings: _Settings, task: Task, **others: Any) -> _Settings:
 
 
 def observation_settings(task: Task) -> _emulator.ObservationSettings:
-    """The settings of how the engine pools, resizes and stacks frames, or stacks RAM."""
+    """The settings with which the engine pools, resizes and stacks frames, or stacks RAM."""
     height, width = image_shape(task)
     size = {"img_height": height, "img_width": width, "stack_num": task.stack_num or 1}
     return filled_by_name(_emulator.ObservationSettings(), task, pixels=_pixels(task), **size)

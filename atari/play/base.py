@@ -1,4 +1,4 @@
-"""`BaseSession`: the saved states, rewind points and videos of sessions of one and of several players."""
+"""`BaseSession`: the saved states, rewind points and videos of sessions for one and for several players."""
 
 import json
 from abc import ABC, abstractmethod
@@ -30,7 +30,7 @@ class BaseSession(ABC):
     """
 
     humans: tuple[int, ...] = (0,)
-    """The players that are people; 0 is the first."""
+    """The human players; 0 is the first."""
     _saved_as: ClassVar[str]
     _blob: ClassVar[str]
 
@@ -74,7 +74,7 @@ class BaseSession(ABC):
 
     @property
     def _facts(self) -> dict[str, Any]:
-        """The facts that a video of the session carries, see `video_facts`."""
+        """The facts in the metadata of a video of the session, see `video_facts`."""
         return {"game": self.game.id, "players": len(self.scores), "package": PACKAGE}
 
     @abstractmethod
@@ -105,7 +105,7 @@ class BaseSession(ABC):
         """Play a frame with an action of each human player; after the end of the game, do nothing.
 
         Raises:
-            OSError: the replay or the video cannot be written any more; play can continue without it.
+            OSError: the replay or the video can no longer be written; play can continue without it.
         """
         if self.over:
             return

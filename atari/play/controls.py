@@ -7,7 +7,7 @@ from typing import Any
 from atari.actions import PLAYER_ACTIONS, Action
 
 _ACTIONS = {(action.vertical, action.horizontal, action.fire): action for action in PLAYER_ACTIONS}
-_AXIS_LIMIT = 0.5  # as a part of a gamepad stick's full range
+_AXIS_LIMIT = 0.5  # a part of a gamepad stick's full range
 
 _ONE_PLAYER = """\
 arrows or W A S D   stick            space, ctrl     fire (gamepad: stick or cross, any button)"""
@@ -87,7 +87,7 @@ class Controls:
         self._held: set[str] = set()  # names of keys, gamepad axes and buttons
 
     def handle(self, event: Any) -> Command | None:
-        """Note a pressed or released key, axis or button, and return the event's command, or None."""
+        """Record a pressed or released key, axis or button, and return the event's command, or None."""
         pygame = self._pygame
         if event.type == pygame.QUIT:
             return Command.QUIT
@@ -144,7 +144,7 @@ class SharedControls(Controls):
 
     Args:
         pygame: the module pygame.
-        players: the numbers of the players that are people, from 1; a single person has all keys and all gamepads.
+        players: the numbers of the human players, from 1; a single person has all keys and all gamepads.
     """
 
     def __init__(self, pygame: Any, players: Sequence[int]) -> None:
@@ -187,6 +187,6 @@ class SharedControls(Controls):
         return f"player {' and '.join(waiting)}: connect a gamepad" if waiting else ""
 
     def actions(self, legal: Iterable[Action]) -> list[Action]:
-        """The action of each player, as `Controls.action`."""
+        """The action of each player, see `Controls.action`."""
         allowed = tuple(legal)
         return [seat.action(allowed) for seat in self._seats.values()]

@@ -21,17 +21,17 @@ OBSERVATIONS: tuple[Observation, ...] = get_args(Observation)
 
 
 class MultiplayerSession(BaseSession):
-    """A game of two to four players, played frame by frame whatever the frame skip of a task. All 18 actions are legal.
+    """A game of two to four players, played frame by frame despite a task's frame skip. All 18 actions are legal.
 
     Args:
-        game: a name ("combat"), an ID, a game file, a `Game` or a `Task`, as for `MultiplayerCore`.
-        players: 2, 3 or 4; None is the number of `mode`, or the fewest that the game has.
-        mode: the mode in Multi-Agent-ALE's numbering; None is PettingZoo's for `players`, or the first.
-        difficulty: the difficulty; None is 0.
-        seed: the game's seed; None is a random one.
-        policies: the policies by player (0 is the first), as for `atari.learning.load_policy`; people play the others.
-            The policy's lane is the player, and its task or environment defines its observations and how often it
-            acts; see `PlayerAgent`.
+        game: a name ("combat"), an ID, a game file, a `Game` or a `Task`, see `MultiplayerCore`.
+        players: 2, 3 or 4; None means the number of `mode`, or the game's fewest.
+        mode: the mode in Multi-Agent-ALE's numbering; None means PettingZoo's for `players`, or the first.
+        difficulty: the difficulty; None means 0.
+        seed: the game's seed; None means a random one.
+        policies: the policies by player (0 is the first), see `atari.learning.load_policy`; people play the others.
+            The policy's lane is the player. Its task or environment defines its observations and the length of its
+            steps; see `PlayerAgent`.
         obs_type: the observations of a policy without a task, uint8: "rgb" (height, 160, 3), "grayscale" (height, 160)
             or "ram" (128,).
         state: the file of the saved state.
@@ -83,7 +83,7 @@ class MultiplayerSession(BaseSession):
         self._recorded: Any = self.core if replay is None else RecordMatch(self.core, replay)
         super().__init__(self.core.game, self.core.players, state, videos, scale)
         self.humans = tuple(player for player in range(self.core.players) if player not in self._agents)
-        """The players that are people; 0 is the first."""
+        """The human players; 0 is the first."""
         self._reset()
 
     @property
@@ -135,7 +135,7 @@ class MultiplayerSession(BaseSession):
         """The action of a policy.
 
         Raises:
-            RuntimeError: the policy fails, or returns no action. The window would show a ValueError and play on.
+            RuntimeError: the policy fails, or returns no action. A window would show a ValueError and continue.
         """
         core: Any = self.core
         try:

@@ -1,4 +1,4 @@
-"""`PlayerAgent`: a policy as a player of a game of several players."""
+"""`PlayerAgent`: a policy as one player in a game for several players."""
 
 from typing import Any
 
@@ -17,17 +17,17 @@ class PlayerAgent(FrameAgent):
     """A policy that plays as one of several players, with the observations that it needs.
 
     It presses no button at the start of a game or after a lost life, because the players share the game. A policy
-    without a task gets `Task.of(game, players=...)`: four frames an action, the actions that the game uses. In a game
+    without a task gets `Task.of(game, players=...)`: four frames an action, the game's minimal actions. In a game
     that shows player 2 as a mirror image of player 1, a one-player policy sees mirrored images as player 2.
 
     Args:
-        policy: a policy, as for `load_policy`.
+        policy: a policy, see `load_policy`.
         player: the player, 0 is the first. It is the policy's lane.
         core: the core of the game.
         obs_type: the observations of a policy without a task.
 
     Raises:
-        TypeError, ValueError, FileNotFoundError, gymnasium.error.DependencyNotInstalled: as `FrameAgent` and `task_in`.
+        TypeError, ValueError, FileNotFoundError, gymnasium.error.DependencyNotInstalled: see `FrameAgent`, `task_in`.
     """
 
     def __init__(self, policy: Any, player: int, core: MultiplayerCore, obs_type: ObsType) -> None:

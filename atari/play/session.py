@@ -1,4 +1,4 @@
-"""`Session`: a game of one player, played by hand, without its window: the environment and the replay."""
+"""`Session`: a one-player game, played by hand, without its window: the environment and the replay."""
 
 from collections import deque
 from os import PathLike
@@ -18,14 +18,14 @@ from atari.task.resolution import BY_FRAME, resolve_task
 
 
 class Session(BaseSession):
-    """A game that a person plays by a task, and that is shown frame by frame.
+    """A game that a person plays under a task, and that is shown frame by frame.
 
-    The action of the first frame of a step is held for the whole step. Frames that an episode begins with, such as
-    no-ops, are shown, too. After a lost life that ends an episode, the game goes on if the task has it so.
+    The action of the first frame of a step is held for the whole step. Frames at the start of an episode, such as
+    no-ops, are also shown. After a lost life that ends an episode, the game continues if the task says so.
 
-    With `players`, with `policies`, or of a task of several players, `Session` makes a `MultiplayerSession`, for people
-    and policies. It has the arguments `rom`, `players`, `mode`, `difficulty`, `seed`, `policies`, `obs_type`, `state`,
-    `replay`, `videos` and `scale`.
+    With `players`, with `policies`, or with a task for several players, `Session` makes a `MultiplayerSession`, for
+    people and policies. It has the arguments `rom`, `players`, `mode`, `difficulty`, `seed`, `policies`, `obs_type`,
+    `state`, `replay`, `videos` and `scale`.
 
     Args:
         game: an ID, a game or a task, see `atari.Task.of`; a name or a file is played frame by frame, with all legal
@@ -34,7 +34,7 @@ class Session(BaseSession):
         replay: the replay file, with the suffix ".a26"; None writes no replay.
         state: the file of the saved state.
         videos: the folder of the videos.
-        seed: the game's seed; None is a random one.
+        seed: the game's seed; None means a random one.
         scale: a pixel becomes `2 * scale` x `scale` pixels of a video.
         **options: `preset`, and fields of `atari.Task`, except observations.
 
@@ -55,12 +55,12 @@ class Session(BaseSession):
     """
 
     def __new__(cls, game: Any = None, **options: Any) -> Any:
-        """A `MultiplayerSession` of several players."""
+        """A `MultiplayerSession` for several players."""
         players = options.get("players", game.players if isinstance(game, Task) else 1)
         several = players != 1 or options.get("policies") is not None
         return MultiplayerSession(game, **options) if several else super().__new__(cls)
 
-    _saved_as: ClassVar[str] = "play"  # `AtariEnv.restore` reads these files, too
+    _saved_as: ClassVar[str] = "play"  # `AtariEnv.restore` also reads these files
     _blob: ClassVar[str] = "env"
 
     def __init__(
@@ -81,8 +81,8 @@ class Session(BaseSession):
         self._inner, self._atari = inner, inner.unwrapped
         super().__init__(self._atari.game, 1, state, videos, scale)
         self._env: Any = self._inner if replay is None else RecordReplay(self._inner, replay)
-        self._played: deque[tuple[ByteArray, ByteArray, int]] = deque()  # frames that are not shown yet
-        self._ended = self._truncated = False  # the episode; the game may go on
+        self._played: deque[tuple[ByteArray, ByteArray, int]] = deque()  # frames not yet shown
+        self._ended = self._truncated = False  # the episode; the game may continue
         self._atari.driver.observers.append(self)
         self.best = 0
         self._env.reset(seed=seed)
@@ -99,7 +99,7 @@ class Session(BaseSession):
 
     @property
     def over(self) -> bool:
-        """Whether the game has ended, and its last frame is shown."""
+        """Whether the game has ended, and its last frame has been shown."""
         core = self._atari.core
         goes_on = self.task.episodic_life and self.task.on_reset != "new_game" and not self._truncated
         return not self._played and (core.game_over or core.truncated or (self._ended and not goes_on))
@@ -163,7 +163,7 @@ class Session(BaseSession):
         self._screen, self._samples = self._atari.core.screen_rgb(), self._atari.core.audio()
 
     def _snapshot(self) -> bytes:
-        """The state after the present step, whose remaining frames are skipped."""
+        """The state after the present step, without its remaining frames."""
         while self._played:
             self._screen, self._samples, reward = self._played.popleft()
             self.scores = [self.score + reward]
@@ -182,7 +182,7 @@ class Session(BaseSession):
         self._go_on({"new_game": True})
 
     def _go_on(self, options: dict[str, Any] | None = None) -> None:
-        """Begin an episode; after a lost life in the same game, unless `options` begin a new one."""
+        """Begin an episode; after a lost life, in the same game, unless `options` begin a new one."""
         self._ended = self._truncated = False
         self._env.reset(options=options)
 
@@ -191,7 +191,7 @@ def _task(game: Any, options: dict[str, Any]) -> Task:
     """The task of the session, without the fields of an agent's observations.
 
     Raises:
-        TypeError, ValueError: as `atari.Task.of`; or a field has no meaning for a person.
+        TypeError, ValueError: see `atari.Task.of`; or a field has no meaning for a person.
     """
     preset = options.pop("preset", None)
     if unseen := [name for name in SCREEN if name in options]:

@@ -10,7 +10,7 @@ from atari.recording.video.writer import frame_rate
 
 
 def show_replay(replay: Replay, *, scale: int = 3, sound: bool = True) -> bool:
-    """Show a replay to its end, or until the window is closed or Escape is pressed; returns whether it reached its end.
+    """Show a replay until its end, a closed window or the Escape key; returns whether it reached its end.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.

@@ -28,7 +28,7 @@ def start_pygame() -> Any:
 
 @contextmanager
 def _needs_display(pygame: Any) -> Iterator[None]:
-    """Convert pygame's errors to an error that says that playing needs a display."""
+    """Convert pygame's errors to an error: playing needs a display."""
     try:
         yield
     except pygame.error as error:
@@ -43,7 +43,7 @@ class GameWindow:
 
     Args:
         pygame: the module, see `start_pygame`.
-        game: the game that is shown.
+        game: the shown game.
         scale: at the initial size, a pixel has `2 * scale` x `scale` pixels of the display.
         full_screen: fill the display.
 

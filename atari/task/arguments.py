@@ -20,18 +20,18 @@ from atari.task.task import DEFAULTS, Task
 from atari.validation import check_integer
 
 SEEDS = 2**32
-"""Seeds of all commands are below it."""
+"""The bound of the seeds of all commands."""
 
 SCREEN: Mapping[str, Any] = MappingProxyType(
     {name: DEFAULTS[name] for name in (*GROUPS["observation"], "reward_clipping")}
 )
-"""The fields of what an agent sees and is paid, with the values that they have where a person sees the screen."""
+"""The fields for an agent's observations and rewards, with their values when a person sees the screen."""
 
 _NAMES: Mapping[str, tuple[str, ...]] = {
     "repeat_action_probability": ("--repeat-action-probability", "--sticky"),
     "interventions": ("--intervention",),
 }
-"""The flags of options that have others than their name."""
+"""The flags of options whose flags are not their names."""
 
 _METAVARS: Mapping[str, str] = {
     "actions": "full|NAMES",
@@ -54,15 +54,15 @@ def add_task(
     fixed: Mapping[str, Any] = MappingProxyType({}),
     preset: bool = True,
 ) -> None:
-    """Add `--preset`, a flag of each option of a task that a command obeys, and `--print-task`.
+    """Add `--preset`, a flag for each option of a task that a command obeys, and `--print-task`.
 
     Args:
-        parser: the parser of a command, which adds GAME itself. Flags that are not given leave no attribute in its
-            namespace, but `preset`, which is None.
+        parser: the parser of a command, which adds GAME itself. A flag that is not given leaves no attribute in its
+            namespace; only `preset` is then None.
         groups: the groups of fields that the command obeys, see `atari.task.fields.GROUPS`, and names of options.
         leave_out: options of these groups that the command does not obey.
-        fixed: options that do not matter for the command, such as observations where a screen is shown, with
-            the values that it plays. They have no flags; where GAME has other values, the first line says so.
+        fixed: options that do not matter for the command, such as observations when a person sees the screen, with
+            the values that it plays. They have no flags; if GAME has other values, the first line says so.
         preset: whether the command has `--preset`.
     """
     own = parser.add_argument_group("what is played", "Fields of atari.Task, which override GAME and the preset.")
@@ -113,15 +113,15 @@ def field_of_flag(flag: str) -> str | None:
 
 
 def given_options(args: argparse.Namespace) -> dict[str, Any]:
-    """The options of a task that a command line has, by name, as `Task.of` takes them."""
+    """The options of a task on a command line by name, for `Task.of`."""
     given = {name: getattr(args, name) for name in (*OPTIONS, "full_action_space") if hasattr(args, name)}
     return {**given, "interventions": tuple(given["interventions"])} if "interventions" in given else given
 
 
 def game_of(text: str) -> GameLike:
-    """GAME as the resolvers take it: an ID, a game's name, the path of a game file, or the task of a file *.json.
+    """GAME for the resolvers: an ID, a game's name, the path of a game file, or the task of a file *.json.
 
-    The path is absolute, so that what is stored stays valid.
+    The path is absolute, so that a stored task stays valid.
 
     Raises:
         FileNotFoundError, TypeError, ValueError: there is no such file, or it holds no task.
@@ -138,11 +138,11 @@ def task_of(args: argparse.Namespace, *, game: str | None = None, agent: bool = 
         args: parsed by a parser with `add_task`.
         game: GAME; None is `args.game`.
         agent: whether an agent plays, which needs the preprocessing of a preset; see `resolve_for_agent`.
-        **others: of `resolve_task` or `resolve_for_agent`, such as `base` or `default`.
+        **others: arguments of `resolve_task` or `resolve_for_agent`, such as `base` or `default`.
 
     Raises:
-        gymnasium.error.NameNotFound, ValueError, FileNotFoundError: as `Task.of`; ValueError also for its TypeErrors,
-            and for a field that the command does not obey.
+        gymnasium.error.NameNotFound, ValueError, FileNotFoundError: see `Task.of`; ValueError replaces its TypeErrors,
+            and is raised for a field that the command does not obey.
     """
     resolve = resolve_for_agent if agent else resolve_task
     text = args.game if game is None else game
@@ -155,10 +155,10 @@ def task_of(args: argparse.Namespace, *, game: str | None = None, agent: bool = 
 
 
 def show_task(args: argparse.Namespace, task: Task) -> bool:
-    """Print what is played: in a line, or with --print-task as a table, or with --json as a JSON document.
+    """Print the task: in a line, or with --print-task as a table, or with both and --json as a JSON document.
 
     Returns:
-        Whether that is all that the command shall do.
+        Whether the command ends after that.
     """
     as_json = getattr(args, "json", False)
     if args.print_task:
@@ -170,7 +170,7 @@ def show_task(args: argparse.Namespace, task: Task) -> bool:
 
 
 def add_former(parser: argparse.ArgumentParser, flags: Mapping[str, str]) -> None:
-    """Add flags of earlier releases, which are errors that show the new call; `{prog}` in it is the command."""
+    """Add flags of earlier releases, which raise errors with the new call; `{prog}` in it is the command."""
     for flag, new in flags.items():
         parser.add_argument(flag, nargs="?", action=_Gone, const=new, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
 
@@ -194,7 +194,7 @@ def option_of(name: str, text: str) -> Any:
     """The value of an option of a task from its text: a number, a word, "none", or several with commas between.
 
     Raises:
-        TypeError, ValueError: the text is none; the message says what is accepted.
+        TypeError, ValueError: the text is no such value; the message says what is accepted.
 
     Example:
         >>> from atari.task.arguments import option_of

@@ -1,4 +1,4 @@
-"""The fields of a `Task` one by one: what each accepts, and its group."""
+"""The fields of a `Task` one by one: the values that each accepts, and its group."""
 
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
@@ -70,7 +70,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 
 
 def check_field(name: str, value: Any) -> Any:
-    """The value of a field as a `Task` holds it.
+    """The value of a field in the form that a `Task` stores.
 
     Raises:
         TypeError, ValueError: it is of the wrong kind or out of range.
@@ -89,7 +89,7 @@ def check_actions(name: str, value: Any) -> str | tuple[str, ...]:
     """ "minimal", "full", or the names of actions as a tuple.
 
     Raises:
-        TypeError, ValueError: it is none of these, or a name stands twice.
+        TypeError, ValueError: it is none of these, or a name occurs twice.
     """
     if isinstance(value, str):
         if value in ("minimal", "full"):

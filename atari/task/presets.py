@@ -196,7 +196,7 @@ def find_preset(name: Any) -> Preset:
     """The preset of a name.
 
     Raises:
-        ValueError: there is no such preset; the nearest is suggested.
+        ValueError: there is no such preset; the message suggests the nearest.
     """
     if isinstance(name, str) and name in PRESETS:
         return PRESETS[name]

@@ -1,4 +1,4 @@
-"""`resolve_task`: the only way from what a user gives to a `Task`."""
+"""`resolve_task`: the only way from a user's arguments to a `Task`."""
 
 import re
 from collections.abc import Collection, Iterable, Mapping
@@ -47,13 +47,13 @@ def resolve_task(
     Args:
         game: an ID, a game or a task.
         preset: name of a preset.
-        options: what a user gave.
+        options: the user's options.
         base: fields that a bare name, a file or a `Game` has instead of ALE's v5, unless there is a preset.
         owner: the function that the user called, for errors.
         others: names of the other options of `owner`, for the suggestion in an error.
 
     Raises:
-        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: as `Task.of`.
+        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: see `Task.of`.
     """
     if isinstance(game, str) and is_versioned(game) and (environment := find_environment(game)) is not None:
         game, options = games[environment.game], options_of(environment, options)
@@ -65,7 +65,7 @@ def resolve_task(
         _require(preset, chosen, {"players": fields["players"], **given}, names, fields["game"])
         fields |= _fitting(chosen, fields)
     fields |= given
-    if fields["obs_type"] == "ram":  # other stacks are of images
+    if fields["obs_type"] == "ram":  # other stacks contain images
         fields["stack_num"] = given.get("stack_num", ram_stack)
     settle(fields, DEFAULTS, given)
     return Task(**fields)
@@ -74,19 +74,19 @@ def resolve_task(
 def resolve_for_agent(
     game: GameLike, preset: str | None, options: Mapping[str, Any], *, default: str = "baselines", owner: str
 ) -> Task:
-    """The task of an agent, which needs preprocessing: as `resolve_task`, but an ID decides how the game is played.
+    """The task of an agent, which needs preprocessing: like `resolve_task`, but an ID decides only part of it.
 
-    An ID keeps its sticky actions, its actions, and RAM; the preset decides the rest. A `Task` is played unchanged
+    An ID decides the sticky actions, the actions and RAM; the preset decides the rest. A `Task` is played unchanged
     unless a preset is named.
 
     Args:
-        game, options, owner: as of `resolve_task`.
-        preset: name of a preset; None is `default`.
+        game, options, owner: see `resolve_task`.
+        preset: name of a preset; None means `default`.
         default: the preset of a game or an ID.
 
     Raises:
-        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: as `Task.of`; ValueError also if the
-            preset requires what the ID does not have.
+        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: see `Task.of`; ValueError also if the
+            preset requires an option that the ID does not have.
     """
     if isinstance(game, Task) and preset is None:
         return resolve_task(game, None, options, owner=owner)
@@ -107,16 +107,16 @@ def resolve_for_agent(
 
 
 def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, owner: str) -> Task:
-    """The task of a function that plays single frames with actions of its own, without sticky actions and limits.
+    """The task of a function that plays single frames with its own actions, without sticky actions and limits.
 
-    What an agent sees and may do, and how it is paid, is left out where `game` has it.
+    The fields of `game` for observations, actions and rewards are left out.
 
     Args:
-        game, owner: as of `resolve_task`.
-        mode, difficulty: None is what `game` says.
+        game, owner: see `resolve_task`.
+        mode, difficulty: None means the value of `game`.
 
     Raises:
-        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: as `Task.of`; ValueError also if `game`
+        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: see `Task.of`; ValueError also if `game`
             has another field that such a function cannot honour.
     """
     given = {name: value for name, value in (("mode", mode), ("difficulty", difficulty)) if value is not None}
@@ -131,7 +131,7 @@ BY_FRAME: Mapping[str, Any] = MappingProxyType(
 
 
 def leave_out(task: Task, obeyed: Collection[str], fixed: Mapping[str, Any], owner: str) -> tuple[Task, dict[str, Any]]:
-    """A task with the values of `fixed`, and the fields that it had otherwise.
+    """A task with the values of `fixed`, and its former values of the changed fields.
 
     Args:
         task: the whole task.
@@ -140,10 +140,10 @@ def leave_out(task: Task, obeyed: Collection[str], fixed: Mapping[str, Any], own
         owner: the caller, for the error.
 
     Raises:
-        ValueError: another option of the task has not its default.
+        ValueError: another option of the task differs from its default.
     """
     played = {name: {**DEFAULTS, **fixed}[name] for name in OPTIONS if name in fixed or name not in obeyed}
-    fields = task.plain()  # in which a mode that the game has anyway is None
+    fields = task.plain()  # here the game's default mode is None
     changed = {name: fields[name] for name, value in played.items() if fields[name] != value}
     for name, value in changed.items():
         if name not in fixed:
@@ -159,8 +159,8 @@ def translate(
     """The checked fields of options, and the name under which a user gave each of them.
 
     Raises:
-        TypeError, ValueError: there is no such option, the nearest is suggested; or its value is wrong, or it is given
-            under two names.
+        TypeError, ValueError: there is no such option (the message suggests the nearest), its value is wrong, or it is
+            given under two names.
     """
     known = (*OPTIONS, *ALIASES)
     check_known(owner, [name for name in options if name not in known], (*known, *others))
@@ -179,7 +179,7 @@ def translate(
 
 
 def _start(game: GameLike, base: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields that the game brings."""
+    """The fields that the game decides."""
     if isinstance(game, Task):
         fields = {name: getattr(game, name) for name in FIELDS}
         if given.get("players", game.players) != game.players:
@@ -192,7 +192,7 @@ def _start(game: GameLike, base: Mapping[str, Any], given: Mapping[str, Any]) ->
 
 
 def is_versioned(game: Any) -> bool:
-    """Whether a game is named as PettingZoo names it with a version, such as "pong_v3"."""
+    """Whether a game has a name of PettingZoo's with a version, such as "pong_v3"."""
     return isinstance(game, str) and re.fullmatch(r"[a-z_]+_v\d+", game) is not None
 
 
@@ -202,7 +202,7 @@ def is_id(game: str) -> bool:
 
 
 def spelled(game: Any) -> Any:
-    """A game's name as the catalogue has it: "MsPacman" is "ms_pacman". Anything else is returned unchanged."""
+    """A game's name in the catalogue's form: "MsPacman" is "ms_pacman". Anything else is returned unchanged."""
     if not isinstance(game, str) or game in games or game.endswith(".toml"):
         return game
     wanted = game.replace("_", "").lower()
@@ -213,7 +213,7 @@ def _of_id(env_id: str) -> dict[str, Any]:
     """The fields of a registered ID.
 
     Raises:
-        gymnasium.error.NameNotFound: there is no such ID, or it is not of an Atari game.
+        gymnasium.error.NameNotFound: there is no such ID, or its environment is no Atari game.
     """
     known = env_id.removeprefix(env_ids.MODULE_PREFIX)
     if known in env_ids.ids():
@@ -233,12 +233,12 @@ ENTRY_POINT = "atari.making:make_AtariEnv"
 
 
 def is_ours(entry_point: Any) -> bool:
-    """Whether an entry point in Gymnasium's registry is that of this package's Atari games."""
+    """Whether an entry point in Gymnasium's registry belongs to this package's Atari games."""
     return bool(entry_point == ENTRY_POINT)
 
 
 def known_ids() -> tuple[str, ...]:
-    """Every ID that `atari.make` accepts: of `ids`, of the algorithmic tasks, and of registered games."""
+    """Every ID that `atari.make` accepts: `ids`, the algorithmic tasks, and registered games."""
     others = (env_id for env_id, spec in gymnasium.registry.items() if str(spec.entry_point).startswith("atari."))
     return tuple(dict.fromkeys([*env_ids.ids(), *others]))
 
@@ -268,7 +268,7 @@ def _within(game: Game, players: int, actions: Any, wanted: str) -> bool:
 
 
 def _fitting(preset: Preset, fields: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of a preset for a game or task: one of RAM keeps RAM, because a preset says how images are made."""
+    """The fields of a preset for a game or task. RAM observations stay, because a preset only describes images."""
     chosen = dict(preset.fields)
     if fields["obs_type"] == "ram":
         del chosen["obs_type"]

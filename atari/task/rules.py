@@ -1,6 +1,6 @@
 """Which fields of a `Task` have an effect together.
 
-A field that another one leaves without effect is refused if a user gave it, and takes its default if it comes from a
+A field without effect beside another one is an error if a user gave it, and takes its default if it comes from a
 preset, an ID or another task. So two tasks that play the same are equal.
 """
 
@@ -16,7 +16,7 @@ Fields = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class _Need:
-    """`fields` have an effect only where `holds`; `because` says why, and how to give them an effect."""
+    """`fields` have an effect only if `holds` is true; `because` says why, and how to give them an effect."""
 
     fields: tuple[str, ...]
     holds: Callable[[Fields], bool]
@@ -88,7 +88,7 @@ _NEEDS = (
         "one player plays; add players=2",
     ),
 )
-"""A rule may depend on a field of the rules before it."""
+"""A rule may depend on fields of earlier rules."""
 
 
 def settle(fields: dict[str, Any], defaults: Fields, given: Collection[str]) -> None:

@@ -13,20 +13,20 @@ from atari.task.task import DEFAULTS, FIELDS, Task
 from atari.validation import check_file
 
 FORMAT = 1
-"""The version of the format. A newer one is refused; a reader of an older one fills in its defaults."""
+"""The version of the format. A newer version is an error; for an older one, `_DEFAULTS` fills in the missing keys."""
 
 _MOST_CHARACTERS = 1 << 20
 _MOST_LEVELS = 16
 
 _DEFAULTS: Mapping[int, Mapping[str, Any]] = {1: {**DEFAULTS, "file": None}}
-"""By format, what a missing key means."""
+"""The values of missing keys, by version of the format."""
 
 
 def to_json(task: Task) -> str:
     """All fields of a task, sorted by name, with the path of its game file.
 
     Raises:
-        ValueError: the game is a `Game` that no file has.
+        ValueError: the game is a `Game` without a file.
     """
     game = task.definition
     if game.file is None and games.get(game.id) != game:  # a pickled game is equal, but another object
@@ -36,7 +36,7 @@ def to_json(task: Task) -> str:
 
 
 def to_short_json(task: Task) -> str:
-    """The fields of a task that do not have their default, for a file that knows the game."""
+    """The fields of a task that do not have their default, for a file that names the game elsewhere."""
     table, defaults = _table(task), _DEFAULTS[FORMAT]
     changed = {name: value for name, value in table.items() if name == "game" or value != _plain(defaults[name])}
     return json.dumps({"format": FORMAT, **changed}, sort_keys=True)
@@ -49,15 +49,15 @@ def identity(task: Task) -> str:
 
 
 def require_same(stored: Any, own: Task, leave_out: Collection[str] = ()) -> None:
-    """Check that a snapshot is of a task that plays as another one.
+    """Check that the task of a snapshot plays like another task.
 
     Args:
-        stored: what the snapshot has, by `identity`; None in snapshots of older releases, which are accepted.
+        stored: the text of `identity` in the snapshot; None in snapshots of older releases, which are accepted.
         own: the task into which the snapshot is to be restored.
         leave_out: fields that may differ.
 
     Raises:
-        ValueError: fields differ, all are named; or `stored` is no task.
+        ValueError: fields differ (the message names all), or `stored` is no task.
     """
     if stored is None or stored == identity(own):
         return
@@ -92,10 +92,10 @@ def from_json(text: str, game: Game | None = None) -> Task:
 
     Args:
         text: the JSON.
-        game: the game of the task; no file is read then. None finds it by the text.
+        game: the game of the task; no file is read then. None: the text decides.
 
     Raises:
-        TypeError, ValueError: the text is none, or of another game; the message names the key.
+        TypeError, ValueError: the text is no task, or one of another game; the message names the key.
     """
     table = _read(text)
     number = table.pop("format", None)
@@ -126,11 +126,11 @@ def read_task(path: Path) -> Task:
     """The task of a file.
 
     Raises:
-        FileNotFoundError, ValueError: there is no such file, or it has no task.
+        FileNotFoundError, ValueError: there is no such file, or it contains no task.
     """
     check_file(path)
     with path.open("rb") as file:
-        data = file.read(4 * _MOST_CHARACTERS + 1)  # of UTF-8
+        data = file.read(4 * _MOST_CHARACTERS + 1)  # a character of UTF-8 has at most 4 bytes
     try:
         return from_json(data.decode(errors="replace"))
     except (TypeError, ValueError) as error:
@@ -138,7 +138,7 @@ def read_task(path: Path) -> Task:
 
 
 def _game(name: Any, file: Any, game: Game | None) -> Any:
-    """The game of a stored task, as `Task` takes it."""
+    """The game of a stored task, in a form that `Task` takes."""
     if not isinstance(name, str) or not (file is None or isinstance(file, str)):
         raise TypeError(f"'game' must be a string and 'file' a string or null, got {name!r} and {file!r}")
     if game is not None:

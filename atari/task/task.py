@@ -38,11 +38,11 @@ class Task:
 
     Attributes:
         game: id of the game ("breakout"). The constructor also takes a game file of your own, or a `Game`.
-        rules: fingerprint of the game definition; "" in the constructor is that of the installed one.
+        rules: fingerprint of the game definition; "" in the constructor means the installed one's.
         rom_md5: MD5 of the ROM, None if it is not known; it is not compared by `==`.
-        mode: game mode, None in the constructor is the default one. With several players, Multi-Agent-ALE numbers the
+        mode: game mode, None in the constructor means the default. With several players, Multi-Agent-ALE numbers the
             modes.
-        difficulty: None in the constructor is ALE's default, 0.
+        difficulty: None in the constructor means ALE's default, 0.
         players: number of players of one game, 1 to 4.
         actions: minimal (those that the game uses), full (all legal ones), or names of actions.
         continuous: actions are (radius, angle, fire), three float32 (Farebrother and Castro 2024, "CALE").
@@ -65,14 +65,14 @@ class Task:
         last_life: losing the last life counts in games that continue after it.
         seamless_lives: a lost life neither cuts a skip short nor clears the stack.
         life_loss_info: a lost life is reported as a termination, and the episode goes on.
-        max_num_frames_per_episode: limit on all frames of a game, no-ops included; None is none.
-        max_frames: limit on the frames of a game after its beginning; None is none.
-        max_episode_steps: limit on the agent's steps of an episode; None is none.
+        max_num_frames_per_episode: limit on all frames of a game, no-ops included; None means no limit.
+        max_frames: limit on the frames of a game after its beginning; None means no limit.
+        max_episode_steps: limit on the agent's steps of an episode; None means no limit.
         obs_type: rgb, grayscale, ram (128 bytes), dict (gray image and RAM) or rgb_dict.
-        img_height: rows of the image, None is the screen's number.
-        img_width: columns of the image, None is the screen's number.
-        stack_num: images or RAM vectors in an observation, the oldest first; None is one, without an axis for it. In
-            dicts of both, images are stacked, RAM is not. The stacks of presets are of images.
+        img_height: rows of the image, None means the screen's rows.
+        img_width: columns of the image, None means the screen's columns.
+        stack_num: images or RAM vectors in an observation, the oldest first; None means one, without an axis for it.
+            In dicts of both, images are stacked, RAM is not. The stacks of presets contain images.
         maxpool: the image is the maximum of the last two frames of a skip.
         pool_rgb: colours are pooled and then made gray, as in OpenAI's Baselines, instead of ALE's gray values.
         padding: filling of the stack at the start of an episode: zero, or reset, the first image or RAM.
@@ -165,7 +165,7 @@ class Task:
             )
 
     def _find_game(self, fields: dict[str, Any]) -> None:
-        """Resolve what depends on the game: its id, mode, difficulty and interventions."""
+        """Resolve the fields that depend on the game: its id, mode, difficulty and interventions."""
         several = fields["players"] > 1
         game = games.resolve(fields["game"]) if several else games.find(fields["game"])
         object.__setattr__(self, "definition", game)
@@ -182,7 +182,7 @@ class Task:
             return
         chosen = fields["difficulty"]
         if isinstance(chosen, int) and chosen == 0:
-            chosen = None  # ALE's default, which is none of the difficulties of backgammon
+            chosen = None  # ALE's default, which is not one of backgammon's difficulties
         CoreOptions.check(
             game,
             repeat_action_probability=fields["repeat_action_probability"],
@@ -197,7 +197,7 @@ class Task:
         fields["difficulty"] = 0 if chosen is None else operator.index(chosen)
 
     def _settle_actions(self, fields: dict[str, Any]) -> None:
-        """Check the names of actions, and name the sets that the game has as such."""
+        """Check the names of actions, and replace the game's own sets of actions by their names."""
         minimal, full = _action_sets(self.definition, fields["players"])
         chosen = fields["actions"]
         if not isinstance(chosen, str):
@@ -215,39 +215,40 @@ class Task:
     ) -> "Task":
         """The task of a game and options.
 
-        Later ones of these decide: what `game` says, the preset, the options.
+        The preset overrides the fields of `game`, and the options override both.
 
         Args:
-            game: an environment ID ("ALE/Pong-v5"), which has the options of this ID; a game's name ("pong",
-                "MsPacman"), the path of a game file or a `Game`, which are ALE's v5; a name of PettingZoo's with its
-                version ("pong_v3"), with its mode and its players; or a `Task`.
+            game: an environment ID ("ALE/Pong-v5") with its options; a game's name ("pong", "MsPacman"), the path of a
+                game file or a `Game`, with the options of ALE's v5; a name of PettingZoo's with its version
+                ("pong_v3"), with its mode and its players; or a `Task`.
             preset: name of a preprocessing, one of `PRESETS`.
             **options: fields of `Task`. Gymnasium's and ale-py's names `full_action_space` and `clip_reward` are
                 other names of `actions` and `reward_clipping`.
 
         Raises:
             gymnasium.error.NameNotFound: there is no such ID; the message suggests the right one.
-            TypeError, ValueError: there is no such game, preset or option (the nearest is suggested), or as `Task`.
+            TypeError, ValueError: there is no such game, preset or option (the message suggests the nearest), or see
+                `Task`.
 
         Example:
             >>> import atari
             >>> atari.Task.of("Pong-ram-v4").obs_type
             'ram'
         """
-        from atari.task.resolution import resolve_task  # it makes tasks
+        from atari.task.resolution import resolve_task  # it imports this module
 
         return resolve_task(game, preset, options)
 
     def replace(self, **options: Unpack[TaskOptions]) -> "Task":
-        """This task with other options, as `Task.of` takes them.
+        """This task with other options; see `Task.of`.
 
         Raises:
-            TypeError, ValueError: as `Task.of`.
+            TypeError, ValueError: see `Task.of`.
         """
         return Task.of(self, **options)
 
     def differences(self, other: "Task") -> dict[str, tuple[Any, Any]]:
-        """The fields in which two tasks differ, with both values. A ROM that is not known does not differ.
+        """The fields in which two tasks differ, with both values. An unknown ROM equals every ROM.
 
         Raises:
             TypeError: `other` is no task.
@@ -293,9 +294,9 @@ class Task:
 
     @property
     def begin_actions(self) -> tuple[Action, ...]:
-        """The actions that begin episodes, whether the agent has them or not: all that the game uses.
+        """The actions for the start of episodes, even if the agent lacks them: all that the game uses.
 
-        They are all legal ones if the agent has one that the game does not use.
+        If the agent has an action that the game does not use, these are all legal actions.
         """
         minimal, full = _action_sets(self.definition, self.players)
         return minimal if {*self.action_set} <= {*minimal} else full
@@ -311,7 +312,7 @@ class Task:
         return [name for name in _OF_WRAPPERS if getattr(self, name) != DEFAULTS[name]] + dicts
 
     def of_emulator(self) -> "Task":
-        """The part of this task that an `AtariEnv` plays inside of the wrappers: single frames."""
+        """The part of this task that an `AtariEnv` plays inside the wrappers: single frames."""
         kept = (
             "rules",
             "mode",
@@ -329,16 +330,16 @@ class Task:
 
     @property
     def set_mode(self) -> int | None:
-        """The mode for a core; None is the default one of a game of one player."""
+        """The mode for a core; None means the default mode of a game for one player."""
         return None if self.players == 1 and self.mode == self.definition.default_mode else self.mode
 
     @property
     def set_difficulty(self) -> int | None:
-        """The difficulty for a core; None is ALE's default, 0."""
+        """The difficulty for a core; None means ALE's default, 0."""
         return self.difficulty or None
 
     def with_set(self, **fields: Any) -> "Task":
-        """This task with fields that were set in the running game, which has checked them."""
+        """This task with fields set in the running game, which has checked them."""
         changed = {name: value for name, value in fields.items() if value != getattr(self, name)}
         if not changed:
             return self
@@ -356,7 +357,7 @@ class Task:
         """All fields as JSON, which `from_json` reads.
 
         Raises:
-            ValueError: the game is a `Game` that no file has.
+            ValueError: the game is a `Game` without a file.
         """
         from atari.task.storage import to_json
 
@@ -364,11 +365,11 @@ class Task:
 
     @staticmethod
     def from_json(text: str) -> "Task":
-        """The task of a text of `to_json`, also of an older release.
+        """The task of a text of `to_json`, from this or an older release.
 
         Raises:
-            TypeError, ValueError: the text is no task: too long or too deep, with an unknown key, a value of the wrong
-                kind, or of a newer format. The message names the key.
+            TypeError, ValueError: the text is no task: it is too long or too deep, has an unknown key or a value of the
+                wrong kind, or has a newer format. The message names the key.
         """
         from atari.task.storage import from_json
 

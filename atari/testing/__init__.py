@@ -1,6 +1,6 @@
-"""The contracts of this package as checks, for those who write cores, wrappers, vectors, policies and game files.
+"""The contracts of this package as checks, for authors of cores, wrappers, vectors, policies and game files.
 
-Each function plays, and raises `ContractError`, an `AssertionError`, with a sentence at the first fault.
+Each function plays, and raises `ContractError`, an `AssertionError`, with a message at the first fault.
 """
 
 from atari.testing.contract import ContractError

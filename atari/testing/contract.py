@@ -21,20 +21,20 @@ class ContractError(AssertionError):
 
 
 def require(kept: Any, sentence: str) -> None:
-    """Raise `ContractError` with the sentence unless `kept` is true."""
+    """Raise `ContractError` with `sentence` unless `kept` is true."""
     if not kept:
         raise ContractError(sentence)
 
 
 def require_same(expected: Any, seen: Any, name: str, sentence: str) -> None:
-    """Raise `ContractError` with the sentence, and the first difference, unless two results are equal."""
+    """Raise `ContractError` with `sentence` and the first difference, unless two results are equal."""
     found = difference(expected, seen, name)
     require(found is None, f"{sentence}; {found}")
 
 
 @contextmanager
 def refuses(call: str, *errors: type[Exception]) -> Iterator[None]:
-    """Check that the block raises one of `errors`; without any, an error of any kind."""
+    """Check that the block raises one of `errors`; without `errors`, an error of any kind."""
     allowed = errors or (Exception,)
     names = " or ".join(error.__name__ for error in errors) or "an error"
     try:
@@ -58,10 +58,10 @@ def broken_by(call: str) -> Iterator[None]:
 
 
 def check_maker(owner: str, make: Any, kind: str) -> None:
-    """Refuse an argument `make` that cannot be called.
+    """Raise an error if the argument `make` cannot be called.
 
     Raises:
-        TypeError: it cannot.
+        TypeError: `make` cannot be called.
     """
     if not callable(make):
         raise TypeError(f"{owner} takes a function that makes {kind}, got {make!r}; write lambda: {kind}")
@@ -89,7 +89,7 @@ def difference(expected: Any, seen: Any, name: str) -> str | None:
 
 def _difference_of_arrays(expected: np.ndarray[Any, Any], seen: np.ndarray[Any, Any], name: str) -> str | None:
     if (expected.dtype.kind, expected.shape) != (seen.dtype.kind, seen.shape) or expected.dtype != seen.dtype != object:
-        if {expected.dtype.kind, seen.dtype.kind} <= {"U", "S"}:  # texts of other lengths
+        if {expected.dtype.kind, seen.dtype.kind} <= {"U", "S"}:  # texts may differ in length
             return f"{name} is {seen!r:.80} instead of {expected!r:.80}"
         return f"{name} is {seen.dtype} {seen.shape} instead of {expected.dtype} {expected.shape}"
     if expected.dtype == object:

@@ -1,4 +1,4 @@
-"""`check_core`: the contract of `atari.cores.Core`, for those who write a core."""
+"""`check_core`: the contract of `atari.cores.Core`, for authors of cores."""
 
 from typing import Any
 
@@ -24,7 +24,7 @@ from atari.testing.core_play import (
 from atari.testing.core_snapshots import check_snapshots
 
 LIMITS = (10, 1002)
-"""Limits of frames; games that select their mode by playing refuse the first."""
+"""Limits of frames; games that select their mode by playing do not accept the first."""
 
 
 def check_core(make: MakeCore, *, reference: MakeCore | None = None, steps: int = 60) -> None:
@@ -36,11 +36,11 @@ def check_core(make: MakeCore, *, reference: MakeCore | None = None, steps: int 
     Args:
         make: a function that makes a core of one game. It takes the options of a core by name: `seed`, `frame_skip`,
             `repeat_action_probability`, `mode`, `difficulty`, `max_num_frames_per_episode`, `sound`.
-        reference: such a function of another core, whose frames, rewards, lives and ends must be the same.
-        steps: how many random actions a comparison plays.
+        reference: such a function for another core; frames, rewards, lives and ends must be the same.
+        steps: number of random actions in a comparison.
 
     Raises:
-        ContractError: the core breaks the contract; the message has the call, and what was expected and seen.
+        ContractError: the core breaks the contract; the message has the call, and the expected and the actual result.
         TypeError: `make` is no function.
 
     Example:
@@ -180,7 +180,7 @@ def _check_memory(make: MakeCore) -> None:
 
 
 def _check_choices(make: MakeCore) -> None:
-    """Modes and difficulties."""
+    """Check modes and difficulties."""
     for name in ("mode", "difficulty"):
         core = made(make)
         numbers = core.game.modes if name == "mode" else core.game.difficulties
@@ -239,7 +239,7 @@ def _check_end(make: MakeCore) -> None:
 
 def _check_frame_skip(make: MakeCore, steps: int) -> None:
     one, four = made(make, seed=3), made(make, seed=3, frame_skip=4)
-    if one.episode_frame_number:  # a reset that selects the mode by playing, which depends on the frame skip
+    if one.episode_frame_number:  # a reset that plays to select the mode depends on the frame skip
         return
     for action in some_actions(one, steps // 4):
         expected, reward = sum(one.act(action) for _ in range(4)), four.act(action)

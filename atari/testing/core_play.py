@@ -23,7 +23,7 @@ def made(make: MakeCore, **options: Any) -> Core:
 
 
 def new(make: MakeCore, **options: Any) -> Core:
-    """A core as it was made."""
+    """A core before its first reset."""
     given = ", ".join(f"{name}={value!r}" for name, value in options.items())
     with broken_by(f"make({given})"):
         return make(**options)
@@ -46,7 +46,7 @@ def some_actions(core: Core, count: int, seed: int = 0) -> list[int]:
 
 @contextmanager
 def unchanged(core: Core, call: str) -> Iterator[None]:
-    """Check that the block leaves the core as it is, with its hidden state."""
+    """Check that the block does not change the core, including its hidden state."""
     seen, saved = visible(core), core.snapshot()
     yield
     require_same(seen, visible(core), "the core", f"{call} must change nothing")

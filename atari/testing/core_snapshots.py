@@ -9,7 +9,7 @@ from atari.testing.core_play import FIRE, NOOP, MakeCore, made, new, play, some_
 
 
 def check_snapshots(make: MakeCore, steps: int) -> None:
-    """Check that a snapshot taken at any time continues exactly, and that any other value changes nothing."""
+    """Check that a snapshot taken at any time continues exactly, and that an invalid one changes nothing."""
     for sound in (False, True):
         _check_continuation(make, steps // 2, sound)
     _check_phases(make, steps // 2)
@@ -38,7 +38,7 @@ def _check_continuation(make: MakeCore, steps: int, sound: bool) -> None:
 
 
 def _check_phases(make: MakeCore, steps: int) -> None:
-    """Before the first reset, and after a byte of RAM was set."""
+    """Check snapshots before the first reset, and after a byte of RAM was set."""
     for phase in ("before the first reset", "after set_ram"):
         core = new(make, seed=1)
         if phase == "after set_ram":
@@ -63,7 +63,7 @@ def _check_taking(make: MakeCore, steps: int) -> None:
 
 
 def _check_reset(make: MakeCore, steps: int) -> None:
-    """A reset may depend on the state before it, with RAM and generators."""
+    """Check that a snapshot keeps the RAM and the generators that a reset depends on."""
     first, second = made(make, seed=1), made(make, seed=2)
     play(first, some_actions(first, steps))
     second.restore(first.snapshot())
@@ -100,7 +100,7 @@ def _check_other_options(make: MakeCore) -> None:
 
 
 def _check_clones(make: MakeCore, steps: int) -> None:
-    """A cloned state may leave the framebuffer out, as ale-py's does; so RAM and numbers are compared."""
+    """Check RAM and numbers of cloned states: like ale-py's, a state may leave the framebuffer out."""
     core = made(make, seed=1, repeat_action_probability=0.5)
     play(core, some_actions(core, steps))
     actions = [NOOP, *some_actions(core, steps, seed=1)]
@@ -116,7 +116,7 @@ def _check_clones(make: MakeCore, steps: int) -> None:
 
 
 def _release(core: Core) -> None:
-    """Let sticky actions hold NOOP: a cloned state may leave the held action out."""
+    """Play NOOP until sticky actions hold it: a cloned state may leave the held action out."""
     for _ in range(20):
         core.act(NOOP)
 

@@ -1,4 +1,4 @@
-"""`check_env`: the contract of environments, for those who write one or a wrapper."""
+"""`check_env`: the contract of environments, for authors of environments and wrappers."""
 
 import copy
 import math
@@ -21,27 +21,27 @@ Env = gymnasium.Env[Any, Any]
 MakeEnv = Callable[[], Env]
 
 _NO_FAULTS = (".*different from the unwrapped version", ".*env.seed to get variables")
-"""Warnings of Gymnasium's checker that are about wrappers, and about its own call of an environment in 0.29."""
+"""Warnings of Gymnasium's checker about wrappers, and in 0.29 about its own call of an environment."""
 
 
 def check_env(make: MakeEnv, *, steps: int = 60, copies: bool = True, spec: bool = True) -> None:
     """Check that environments keep Gymnasium's interface, and the contract of this package's environments.
 
-    Gymnasium's `check_env` is first; its warnings stay warnings. Then: the dtype, shape and bounds of every
-    observation, also of those that end an episode; that observations do not change later; equal results for equal
-    seeds, in the same environment and in another one; errors for actions and seeds that do not exist, before anything
-    changes; the lives, frames and ends of the game in an `AtariEnv`; copies, pickles, `snapshot` and `restore`; and
-    `gymnasium.make(env.spec)`.
+    Gymnasium's `check_env` is first; its warnings stay warnings. The other checks cover the dtype, shape and bounds of
+    every observation, including the last ones of episodes; observations that must not change later; equal results for
+    equal seeds, in the same environment and in another one; errors for actions and seeds that do not exist, before
+    anything changes; the lives, frames and ends of the game in an `AtariEnv`; copies, pickles, `snapshot` and
+    `restore`; and `gymnasium.make(env.spec)`.
 
     Args:
         make: a function without parameters that makes the environment, with its wrappers.
-        steps: how many random actions a comparison plays.
-        copies: whether the environment can be copied and pickled, and continues where it is.
+        steps: number of random actions in a comparison.
+        copies: whether the environment can be copied and pickled, and then continues from its state.
         spec: whether `env.spec`, if there is one, makes the same environment with its wrappers, which then have the
             base class `gymnasium.utils.RecordConstructorArgs`.
 
     Raises:
-        ContractError: the environment breaks the contract; the message has the call, and what was expected and seen.
+        ContractError: the environment breaks the contract; the message has the call, the expected and the real result.
         TypeError: `make` is no function.
 
     Example:
@@ -76,7 +76,7 @@ def check_env(make: MakeEnv, *, steps: int = 60, copies: bool = True, spec: bool
 
 
 def some_actions(space: spaces.Space[Any], count: int) -> list[Any]:
-    """Random actions of a space, whose own generator stays as it is."""
+    """Random actions of a space, without a change of its own generator."""
     space = copy.deepcopy(space)
     space.seed(0)
     return [space.sample() for _ in range(count)]
@@ -119,7 +119,7 @@ def _rollout_from(env: Env, seed: int, actions: list[Any]) -> list[Any]:
 
 
 def _check_seeds(env: Env, twin: Env, actions: list[Any]) -> list[Any]:
-    """Check that a seed decides all, and return the results of seed 3."""
+    """Check that a seed decides all results, and return the results of seed 3."""
     expected = _rollout_from(env, 3, actions)
     seen = _rollout_from(twin, 3, actions)
     require_same(expected, seen, "results", "reset(seed=3) must give the same episode in two environments")
@@ -154,7 +154,7 @@ def _check_results(env: Env, actions: list[Any]) -> None:
 
 
 def _check_game(env: Env, actions: list[Any]) -> None:
-    """Check that `info` and the ends are those of the game in the environment."""
+    """Check that `info` and the ends agree with the game in the environment."""
     atari: Any = env.unwrapped
     env.reset(seed=5)
     for number, action in enumerate(actions, 1):
@@ -186,7 +186,7 @@ def _check_refusals(env: Env) -> None:
 
 @contextmanager
 def _unchanged(env: Any, call: str) -> Iterator[None]:
-    """Check that the block leaves the environment as it is, if it has snapshots."""
+    """Check that the block does not change the environment, if it has snapshots."""
     before = env.snapshot() if hasattr(type(env), "snapshot") else None
     yield
     same = before is None or env.snapshot() == before

@@ -1,4 +1,4 @@
-"""`check_game_file`: the contract of game definitions, for those who write the file of a cartridge."""
+"""`check_game_file`: the contract of game definitions, for authors of a cartridge's file."""
 
 import random
 from os import PathLike
@@ -17,7 +17,7 @@ from atari.testing.core_play import play, some_actions, visible
 _PART = 60
 """Steps in each mode and each difficulty."""
 _HELD = 600
-"""Frames for which each action is held, to see whether actions matter."""
+"""Frames for which each action is held, to check whether actions have effects."""
 
 
 def check_game_file(
@@ -25,20 +25,20 @@ def check_game_file(
 ) -> None:
     """Check a game definition: its content, and the rules and names of RAM bytes in random play.
 
-    The file is read as `atari.AtariEnv` reads it. The game is played with random actions, on the native core and on the
-    reference core, which must agree in each frame, in all its modes and difficulties. A game must begin when it is
-    reset, an action must matter, lives are 0 or more, a change of a byte named as score must be paid, and the bytes
-    named as positions must be on the screen at times. Rules of several players are read, but not played.
+    The file is read like in `atari.AtariEnv`. The game is played with random actions, on the native core and on the
+    reference core, which must agree in each frame, in all its modes and difficulties. A reset must begin a game, an
+    action must have an effect, lives are 0 or more, and a change of a byte named as score must change the reward. Bytes
+    named as positions must be on the screen at times. Rules for several players are read, but not played.
 
     Args:
         file: the path of a game definition, or a `Game`.
-        rom: path of the ROM file; None searches beside the file, then as `atari.roms.find` does.
-        steps: how many frames are played in the mode that a game begins with.
+        rom: path of the ROM file; None searches beside the file, then like `atari.roms.find`.
+        steps: number of frames in the mode with which a game begins.
 
     Raises:
-        ContractError: the file is no game definition, or the game breaks the contract; the message has the key, and
-            what was expected and seen.
-        ValueError: the game has rules of several players alone.
+        ContractError: the file is no game definition, or the game breaks the contract; the message has the key, and the
+            expected and the actual result.
+        ValueError: the game has only rules for several players.
         FileNotFoundError: there is no such file, or no ROM file.
 
     Example:
@@ -147,7 +147,7 @@ def _check_labels(game: Game, rams: Any, paid: int) -> None:
 
 
 def _check_label(game: Game, label: RamLabel, seen: list[int], paid: int) -> None:
-    """Check the values that a label has had."""
+    """Check the values that a label had in play."""
     if len(seen) < 2:
         return
     name, between = f"[ram] {label.name}", f"{seen[0]}..{seen[-1]}"

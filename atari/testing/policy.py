@@ -1,4 +1,4 @@
-"""`check_policy`: the contract of `atari.learning.Policy`, for those who write a policy."""
+"""`check_policy`: the contract of `atari.learning.Policy`, for authors of policies."""
 
 import pickle
 from collections.abc import Mapping
@@ -42,20 +42,21 @@ def check_policy(
 ) -> None:
     """Check that a policy keeps the contract of `atari.learning.Policy`.
 
-    The policy plays three environments. It must return an action of the game for each; leave the observations as they
-    are; return the same actions after `begin` with the same seeds, and the same for one environment alone as for a
-    batch; and continue after `restore` as after the `state` that was saved.
+    The policy plays three environments. It must return an action of the game for each; not change the observations;
+    return the same actions after `begin` with the same seeds, and the same for one environment alone as for a
+    batch; and after `restore` continue like after the saved `state`.
 
     Args:
-        policy: a `Policy`, a function of observations, or a class of policies; a network, a file or a name as
-            `atari.learning.load_policy` returns it.
-        game: what it plays, as `atari.AtariVectorEnv` takes it; None is the game of its attribute `game` or `task`.
-        preset, options: of `AtariVectorEnv`, for a policy that does not say by `task` or `environment` what it sees.
-        steps: how many steps are played.
+        policy: a `Policy`, a function of observations, or a class of policies; a network, a file or a name in the form
+            that `atari.learning.load_policy` returns.
+        game: the game, in a form that `atari.AtariVectorEnv` takes; None means the game of its attribute `game` or
+            `task`.
+        preset, options: arguments of `AtariVectorEnv`, for a policy without `task` and `environment`.
+        steps: number of steps.
 
     Raises:
-        ContractError: the policy breaks the contract; the message has the call, and what was expected and seen.
-        TypeError, ValueError: the game or an option is wrong, or the policy says itself what it sees.
+        ContractError: the policy breaks the contract; the message has the call, and the expected and the actual result.
+        TypeError, ValueError: the game or an option is wrong, or the policy has its own `task` or `environment`.
 
     Example:
         >>> from atari.learning import load_policy
@@ -106,7 +107,7 @@ def _loaded(policy: Any) -> LoadedPolicy:
 def _played(
     policy: LoadedPolicy, game: GameLike | None, preset: str | None, options: Mapping[str, Any]
 ) -> tuple[Task, Mapping[str, Any], tuple[str, ...]]:
-    """The task that a policy plays, options of the vector, and the names of the policy's actions."""
+    """The task of a policy, the options of its vector, and the names of its actions."""
     own = getattr(policy, "game", None) or getattr(policy, "task", None)
     given: Any = own if game is None else game
     if given is None:

@@ -1,4 +1,4 @@
-"""Whether an observation is in a space, with a sentence about the part that is not."""
+"""Whether an observation is in a space, with a message about the part outside of it."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""`check_vector`: the contract of vector environments, for those who write one or a wrapper of vectors."""
+"""`check_vector`: the contract of vector environments, for authors of vectors and their wrappers."""
 
 import copy
 import inspect
@@ -31,19 +31,19 @@ def check_vector(
 
     The checks cover the spaces, the shape and dtype of every result, the masks of `info`, seeds (environment i gets
     seed + i), observations that must not change later, the autoreset mode with its final observations, actions that
-    must be refused, copies, and where the vector has them `out`, `send` and `recv`, `snapshot` and `restore`.
+    must be refused, copies, and, if the vector has them, `out`, `send` and `recv`, `snapshot` and `restore`.
 
     Args:
         make: a function without parameters that makes the vector, with batches of all environments. Episodes must end
             within `steps`; pass it a low limit, for example `max_episode_steps=20`.
-        single: makes one such environment. Environment i must play as it does with the seed of i.
-        steps: how many steps of random actions a comparison plays.
-        copies: whether the vector can be copied and pickled, and continues where it is.
+        single: makes one such environment. Environment i must play like it with the seed of i.
+        steps: number of steps of random actions in a comparison.
+        copies: whether the vector can be copied and pickled, and then continues from its state.
         atomic: whether a step that raises an error has played nothing. Gymnasium's `SyncVectorEnv` plays environments
             until one raises.
 
     Raises:
-        ContractError: the vector breaks the contract; the message has the call, and what was expected and seen.
+        ContractError: the vector breaks the contract; the message has the call, and the expected and the actual result.
         TypeError, ValueError: `make` is no function, or makes a vector that cannot be checked.
 
     Example:
@@ -108,14 +108,14 @@ def _check_spaces(envs: Any) -> None:
 
 
 def ended(result: tuple[Any, ...]) -> Bools:
-    """The environments (n,) whose episode a step has ended; with several players, for all of them."""
+    """The environments (n,) whose episode a step has ended; with several players, the episode of all."""
     ends: Bools = result[2] | result[3]
     of_all: Bools = np.logical_and.reduce(ends.reshape(len(ends), -1), axis=1)
     return of_all
 
 
 def _rollout(envs: Any, mode: AutoresetMode, actions: list[Any]) -> Results:
-    """The results of these actions; without an autoreset, those of a reset follow the end of an episode."""
+    """The results of these actions; without an autoreset, the results of a reset follow the end of an episode."""
     results: Results = []
     for action in actions:
         results.append(copy.deepcopy(envs.step(action)))
@@ -195,12 +195,12 @@ def _row(observation: Any, lane: Any) -> Any:
 
 
 def _steps(results: Results) -> Results:
-    """The results of steps, without those of resets."""
+    """The results of steps, without the results of resets."""
     return [result for result in results if len(result) == 5]
 
 
 def _check_ends(mode: AutoresetMode, results: Results) -> None:
-    """Check that a final observation is shown, and then the reset's."""
+    """Check that the final observation comes first, and then the reset's."""
     if not any(ended(result).any() for result in _steps(results)):
         raise ValueError(
             f"no episode ended within {len(_steps(results))} steps, so check_vector cannot check the ends; make "
@@ -222,7 +222,7 @@ def _check_ends(mode: AutoresetMode, results: Results) -> None:
 
 
 def _check_reset_step(after: tuple[Any, ...], lane: Any) -> None:
-    """In NEXT_STEP, the step after an end resets: it pays nothing and ends nothing."""
+    """Check that in NEXT_STEP the step after an end resets: its reward is 0 and it ends nothing."""
     if len(after) == 5:
         reward = after[1][lane]
         require(not np.any(reward), f"the step after an end resets and must pay 0, but environment {lane} got {reward}")
@@ -247,12 +247,12 @@ def _check_seeds(envs: Any, twin: Any, mode: AutoresetMode, actions: list[Any]) 
 
 
 def _check_lane(results: Results, single: MakeEnv, lane: int, mode: AutoresetMode, actions: list[Any]) -> None:
-    """Check that an environment of the vector plays as a single one."""
+    """Check that an environment of the vector plays like a single one."""
     env = single()
     parts = [_row(results[0][0], lane)], [env.reset(seed=3 + lane)[0]]
     over, number = False, 0
     for result in results[1:]:
-        if len(result) == 2:  # a reset of the environments that are over
+        if len(result) == 2:  # a reset of the environments whose episode is over
             if over:
                 parts = [_row(result[0], lane)], [env.reset()[0]]
                 over = False

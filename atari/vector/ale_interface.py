@@ -11,7 +11,7 @@ from atari.validation import check_strength
 
 
 class AleVectorInterface:
-    """The methods of ale-py's `ALEVectorInterface`, but for `handle`, which is for its XLA functions.
+    """The methods of ale-py's `ALEVectorInterface`, except `handle`, which serves its XLA functions.
 
     Arrays and errors are those of `AtariVectorEnv`.
     """
@@ -20,7 +20,7 @@ class AleVectorInterface:
         self._envs = envs
 
     def get_num_envs(self) -> int:
-        """How many environments there are."""
+        """The number of environments."""
         return int(self._envs.num_envs)
 
     def get_action_set(self) -> list[Action]:
@@ -36,7 +36,7 @@ class AleVectorInterface:
 
         Raises:
             IndexError: there is no such environment.
-            TypeError, ValueError: an index occurs twice, or as of `AtariVectorEnv.reset`.
+            TypeError, ValueError: an index occurs twice, or see `AtariVectorEnv.reset`.
         """
         count = self._envs.num_envs
         indices = [operator.index(index) for index in reset_indices]
@@ -58,7 +58,7 @@ class AleVectorInterface:
         """Begin a step, with the index of an action and the strength of a paddle for each environment of the batch.
 
         Raises:
-            TypeError, ValueError: they are of the wrong kind, shape or range; nothing is played.
+            TypeError, ValueError: an argument is of the wrong kind, shape or range; nothing is played.
         """
         envs, shape = self._envs, (self._envs.batch_size,)
         engine = envs._open()

@@ -30,23 +30,23 @@ ONE_PLAYER: Mapping[str, Any] = MappingProxyType(
         "reward_clipping": True,
     }
 )
-"""The defaults of ale-py's vector environment; a game's name alone has them in ours, too."""
+"""The defaults of ale-py's vector environment; ours has them too, if `game` is a name alone."""
 
 SEVERAL_PLAYERS: Mapping[str, Any] = MappingProxyType({**_PREPROCESSING, "seeding": "ale"})
-"""The defaults of a game's name alone with two to four players, without a preset."""
+"""The defaults for a name alone, with two to four players and without a preset."""
 
 NAMES = ("noop_max", "use_fire_reset", "grayscale")
-"""ale-py's names of options that a `Task` names otherwise."""
+"""ale-py's names of options that have other names in a `Task`."""
 
 
 def as_task_options(options: Mapping[str, Any], bare: bool, obs_type: str) -> dict[str, Any]:
     """The options with a task's names.
 
     Args:
-        options: as a user gave them.
-        bare: whether the game is a name alone, to which ale-py's defaults apply. `max_num_frames_per_episode` then
+        options: the user's options.
+        bare: whether the game is a name alone, to which ale-py's defaults apply. Then `max_num_frames_per_episode`
             limits the frames after the beginning, as in ale-py.
-        obs_type: the kind of observations that the game has otherwise.
+        obs_type: the kind of observations without an option for it.
 
     Raises:
         TypeError, ValueError: an option is of the wrong kind, or given under two names.
@@ -71,7 +71,7 @@ def as_task_options(options: Mapping[str, Any], bare: bool, obs_type: str) -> di
 
 
 def _obs_type(obs_type: Any, grayscale: bool, given: bool) -> str:
-    """The kind of observations with the colours that `grayscale` says.
+    """The kind of observations with the colours of the option `grayscale`.
 
     Raises:
         ValueError: they have other colours, or none.

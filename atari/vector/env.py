@@ -1,8 +1,8 @@
 """`AtariVectorEnv`: many Atari games as one Gymnasium vector environment, played in C++ by a pool of threads.
 
-Frame skip, pooling, scaling and stacking happen where the games are played, and results are written straight into the
-arrays that the user gets. Options, their defaults and what they do are those of ale-py's environment of the same name;
-equality to the byte is a test. Options that ale-py does not have are marked "(added)".
+The threads also skip, pool, resize and stack frames, and write results straight into the arrays that the user gets.
+Options, their defaults and their effects are those of ale-py's environment of the same name; equality to the byte is a
+test. Options that ale-py does not have are marked "(added)".
 """
 
 import os
@@ -41,9 +41,9 @@ _RAM_OF = {"now": _emulator.RamOf.NOW, "result": _emulator.RamOf.RESULT, "final"
 class AtariVectorEnv(Views, VectorState, VectorEnv):
     """Environments of one game, or of several, played together in C++.
 
-    `game` says what is played: an environment ID or an `atari.Task` all of it, a name with a preset ALE's v5 with that
-    preset. A name alone keeps the defaults of ale-py's class of this name, which docs/vector.md lists. `envs.task` has
-    the result. `step` documents observations, rewards and `info`.
+    `game` is an environment ID or an `atari.Task`, which decide the whole task, or a name. A name with a preset plays
+    ALE's v5 with that preset. A name alone has the defaults of ale-py's class of this name, which docs/vector.md lists.
+    `envs.task` is the result. `step` documents observations, rewards and `info`.
 
     Threads may share the object: one call runs at a time. In a forked process all methods but `close` raise
     RuntimeError.
@@ -53,22 +53,22 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
             environment (added). Games whose actions differ get all 18 as their common action space;
             `info["action_mask"]`, bool (batch, 18), says which of them a game uses.
         num_envs: number of environments; may be left out if `game` is a sequence.
-        preset: name of a preprocessing, one of `atari.PRESETS` (added), with `players` "multiplayer_dqn".
-        batch_size: number of results in a batch, 0 is all. With fewer than all, `recv` returns the first that are
-            ready, and `info["env_id"]` says which.
+        preset: name of a preprocessing, one of `atari.PRESETS` (added); "multiplayer_dqn" with `players`.
+        batch_size: number of results in a batch; 0 means all. With fewer than all, `recv` returns the first ready
+            ones, and `info["env_id"]` has their numbers.
         num_threads: greatest number of threads, the caller's included; 0 is the number of cores.
         thread_affinity_offset: if 0 or more, bind thread i to core offset + i, but not the caller's own (Linux).
         autoreset_mode: `gymnasium.vector.AutoresetMode`, its value or its name. With DISABLED (added), environments
             that are done ignore actions, with reward 0, until `reset(options={"reset_mask": ...})`.
         channels_last: images are (batch, img_height, img_width, stack_num), in RGB (batch, img_height, img_width,
-            3 * stack_num). Gray ones are then a transposed view, RGB ones a copy (added).
+            3 * stack_num). Gray images are then a transposed view, RGB images a copy (added).
         dtype: "uint8", or "float32" with the same values 0..255, which is a copy of four times the size (added).
         render_mode: "rgb_array" for `render` (added).
         rom: path of the ROM file; None searches (see `atari.roms`) (added).
-        game_info: `info` has the statistics of whole games; None is True with a preset, or a task with preprocessing
-            (added).
-        **options: fields of `atari.Task`, which describes them, and ale-py's other names of some, which docs/vector.md
-            lists. `mode` and `difficulty` may be sequences with one for each environment.
+        game_info: `info` has the statistics of whole games; None means True with a preset or with a task that has
+            preprocessing (added).
+        **options: fields of `atari.Task`, which describes them, and ale-py's other names of some fields, which
+            docs/vector.md lists. `mode` and `difficulty` may be sequences with one for each environment.
 
     Raises:
         TypeError, ValueError: there is no such option (the nearest is suggested), or its value is wrong.
@@ -80,8 +80,8 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         (8, 4, 84, 84)
     """
 
-    _process = 0  # that made the threads
-    _port: _emulator.XlaPort | None = None  # of compiled functions
+    _process = 0  # the process that made the threads
+    _port: _emulator.XlaPort | None = None  # for compiled functions
 
     def __init__(
         self,
@@ -128,19 +128,19 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         }
         self._engine: _emulator.VectorEngine | None = options.make_engine()
         self._process = os.getpid()
-        # Guards all attributes that change, and the engine from a send to its results.
+        # Guards all attributes that change, and the engine between a send and its results.
         self._lock = _emulator.VectorLock()
         self._added = tuple(AddedWrites() for _ in self.games)
         self.single_action_space = options.action_space()
         self.single_observation_space = options.layout.space(options.observation_space())
         self.action_space = options.batched_action_space()
         self._buffers = [Results(self._engine, options) for _ in range(2)]
-        self._out_results: Results | None = None  # of the last step with `out`
-        self._flying: Results | None = None  # what the environments are writing to
-        self._chosen: IntArray | None = None  # of all environments, those that are being played
+        self._out_results: Results | None = None  # the results of the last step with `out`
+        self._flying: Results | None = None  # the results that the environments are writing
+        self._chosen: IntArray | None = None  # the numbers of the environments being played, unless all are
         self._phase: Literal["new", "idle", "sent"] = "new"
         self._masks = options.action_masks()
-        self._closed_states: list[bytes] | None = None  # of the environments at `close`, from which `reset` continues
+        self._closed_states: list[bytes] | None = None  # the lanes at `close`; `reset` continues from them
 
     @cached_property
     def observation_space(self) -> spaces.Space[Any]:  # type: ignore[override]
@@ -153,13 +153,13 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         seed: int | Sequence[int | None] | IntArray | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Any, dict[str, Any]]:
-        """Reset all environments, or those chosen, and return a batch of first observations. Reopens after `close`.
+        """Reset all environments, or some, and return a batch of first observations. Reopens after `close`.
 
         Args:
-            seed: environment i gets seed + i; an array has a seed for each environment that is reset, of which negative
-                ones (and None) keep the generator as it is. Within 0..2**32-1.
-            options: {"reset_mask": bool (num_envs,)} resets only these; the others are shown as they are.
-                {"new_game": True} begins new games also where a lost life has ended the episode and the preset would
+            seed: environment i gets seed + i. An array has a seed for each environment that is reset; if it is negative
+                or None, the environment keeps its generator. Seeds are within 0..2**32-1.
+            options: {"reset_mask": bool (num_envs,)} resets only these; the others show their last results.
+                {"new_game": True} begins new games, even if a lost life has ended the episode and the preset would
                 continue the game.
 
         Raises:
@@ -187,7 +187,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         engine = self._open()
         mask = self.reset_mask(options)
         seeded, seeds = seed_words(seed, mask, ale=self._options.task.seeding == "ale")
-        self._phase = "new"  # until it has succeeded
+        self._phase = "new"  # until the reset succeeds
         results = self._take_buffer(engine, None)
         batch = results.batch if self.batch_size == self.num_envs else None
         engine.reset(mask, seeded, seeds, batch, bool((options or {}).get("new_game")))
@@ -200,16 +200,16 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         Args:
             actions: integers (batch,), with `continuous` floats (batch, 3); row i is for the environment of row i of
                 the last batch, which is environment i unless `batch_size` is less than `num_envs`.
-            out: where to write the observations, instead of a buffer: a C-contiguous uint8 array of their shape, or
+            out: the array for the observations, instead of a buffer: a C-contiguous uint8 array of their shape, or
                 with obs_type="dict" a dict of two.
-            env_id: integers (rows,), the environments that row i of `actions` is for, each once. Only these are played,
-                and the results have their rows alone, in this order, as copies. If `batch_size` is less than
-                `num_envs`, they must be those of the last batch, in any order.
+            env_id: integers (rows,), the number of the environment for each row of `actions`, each once. Only these are
+                played, and the results have only their rows, in this order, as copies. If `batch_size` is less than
+                `num_envs`, they must be the environments of the last batch, in any order.
 
         Returns:
             Observations, rewards (int32), terminations and truncations (bool), (batch,) each, and info. Observations
             are uint8 (batch, stack_num, img_height, img_width), in RGB with a last axis of 3, the oldest frame first.
-            **They stay as they are while you hold them**, or a view or a tensor of them. The step after the next, or a
+            **They do not change while you hold them**, or a view or a tensor of them. The step after the next, or a
             later one, writes to their memory again after the last reference has gone. To keep many, pass `out`.
 
             `info` has, (batch,) int32 each, `env_id`, `lives`, `frame_number`, `episode_frame_number`, with
@@ -230,7 +230,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
             gymnasium.error.ResetNeeded: before the first reset, or after an error in an environment.
             TypeError, ValueError: the actions are not in the action space, or `out` or `env_id` does not fit; nothing
                 is played.
-            IndexError: there is no environment of a number in `env_id`; nothing is played.
+            IndexError: a number in `env_id` has no environment; nothing is played.
         """
         with self._lock:
             engine = self._open()
@@ -256,7 +256,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
 
     def _check_idle(self) -> None:
         if self._phase == "new":
-            if self._engine is None:  # A signal handler has closed it since `_open`.
+            if self._engine is None:  # A signal handler has closed the engine after `_open`.
                 raise _closed()
             raise gymnasium.error.ResetNeeded("call reset() before the first step, and after an error in one")
         if self._is_sent():
@@ -272,7 +272,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         self._phase = "sent"
 
     def _is_sent(self) -> bool:
-        if self._phase == "sent" and not self._open().sent:  # A compiled function has received it.
+        if self._phase == "sent" and not self._open().sent:  # A compiled function has received the step.
             self._phase = "idle"
         return self._phase == "sent"
 
@@ -292,11 +292,11 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         results = self._flying
         if results is None:
             raise _closed()
-        self._phase = "new"  # should an environment have failed
+        self._phase = "new"  # stays if an environment has failed
         try:
             ended = engine.receive(results.batch)
         except RuntimeError:
-            if self._engine is None:  # A signal handler's `close` has received the step since `_flying` was read.
+            if self._engine is None:  # A signal handler's `close` received the step after this method read `_flying`.
                 raise _closed() from None
             raise
         self._phase = "idle"
@@ -305,19 +305,19 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         return results.read(self._masks, ended)
 
     def observe(self) -> tuple[Any, dict[str, Any]]:
-        """The present observations and info, as `reset` returns them, such as after `restore`; nothing is played."""
+        """The present observations and info in `reset`'s form, for example after `restore`; nothing is played."""
         none = np.zeros(self.num_envs, np.bool_)
         return self.reset(options={"reset_mask": none})
 
     def ram(self, env_id: IntArray | None = None, *, of: Literal["now", "result", "final"] = "now") -> ByteArray:
-        """The RAM of all environments, (num_envs, 128) uint8, or of those of `env_id`, (rows, 128); a copy (added).
+        """The RAM of all environments, (num_envs, 128) uint8, or of those in `env_id`, (rows, 128); a copy (added).
 
-        With of="result" it is that of the last results, whatever was written or restored since, and is read faster;
-        "final" is that of the final observation where in SAME_STEP an episode has ended.
+        With of="result" it is the RAM of the last results, despite later writes and restores, and is read faster. With
+        of="final" it is the RAM of the final observation if an episode has ended in SAME_STEP.
 
         Raises:
             RuntimeError: environments are being played (between `send` and `recv`).
-            TypeError, ValueError, IndexError: `env_id` is not integers (rows,), or there is no such environment.
+            TypeError, ValueError, IndexError: `env_id` is not integers (rows,), or has a number without an environment.
         """
         chosen = np.arange(self.num_envs, dtype=np.int64) if env_id is None else _check_env_id(env_id, None)
         rams = np.empty((len(chosen), 128), np.uint8)
@@ -342,7 +342,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
 
     @property
     def continuous_action_threshold(self) -> float:
-        """How far the stick must be moved, or fire pressed, to count."""
+        """The least deflection of the stick, or pressure on fire, that counts."""
         return float(self._options.threshold)
 
     @property
@@ -362,16 +362,16 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
             raise missing_attribute(self, name)
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
-        """The attribute of this name of each of `lanes`, or its result when it is called with these arguments."""
+        """The attribute of this name of each lane, or the result of calling it with these arguments."""
         values = [getattr(lane, name) for lane in self.lanes]
         return tuple(value(*args, **kwargs) if callable(value) else value for value in values)
 
     def get_attr(self, name: str) -> tuple[Any, ...]:
-        """The attribute of this name of each of `lanes`."""
+        """The attribute of this name of each lane."""
         return self.call(name)
 
     def set_attr(self, name: str, values: Any) -> None:
-        """Set an attribute of each of `lanes`, to one value or to a list or tuple of them.
+        """Set an attribute of each lane, to one value or to a list or tuple with a value for each.
 
         Raises:
             AttributeError: the lanes have no attribute of this name that can be set.
@@ -390,11 +390,11 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
     def close_extras(self, **kwargs: Any) -> None:
         """Join the threads and release the environments, after the calls of other threads.
 
-        As in ale-py, `reset` goes on afterwards, with all generators.
+        As in ale-py, a later `reset` continues with all generators.
         """
         if self._process != os.getpid() or sys.is_finalizing():
             self._release()
-            # In a forked process, a thread that is gone may hold the lock.
+            # In a forked process, a thread that no longer exists may hold the lock.
             self._process, self._lock = os.getpid(), _emulator.VectorLock()
             return
         with self._lock:
@@ -435,7 +435,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
 
     @property
     def started(self) -> bool:
-        """Whether the environments have been reset, and none has failed since (added)."""
+        """Whether the environments were reset, and none has failed since then (added)."""
         return self._phase != "new"
 
     def reset_mask(self, options: dict[str, Any] | None) -> npt.NDArray[np.bool_]:
@@ -462,12 +462,12 @@ def vector_of(envs: Any, num_envs: int | None, options: Mapping[str, Any], **def
     """A vector environment: `envs` if it is one, else a new one of a game.
 
     Args:
-        envs: a vector environment, or a game as `AtariVectorEnv` takes it.
-        num_envs, options: of `AtariVectorEnv`, for a game.
+        envs: a vector environment, or a game for `AtariVectorEnv`.
+        num_envs, options: arguments of `AtariVectorEnv`, for a game.
         defaults: options of a game that are not given.
 
     Raises:
-        TypeError, ValueError: as `AtariVectorEnv`; or an option is given for environments that exist.
+        TypeError, ValueError: see `AtariVectorEnv`; or an option is given for an existing vector.
     """
     if not hasattr(envs, "single_action_space"):
         return AtariVectorEnv(envs, num_envs, **{**defaults, **options})
@@ -485,7 +485,7 @@ def _check_env_id(env_id: Any, out: Any) -> IntArray:
     """The numbers of environments, (rows,) int64; the engine checks that they exist.
 
     Raises:
-        TypeError, ValueError: of the wrong kind or shape, or together with `out`.
+        TypeError, ValueError: `env_id` is of the wrong kind or shape, or is given together with `out`.
     """
     array = np.asarray(env_id)
     if array.dtype.kind not in "iu" and array.size:

@@ -15,41 +15,41 @@ from atari.validation import check_poke
 
 
 class AddedWrites:
-    """The writes that were added to an environment of a vector."""
+    """The writes that were added to a lane."""
 
     def __init__(self, slots: Sequence[_emulator.Write | None] = ()) -> None:
         self.slots = list(slots)
-        """The writes by slot, as in the engine, after the interventions. A removed write is None; the last is not."""
+        """The writes by slot, as in the engine after the interventions; None if removed. The last is never None."""
         self.shadows: list[Any] = []
-        """Cores that repeat the environment, and get these writes and bytes too."""
+        """Cores that repeat the lane, and get its writes and bytes too."""
 
     def add(self, write: _emulator.Write) -> int:
-        """Note that the engine has a write; returns its slot."""
+        """Record a write that the engine has received; returns its slot."""
         slot = writes.first_free(self.slots)
         self.slots[slot : slot + 1] = [write]
         return slot
 
     def remove(self, write: _emulator.Write) -> None:
-        """Note that the engine has a write no longer."""
+        """Record that the engine has lost a write."""
         self.slots = [None if each is write else each for each in self.slots]
         while self.slots and self.slots[-1] is None:
             self.slots.pop()
 
     def add_to(self, engine: _emulator.VectorEngine, index: int) -> None:
-        """Add the writes to an environment of a new engine, in the same slots: a state says by slot which are done."""
+        """Add the writes to an environment of a new engine, in the same slots: a state lists by slot which are done."""
         if not self.slots:
             return
         last: Any = self.slots[-1]
         for write in self.slots:
             engine.add_write(index, write or last)
         for _ in range(self.slots.count(None)):
-            engine.remove_write(index, last)  # the first that is equal
+            engine.remove_write(index, last)  # removes the first equal write
 
 
 class Lane:
     """The state of environment `index` of a vector: its numbers, RAM, screen, mode and difficulty.
 
-    Not to be used between `send` and `recv` (RuntimeError), nor once the vector is closed (ClosedEnvironmentError).
+    Its methods raise RuntimeError between `send` and `recv`, and ClosedEnvironmentError after the vector's `close`.
     """
 
     def __init__(self, envs: Any, index: int) -> None:  # an AtariVectorEnv, whose module imports this one
@@ -65,7 +65,7 @@ class Lane:
 
     @property
     def lives(self) -> int:
-        """Lives left, as the game's rules count them; of several players, the first one's."""
+        """Lives left by the game's rules; with several players, the first player's."""
         return self._numbers()[2]
 
     @property
@@ -85,7 +85,7 @@ class Lane:
 
     @property
     def mode(self) -> int:
-        """The game's mode; what is set is played from the next reset on."""
+        """The game's mode; a new value applies from the next reset on."""
         with self._lock:
             return self._engine().mode(self.index)
 
@@ -98,7 +98,7 @@ class Lane:
 
     @property
     def difficulty(self) -> int:
-        """The game's difficulty; what is set is played from the next frame on."""
+        """The game's difficulty; a new value applies from the next frame on."""
         with self._lock:
             return self._engine().difficulty(self.index)
 
@@ -111,9 +111,9 @@ class Lane:
 
     @property
     def ale(self) -> AleInterface:
-        """The methods of ale-py's `ALEInterface` for what a lane has.
+        """The methods of ale-py's `ALEInterface` that a lane has.
 
-        These are lives, frame numbers, RAM, the RGB screen, action sets, modes and difficulties. The others, such as
+        They read lives, frame numbers, RAM, the RGB screen, action sets, modes and difficulties. The others, such as
         `act` and `reset_game`, raise AttributeError: the vector plays the game.
         """
         return AleInterface(cast(Player, SimpleNamespace(core=self)))
@@ -140,7 +140,7 @@ class Lane:
         """Give a core of the same game the state of this emulator. The core keeps its sticky actions and its limit.
 
         Raises:
-            ValueError: the core is of another game.
+            ValueError: the core plays another game.
         """
         if core.game != self.game:
             raise ValueError(f"this environment plays {self.game.id}, but the core {core.game.id}; make one of this")
@@ -157,7 +157,7 @@ class Lane:
     render = screen_rgb
 
     def redraw(self, out: ByteArray | None = None) -> ByteArray:
-        """The present RAM drawn by emulating a frame in a copy, (height, 160, 3) uint8, or `out` filled with it."""
+        """The present RAM rendered by emulating a frame in a copy, (height, 160, 3) uint8, or `out` filled with it."""
         with self._lock:
             screen = self._engine().redraw(self.index)
         return _copied(screen, out)
@@ -168,7 +168,7 @@ class Lane:
         return self.added.slots
 
     def add_write(self, write: _emulator.Write, now: bool = False) -> int:
-        """Apply a write at each frame from here on, and with `now` at once; returns its place in `slots`.
+        """Apply a write at each later frame, and with `now` at once; returns its place in `slots`.
 
         Raises:
             ValueError: there are `_emulator.MOST_WRITES` already.
@@ -181,7 +181,7 @@ class Lane:
         return slot
 
     def remove_write(self, write: _emulator.Write) -> None:
-        """End a write; does nothing if there is no such."""
+        """End a write; does nothing if the write does not exist."""
         with self._lock:
             self._engine().remove_write(self.index, write)
             self.added.remove(write)
@@ -196,7 +196,7 @@ class Lane:
         """A mode or difficulty that the game has.
 
         Raises:
-            TypeError, ValueError: it is none.
+            TypeError, ValueError: the game does not have it.
         """
         offered = choices(self.game, self._envs.options.players)[name]
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)):

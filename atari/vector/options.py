@@ -1,4 +1,4 @@
-"""The options of a vector environment, checked, and what is made from them: the engine and the spaces."""
+"""The options of a vector environment, checked, and the engine and the spaces made from them."""
 
 import operator
 import os
@@ -31,7 +31,7 @@ from atari.task.storage import identity
 from atari.validation import check_integer, check_known
 from atari.vector import ale_names
 
-_INT64, _ndarray = np.dtype(np.int64), np.ndarray  # found once: they are used at every step
+_INT64, _ndarray = np.dtype(np.int64), np.ndarray  # looked up once, because every step uses them
 
 _OWN = frozenset(("game", "mode", "difficulty", "interventions", "rules", "rom_md5"))
 """Fields of tasks in which the environments of a vector may differ."""
@@ -42,11 +42,11 @@ class VectorOptions:
     """The options of a vector environment. `check` makes them from the arguments of `AtariVectorEnv`.
 
     Attributes:
-        tasks: what each environment plays. They differ in the game, its mode and difficulty, and interventions at most.
-        game_info: whether `info` has what was played of whole games.
+        tasks: the task of each environment. They differ at most in the game, its mode, difficulty and interventions.
+        game_info: whether `info` has the statistics of whole games.
         batch_size, num_threads: never 0.
         layout: the axes and the dtype of observations; `layout.is_engines` is uint8 with the stack first.
-        others: as `AtariVectorEnv` takes them.
+        others: see `AtariVectorEnv`.
     """
 
     tasks: tuple[Task, ...]
@@ -65,7 +65,7 @@ class VectorOptions:
         """The options of `AtariVectorEnv`, checked.
 
         Raises:
-            TypeError, ValueError: one is of the wrong kind or out of range.
+            TypeError, ValueError: an option is of the wrong kind or out of range.
         """
         listed = _listed(game, num_envs)
         threads = check_integer("num_threads", given["num_threads"], -NO_LIMIT, NO_LIMIT)
@@ -93,12 +93,12 @@ class VectorOptions:
 
     @property
     def task(self) -> Task:
-        """The task of the first environment. All have it, but for the game, its mode and interventions."""
+        """The task of the first environment. The others differ only in game, mode, difficulty and interventions."""
         return self.tasks[0]
 
     @cached_property
     def identities(self) -> tuple[str, ...]:
-        """The task of each environment as its snapshots have it."""
+        """The task of each environment in the form of its snapshots."""
         return tuple(map(identity, self.tasks))
 
     @cached_property
@@ -108,7 +108,7 @@ class VectorOptions:
 
     @property
     def players(self) -> int:
-        """How many play each game."""
+        """The number of players of each game."""
         return self.task.players
 
     @property
@@ -118,7 +118,7 @@ class VectorOptions:
 
     @cached_property
     def threshold(self) -> np.float32:
-        """How far the stick must be moved, or fire pressed, to count."""
+        """The least deflection of the stick, or pressure on fire, that counts."""
         threshold: np.float32 = np.float32(self.task.continuous_action_threshold)
         return threshold
 
@@ -171,14 +171,14 @@ class VectorOptions:
 
     @cached_property
     def _writes(self) -> tuple[list[_emulator.Write], ...]:
-        """By environment, the writes of its interventions. Environments of a game share them."""
+        """The writes of each environment's interventions. Environments with the same game share them."""
         made = {(task.definition, task.interventions): task for task in self.tasks}
         writes = {key: make_writes(*key) for key in made}
         return tuple(writes[task.definition, task.interventions] for task in self.tasks)
 
     @cached_property
     def action_sets(self) -> tuple[tuple[Action, ...], ...]:
-        """By environment, the actions that its game uses."""
+        """The actions that each environment's game uses."""
         return tuple(task.action_set for task in self.tasks)
 
     @property
@@ -188,7 +188,7 @@ class VectorOptions:
 
     @property
     def actions(self) -> tuple[tuple[Action, ...], ...]:
-        """By environment, the action of each index that a user gives."""
+        """For each environment, the action of each index of the action space."""
         return (PLAYER_ACTIONS,) * len(self.games) if self.continuous or self.mixed else self.action_sets
 
     def action_space(self) -> spaces.Space[Any]:
@@ -200,18 +200,18 @@ class VectorOptions:
     def batched_action_space(self) -> spaces.Space[Any]:
         """The action space of a batch."""
         single = self.action_space()
-        if isinstance(single, spaces.MultiDiscrete):  # which `batch_space` would make a Box
+        if isinstance(single, spaces.MultiDiscrete):  # `batch_space` would make a Box of it
             return spaces.MultiDiscrete(np.tile(single.nvec, (self.batch_size, 1)))
         return batch_space(single, self.batch_size)
 
     def action_masks(self) -> npt.NDArray[np.bool_] | None:
-        """Which actions each game has, (environments, 18) bool; None if all have the same."""
+        """The actions that each game has, (environments, 18) bool; None if all have the same."""
         if self.continuous or not self.mixed:
             return None
         return np.array([[action in actions for action in PLAYER_ACTIONS] for actions in self.action_sets])
 
     def observation_space(self) -> spaces.Space[Any]:
-        """The observation space of one environment, as the engine writes it: with an axis for the stack."""
+        """The observation space of one environment, in the engine's form: with an axis for the stack."""
         colours = () if self.grayscale else (3,)
         image = spaces.Box(0, 255, (self.task.stack_num or 1, *image_shape(self.task), *colours), np.uint8)
         ram = spaces.Box(0, 255, (128,), np.uint8)
@@ -222,7 +222,7 @@ class VectorOptions:
         return ram if self.task.stack_num is None else batch_space(ram, self.task.stack_num)
 
     def part_names(self) -> tuple[str, str]:
-        """The keys of stack and RAM in observations: "" if an observation is no dict, "none" for an absent part."""
+        """The keys of stack and RAM in observations: "" if observations are no dicts, "none" for an absent part."""
         if self.is_dict:
             return "image", "ram"
         return ("none", "") if self.task.obs_type == "ram" and self.task.stack_num is None else ("", "none")
@@ -235,7 +235,7 @@ class VectorOptions:
         `rows` is `batch_size` if it is None. Indices are not checked for their range.
 
         Raises:
-            TypeError, ValueError: of the wrong kind or shape.
+            TypeError, ValueError: the actions are of the wrong kind or shape.
         """
         if (
             rows is None
@@ -243,7 +243,7 @@ class VectorOptions:
             and actions.dtype is _INT64
             and actions.shape == self._index_shape
         ):
-            return actions, None  # the usual kind, without the checks below: this is done at every step
+            return actions, None  # the usual kind needs no checks, which would slow each step
         array = np.asarray(actions)
         rows = self.batch_size if rows is None else rows
         shape = (rows, 3) if self.continuous else (rows,) if self.players == 1 else (rows, self.players)
@@ -259,7 +259,7 @@ class VectorOptions:
 
     @cached_property
     def _index_shape(self) -> tuple[int, ...]:
-        """The shape of a batch of actions of one player that are indices; (-1,) if actions are no indices."""
+        """The shape of a batch of one player's action indices; (-1,) if actions are no indices."""
         return (-1,) if self.continuous or self.players > 1 else (self.batch_size,)
 
     def _motions(self, actions: npt.NDArray[Any]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32]]:
@@ -276,13 +276,13 @@ class VectorOptions:
 
 
 def _episode_settings(task: Task) -> _emulator.EpisodeSettings:
-    """The settings of how the engine begins, plays and ends episodes."""
+    """The settings with which the engine begins, plays and ends episodes."""
     alone = task.players == 1 and not task.preprocessed
     return filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=alone)
 
 
 def _listed(game: Any, num_envs: Any) -> list[Any]:
-    """The game of each environment, as a user gave it."""
+    """The user's game for each environment."""
     many = isinstance(game, Sequence) and not isinstance(game, str)
     if num_envs is None and not many:
         raise TypeError("num_envs is needed: how many environments of the game to make")
@@ -297,12 +297,12 @@ def _listed(game: Any, num_envs: Any) -> list[Any]:
 
 
 def _is_bare(game: Any) -> bool:
-    """Whether a game is named alone, without what is played of it."""
+    """Whether a game is a name alone, neither a task nor an ID."""
     return not isinstance(game, Task) and not (isinstance(game, str) and is_id(game))
 
 
 def _resolve(listed: list[Any], preset: Any, options: dict[str, Any]) -> tuple[Task, ...]:
-    """The task of each environment. Equal ones are made once."""
+    """The task of each environment. Equal tasks are made once."""
     modes, difficulties = (_spread(name, options.pop(name, None), len(listed)) for name in ("mode", "difficulty"))
     made: dict[tuple[int, int | None, int | None], Task] = {}
     keys = list(zip(map(id, listed), modes, difficulties, strict=True))
@@ -340,17 +340,17 @@ def resolve_one(game: Any, preset: Any, options: dict[str, Any]) -> Task:
 
 
 OF_TASKS = (*OPTIONS, *ALIASES, *ale_names.NAMES)
-"""The options that decide what is played."""
+"""The options that decide the tasks."""
 
 _RUN = ("num_envs", "preset")
 """The arguments of `AtariVectorEnv` that `VectorOptions.check` has by name, for the suggestion in an error."""
 
 
 def _check_alike(tasks: tuple[Task, ...]) -> None:
-    """Refuse tasks that one engine cannot play together.
+    """Raise an error for tasks that one engine cannot play together.
 
     Raises:
-        ValueError: they differ in more than games, modes, difficulties and interventions.
+        ValueError: the tasks differ in more than games, modes, difficulties and interventions.
     """
     first = tasks[0]
     for task in dict.fromkeys(tasks):

@@ -1,7 +1,7 @@
 """The memory of the results of a vector environment's batch.
 
-Observations are lent to the user without a copy: each array that a user gets owns a loan of the memory. When the last
-of these arrays has gone, and with it their views and tensors, the memory can be written again.
+Observations are lent to the user without a copy: each array of observations owns a loan of the memory. When the last
+of these arrays, with its views and tensors, no longer exists, the memory can be written again.
 """
 
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ from atari.vector.options import VectorOptions
 
 Bools = npt.NDArray[np.bool_]
 
-_UINT8, _ndarray = np.dtype(np.uint8), np.ndarray  # found once: they are used at every step
+_UINT8, _ndarray = np.dtype(np.uint8), np.ndarray  # looked up once, because every step uses them
 # The keys of `info`, and the names of the engine's arrays (emulator/vector/batch.def) that they show.
 COUNTERS = ("lives", "frame_number", "episode_frame_number")
 GAME_INFO = {"reward": "game_reward", "elapsed_step": "elapsed_step", "terminated": "game_over"}
@@ -51,10 +51,10 @@ class Results:
         if options.autoreset_mode == AutoresetMode.SAME_STEP:
             written = {pixels: "final_pixels", ram: "final_ram"}
             self._final = {name: arrays[written[name]].reshape(shape) for name, shape in shapes.items()}
-        # Lost lives are shown as ends; players who are out are not.
+        # Lost lives appear as ends; a player who is out does not.
         ends = ("terminated", "truncated") if options.players == 1 else ("ended",)
         self._ends = [arrays[name] for name in ends if self._final]
-        # Methods that copy an array, except of ended episodes.
+        # Methods that copy an array, except the arrays of ended episodes.
         reward = arrays["reward"]
         copy_reward = reward.copy if options.players == 1 else partial(reward.astype, np.float64)
         if options.task.zero_sum:
@@ -65,17 +65,17 @@ class Results:
         self._all_rows = _read_only(np.ones(rows, np.bool_))
         names = ("env_id", *COUNTERS, *(GAME_INFO if options.game_info else ()))
         self._info = {key: self._all_rows for name in names for key in (name, "_" + name)}
-        self._info["env_id"] = _read_only(np.arange(rows, dtype=np.int32))  # for a batch of all environments
+        self._info["env_id"] = _read_only(np.arange(rows, dtype=np.int32))  # valid for a batch of all environments
         self._apply_layout = None if options.layout.is_engines else options.layout.apply
-        # Arrays of the user's own are returned as they are.
+        # The user's own arrays are returned themselves.
         self._lenders = {} if out is not None else _lenders(self._observation)
         self._final_lenders = _lenders(self._final)
         self._all_lenders = [*self._lenders.values(), *self._final_lenders.values()]
 
     def aim(self, out: Any) -> None:
-        """Write the next observations to another array of the user's, in a tenth of the time of new results.
+        """Write the next observations to another array of the user's, in a tenth of the time that new results need.
 
-        The last results must have been read, and nothing of them may be lent.
+        The last results must have been read, and none of their arrays may be lent.
 
         Raises:
             TypeError, ValueError: `out` does not fit; nothing has changed.
@@ -103,11 +103,11 @@ class Results:
     def read(
         self, action_masks: npt.NDArray[np.bool_] | None, ended: bool
     ) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """Observations, lent where they are, and copies of all other arrays; `ended` is what the engine returned."""
+        """Loans of the observations, and copies of all other arrays; `ended` is the engine's return value."""
         of_reward, of_lives, of_frame, of_episode_frame, of_terminated, of_truncated = self._copies
         info: dict[str, Any] = (
             self._info.copy()
-        )  # with all masks; the rest is written out, as this is done at every step
+        )  # with all masks; written out without a loop, because every step runs it
         info["lives"], info["frame_number"], info["episode_frame_number"] = of_lives(), of_frame(), of_episode_frame()
         if self._env_id_copy is not None:
             info["env_id"] = self._env_id_copy()
@@ -121,7 +121,7 @@ class Results:
         return self._lend(self._observation, self._lenders), of_reward(), of_terminated(), of_truncated(), info
 
     def _add_ends(self, info: dict[str, Any]) -> None:
-        """Add the final observations, and what was played of the games that ended."""
+        """Add the final observations, and the statistics of the games that ended."""
         games: dict[str, Any] = {}
         arrays = self._arrays
         if arrays["game_ended"].any():
@@ -138,7 +138,7 @@ class Results:
             info["final_obs"], info["_final_obs"] = self._lend(self._final, self._final_lenders), ended
             info["final_info"], info["_final_info"] = {**final_info, **games}, ended
         elif self._game_copies:
-            # Without a preset, `RecordEpisodeStatistics` adds this key, as around ale-py's; it refuses one that exists.
+            # Without a preset, `RecordEpisodeStatistics` adds this key, as around ale-py's; it must not exist yet.
             info.update(games)
 
     def _lend(self, parts: dict[str, npt.NDArray[np.uint8]], lenders: dict[str, Any]) -> Any:
@@ -158,7 +158,7 @@ _Step = tuple[Any, Any, Any, Any, dict[str, Any]]
 
 
 def pick_rows(results: _Step, rows: npt.NDArray[np.int64]) -> _Step:
-    """Copies of some rows of what `Results.read` returns. Ends of other rows are left out of `info`."""
+    """Copies of some rows of the results of `Results.read`. Ends of other rows are left out of `info`."""
     observation, *signals, info = (_picked(part, rows) for part in results)
     for name in ("final_obs", "final_info", "episode"):
         if f"_{name}" in info and not info[f"_{name}"].any():
@@ -206,12 +206,12 @@ def _checked(out: Any, shapes: dict[str, tuple[int, ...]]) -> dict[str, npt.NDAr
 
 
 def ends_of_stacks(task: Task, terminations: Bools, truncations: Bools, info: Mapping[str, Any]) -> Bools:
-    """The lanes in which a step ended a stack of images. It goes on after a lost life that does not clear it.
+    """The lanes in which a step ended a stack of images. A stack continues after a lost life that does not clear it.
 
     Args:
         task: with `seamless_lives` or `life_loss_info`, the vector must have `game_info`.
-        terminations, truncations: of the step, (num_envs,).
-        info: of the step; with SAME_STEP its "final_info".
+        terminations, truncations: those of the step, (num_envs,).
+        info: that of the step; with SAME_STEP its "final_info".
     """
     ended: Bools = terminations | truncations
     if not task.life_loss_info and (not task.seamless_lives or task.on_reset == "new_game"):

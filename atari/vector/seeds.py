@@ -1,4 +1,4 @@
-"""Seeds of the environments of a vector, as the engine takes them."""
+"""Seeds of the environments of a vector, in the engine's form."""
 
 from typing import Any
 
@@ -13,16 +13,16 @@ def seed_words(
 ) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.uint32]]:
     """Whether each environment is seeded, (environments,), and its seed words, (environments, 9) uint32.
 
-    The first word seeds the emulator, which has no seed 2**32-1 and then gets 2**32-2. The other eight are the state of
+    The first word seeds the emulator, which gets 2**32-2 in place of 2**32-1. The other eight are the state of
     the episode's generator; with `ale`, which draws no-ops as ale-py does, all words are the seed.
 
     Args:
-        seed: as of `AtariVectorEnv.reset`.
-        mask: which environments are reset.
-        ale: whether the environments are seeded as by ale-py's vector environment, not as by `AtariEnv.reset`.
+        seed: see `AtariVectorEnv.reset`.
+        mask: the environments that are reset.
+        ale: whether the environments are seeded like ale-py's vector environment, not like `AtariEnv.reset`.
 
     Raises:
-        TypeError, ValueError: as `seed_values`.
+        TypeError, ValueError: see `seed_values`.
     """
     values = seed_values(seed, mask)
     seeds = np.zeros((len(mask), 9), np.uint32)
@@ -62,13 +62,13 @@ def seed_values(seed: Any, mask: npt.NDArray[np.bool_]) -> dict[int, int]:
 
 
 def _ale_seed(seed: int) -> list[int]:
-    """The seed of the emulator, and of the episode's generator; above 2**32-1 they begin again with 0."""
+    """The seed of the emulator and of the episode's generator; above 2**32-1 it wraps to 0."""
     word = seed % SEED_LIMIT
     return [min(word, SEED_LIMIT - 2), *[word] * 8]
 
 
 def _gymnasium_seed(seed: int) -> list[int]:
-    """The emulator's seed and the state of `np_random` that `AtariEnv.reset` makes of a seed."""
+    """The emulator's seed and the state of `np_random` that `AtariEnv.reset` makes from a seed."""
     first, second = (int(word) for word in np.random.SeedSequence(seed).generate_state(2))
     state: Any = np.random.PCG64(np.random.SeedSequence(first)).state["state"]
     words = [state[name] >> shift & 0xFFFFFFFF for name in ("state", "inc") for shift in (0, 32, 64, 96)]

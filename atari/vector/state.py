@@ -1,4 +1,4 @@
-"""`VectorState`: the states of a vector's environments, its snapshots and pickles."""
+"""`VectorState`: the states of a vector's lanes, its snapshots and pickles."""
 
 import copy
 import operator
@@ -20,7 +20,7 @@ from atari.vector.results import Results
 
 
 class LaneSnapshot(NamedTuple):
-    """The state of an environment of a vector, in memory, with its task as `atari.task.storage.identity` has it."""
+    """The state of a lane, in memory, with the text that `atari.task.storage.identity` makes from its task."""
 
     state: _emulator.MemberSnapshot
     task: str
@@ -38,7 +38,7 @@ class VectorState:
     _engine: _emulator.VectorEngine | None
     _added: tuple[AddedWrites, ...]
     _buffers: list[Results]
-    _closed_states: list[bytes] | None  # of the environments at `close`, from which `reset` continues
+    _closed_states: list[bytes] | None  # the lanes at `close`; `reset` continues from them
     _given: dict[str, Any]
     _phase: Any
     _lock: Any
@@ -49,18 +49,18 @@ class VectorState:
 
     @property
     def task(self) -> Task:
-        """The task of the first environment; all play it, but for the game, its mode and interventions (added)."""
+        """The task of the first environment; others differ only in game, mode, difficulty and interventions (added)."""
         return self.tasks[0]
 
     @property
     def tasks(self) -> tuple[Task, ...]:
-        """The task of each environment, with modes and difficulties that were set since (added)."""
+        """The task of each environment, with the modes and difficulties set later (added)."""
         return self._options.tasks
 
     def snapshot(self, indices: Iterable[int] | None = None) -> list[LaneSnapshot]:
         """The whole state of some environments, or of all, in memory: task, game, stack, generators, counters.
 
-        Each can be pickled, and restored in another process.
+        Each state can be pickled, and restored in another process.
 
         Raises:
             RuntimeError: environments are being played (between `send` and `recv`).
@@ -75,15 +75,15 @@ class VectorState:
     def restore(
         self, indices: Iterable[int] | None, snapshots: Sequence[LaneSnapshot | _emulator.MemberSnapshot]
     ) -> None:
-        """Continue some environments, or all, from snapshots; each may be of any environment of the same task.
+        """Continue some environments, or all, from snapshots; each may come from any environment of the same task.
 
-        Observations already returned stay as they are; `observe` shows the new ones. The copying is done when an
-        environment is next played or read, by the threads. Snapshots of older releases have no task.
+        Observations already returned do not change; `observe` returns the new ones. The threads copy a state when its
+        environment is next played or read. Snapshots of older releases have no task.
 
         Raises:
-            RuntimeError, IndexError: as `snapshot`.
-            TypeError, ValueError: these are no snapshots, not one for each environment, or of another task; the message
-                says each field that differs. Nothing has changed.
+            RuntimeError, IndexError: see `snapshot`.
+            TypeError, ValueError: these are no snapshots, not one for each environment, or belong to another task; the
+                message lists each field that differs. Nothing has changed.
         """
         chosen = self._indices(indices)
         with self._lock:
@@ -93,10 +93,10 @@ class VectorState:
             engine.restore(chosen, [state for state, _ in pairs])
 
     def fork(self, source: int, targets: Iterable[int]) -> None:
-        """Continue some environments from where another one of the same task is, its generators included.
+        """Continue some environments from the state of another one of the same task, its generators included.
 
         Raises:
-            RuntimeError, IndexError, ValueError: as `restore`.
+            RuntimeError, IndexError, ValueError: see `restore`.
         """
         chosen = self._indices(targets)
         with self._lock:
@@ -106,7 +106,7 @@ class VectorState:
             engine.restore(chosen, engine.snapshot([source]) * len(chosen))
 
     def _require_same(self, indices: Sequence[int], tasks: Sequence[str | None]) -> None:
-        """Refuse states of other tasks for environments; the engine checks that there are such environments."""
+        """Raise an error for states of other tasks; the engine checks that the environments exist."""
         own = self._options.identities
         for index, task in zip(indices, tasks, strict=False):
             if 0 <= index < len(own) and task != own[index]:
@@ -127,7 +127,7 @@ class VectorState:
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in all games, and the writes of `Freeze` and `Poke`.
 
-        In batches of fewer than all, a reset must follow.
+        If a batch has fewer results than all, a reset must follow.
         """
         with self._lock:
             engine = self._open()
@@ -136,7 +136,7 @@ class VectorState:
             states = [engine.save(index) for index in range(self.num_envs)]
             phase = self._phase if self.batch_size == self.num_envs else "new"
             added = [writes.definitions(added.slots) for added in self._added]
-            options = replace(self._options)  # without what was made of them
+            options = replace(self._options)  # without the cached values made from them
             facts = {"phase": phase, "spec": copy.deepcopy(self.spec)}
             return {"given": self._given, "options": options, "states": states, "writes": added, **facts}
 
@@ -151,14 +151,14 @@ class VectorState:
         self.spec = state["spec"]
 
     def _load(self, engine: _emulator.VectorEngine, states: Sequence[bytes]) -> None:
-        """Bring a new engine into states that `save` has returned, with the writes that were added."""
+        """Bring a new engine into states that `save` has returned, with the added writes."""
         for index, added in enumerate(self._added):
             added.add_to(engine, index)
         for index, state in enumerate(states):
             engine.load(index, state)
 
     def note_choices(self, index: int) -> None:
-        """Note the mode and the difficulty of an environment, which were set, in its task."""
+        """Store the new mode and difficulty of an environment in its task."""
         engine, tasks = self._open(), list(self.tasks)
         tasks[index] = tasks[index].with_set(mode=engine.mode(index), difficulty=engine.difficulty(index))
         self._options = replace(self._options, tasks=tuple(tasks))

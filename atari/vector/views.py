@@ -1,4 +1,4 @@
-"""`Views`: a vector environment as images, and as other libraries see it."""
+"""`Views`: a vector environment as images, and in the forms of other libraries."""
 
 import math
 from collections.abc import Iterator
@@ -34,7 +34,7 @@ class Views:
         return tuple(self._screens())
 
     def mosaic(self) -> ByteArray:
-        """The screens as one image, (height, width, 3) uint8, of as many columns of screens as rows, or one more."""
+        """The screens as one image, (height, width, 3) uint8, with as many columns of screens as rows, or one more."""
         screens = self._screens()
         return tile(screens, math.ceil(math.sqrt(len(screens))))
 
@@ -50,7 +50,7 @@ class Views:
         return AleVectorInterface(envs)
 
     def _repr_html_(self) -> str | None:
-        """The first screens as one picture, for a notebook; None while they are played, and after `close`."""
+        """The first screens as one image, for a notebook; None while they are played, and after `close`."""
         try:
             screens = self._screens(_MOST_SHOWN)
         except (RuntimeError, gymnasium.error.ClosedEnvironmentError):
@@ -74,7 +74,7 @@ class Views:
             yield self._open()
 
     def xla_port(self) -> _emulator.XlaPort:
-        """The engine as functions compiled by XLA call it (added); it is closed with the environments.
+        """The engine for functions compiled by XLA (added); `close` closes it too.
 
         Raises:
             gymnasium.error.ClosedEnvironmentError: the environments are closed.

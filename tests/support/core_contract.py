@@ -1,7 +1,7 @@
-"""What our three cores do alike beyond `atari.testing.check_core`: the words of their errors, and facts of some games.
+"""The common behaviour of our cores beyond `atari.testing.check_core`: the words of errors, and facts of some games.
 
-A core's own test file subclasses `CoreContract` and names its class in `core_type`; pytest runs everything below and in
-`snapshot_contract.py` on it. `tests/cores/test_contract.py` runs `check_core`.
+A core's own test file subclasses `CoreContract` and names its class in `core_type`; pytest then runs the tests below
+and in `snapshot_contract.py` on it. `tests/cores/test_contract.py` runs `check_core`.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ FIRE, RIGHT, LEFT = 1, 3, 4
 class CoreContract(SnapshotContract):
     """Subclass this with the class of a core."""
 
-    # The options a core is made with.
+    # The options of a core.
 
     def test_it_knows_its_game_and_has_a_name_in_cores(self) -> None:
         core = self.make("pong")
@@ -109,7 +109,7 @@ class CoreContract(SnapshotContract):
             getattr(self.make(), array)(np.zeros(3, np.uint8))
 
     def test_the_three_screens_show_the_same(self) -> None:
-        """Each palette index has one colour and one luminance, and the luminance is that of the colour."""
+        """Each palette index has one colour and one luminance, and the luminance belongs to the colour."""
         core = self.make("seaquest")
         core.act(0)
         index, gray = core.screen().ravel(), core.screen_grayscale().ravel()

@@ -35,7 +35,7 @@ def play(core: Core, actions: Iterable[int]) -> list[tuple[Any, ...]]:
 
 @contextmanager
 def unchanged(core: Core) -> Iterator[None]:
-    """Check that the block, which is expected to raise, leaves the core unchanged, with its hidden state."""
+    """Check that the block, which is expected to raise, leaves the core unchanged, including its hidden state."""
     seen, saved = visible(core), core.snapshot()
     yield
     assert visible(core) == seen

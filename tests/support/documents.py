@@ -1,4 +1,4 @@
-"""The pages of the documentation, and those code blocks that need other packages. Others run in every test lane."""
+"""The pages of the documentation, and the code blocks that need other packages; others run in every test lane."""
 
 import re
 from pathlib import Path

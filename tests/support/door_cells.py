@@ -49,11 +49,11 @@ VALUES: dict[str, tuple[dict[str, Any], Any]] = {
     "reward_clipping": ({}, True),
     "zero_sum": (PLAYERS, True),
 }
-"""By field, the options beside which it acts, and a value other than that of ALE's v5."""
+"""For each field, the options that it needs to have an effect, and a value other than ALE's v5."""
 
 
 SEVERAL: dict[str, Any] = {"interventions": ["lazy_enemy"], "mode": 9, "max_num_frames_per_episode": 900}
-"""Values for games of two players that have others than those for one."""
+"""Values for games of two players, if they differ from the values for one player."""
 
 
 def options_of(door: Door, field: str) -> dict[str, Any]:
@@ -83,7 +83,7 @@ def check_cell(door: Door, field: str) -> None:
     if field in door.refuses:
         with pytest.raises((TypeError, ValueError)) as error:
             call(door, options)
-        text = str(error.value).replace("-", "_")  # of flags
+        text = str(error.value).replace("-", "_")  # flags have hyphens
         assert any(name in text for name in {*options} - {"game"}), door.refuses[field]
         return
     played = call(door, options)

@@ -30,13 +30,13 @@ class Door:
     """A door.
 
     Attributes:
-        name: as a user writes it.
-        task: the task that it plays of GAME and options; it closes what it makes.
+        name: its name in a user's code.
+        task: returns the task that it plays for GAME and options; it closes the objects that it makes.
         refuses: fields that it cannot honour, each with the reason.
-        translates: options that become another field, as ale-py names them.
+        translates: options that become another field, under ale-py's names.
         outside: fields that something around this package does, each with the reason.
-        games: what GAME may be: "any", "ids" alone, or "several", games of two players.
-        takes_options: whether it takes options of a task; else a `Task` has them.
+        games: what GAME may be: "any", only "ids", or "several", games of two players.
+        takes_options: whether it takes options of a task; otherwise it needs a `Task`.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Door:
 
 
 def _closed(env: Any) -> Task:
-    """The task of an environment, which is closed."""
+    """The task of an environment, which this function closes."""
     found = env.task if hasattr(env, "task") else env.unwrapped.whole_task
     env.close()
     assert isinstance(found, Task)
@@ -103,13 +103,13 @@ def _parallel(game: Any, **options: Any) -> Task:
 
 
 def _evaluation(game: Any) -> Task:
-    """The task that `evaluate` plays by protocol machado2018; it makes a `Player` of each game."""
+    """The task that `evaluate` plays under the evaluation protocol machado2018; it makes a `Player` of each game."""
     (entry,) = find_entries(game)
     return Player(load_policy("noop"), find_protocol("machado2018"), entry).task
 
 
 def _command(*words: str) -> Callable[..., Task]:
-    """A command, whose task it prints; an exit code other than 0 is a ValueError with the error's text."""
+    """A door for a command, which prints its task; an exit code other than 0 is a ValueError with the error's text."""
 
     def task(game: str, **options: Any) -> Task:
         line = [
@@ -140,7 +140,7 @@ def _flags(name: str, value: Any) -> list[str]:
 
 
 def of_fields(names: str | tuple[str, ...], reason: str) -> dict[str, str]:
-    """Fields, or those of a group, that a door refuses for one reason."""
+    """Fields, or the fields of a group, that a door refuses for one reason."""
     chosen = GROUPS[names] if isinstance(names, str) else names
     return dict.fromkeys(chosen, reason)
 
@@ -259,16 +259,16 @@ TRAIN = Door(
         **of_fields(("fire_again", "seamless_lives", "life_loss_info"), "it contradicts preset baselines"),
     },
 )
-"""It needs PyTorch."""
+"""The door that needs PyTorch."""
 
 STABLE_BASELINES = Door("atari.sb3.AtariVecEnv", _stable_baselines, _NO_SOUND, _OF_LIMITS)
-"""It needs Stable-Baselines3."""
+"""The door that needs Stable-Baselines3."""
 
 GAMES = ("pong", "ALE/Pong-v5", "PongNoFrameskip-v4", "Pong-ram-v4")
 
 
 def row(door: Door) -> str:
-    """The row of a door in the table of docs/tasks.md: what it plays of each of `GAMES`."""
+    """The row of a door in the table of docs/tasks.md: its task for each of `GAMES`."""
     return f"| {door.name} | {' | '.join(_words(door, game) for game in GAMES)} |"
 
 

@@ -26,7 +26,7 @@ _EXACT = {"exact": True} if "exact" in inspect.signature(env_checker.data_equiva
 
 
 def data_equivalence(mine: Any, theirs: Any) -> bool:
-    """Gymnasium's, with exact equality; that of Gymnasium 0.29 allows floats a difference of 1e-5."""
+    """Gymnasium's function with exact equality; that of Gymnasium 0.29 accepts a difference of 1e-5."""
     return bool(env_checker.data_equivalence(mine, theirs, **_EXACT))
 
 

@@ -16,7 +16,7 @@ class Stream:
         self.waiting = np.zeros(lanes, bool)
 
     def frames(self) -> np.ndarray:
-        """Few values, with repeated rows: as compression meets them."""
+        """Frames with few values and repeated rows, like those that compression receives."""
         frames = self.random.integers(0, 4, (self.lanes, *self.shape)).astype(np.uint8)
         if self.random.random() < 0.5:
             frames[...] = frames[..., :1]
@@ -56,7 +56,7 @@ class Stream:
 
 
 def everything(memory: ReplayMemory, **options: Any) -> dict[int, dict[str, Any]]:
-    """By index, all transitions that can be sampled: draws until each has come."""
+    """All transitions that can be sampled, by index: draws until each has occurred."""
     found: dict[int, dict[str, Any]] = {}
     wanted = memory.count(options.get("n", 1))
     for _ in range(200):

@@ -1,6 +1,6 @@
-"""A replay memory that stores whole stacks, and every transition of every n: slow, and easy to believe.
+"""A replay memory that stores whole stacks, and every transition of every n: slow, and simple enough to check.
 
-It has the constructor of `ReplayMemory`, as far as tests use it, and lists instead of arrays.
+It has the arguments of `ReplayMemory` that tests use, and lists instead of arrays.
 """
 
 from dataclasses import dataclass, field
@@ -30,10 +30,10 @@ class Step:
 class Lane:
     """An environment: the stack that an agent would see, and its steps."""
 
-    frames: list[Frame] = field(default_factory=list)  # of the episode
+    frames: list[Frame] = field(default_factory=list)  # the frames of the episode
     waiting: bool = False
     steps: list[Step] = field(default_factory=list)
-    last: Step | None = None  # of the present episode
+    last: Step | None = None  # the last step of the present episode
 
 
 class NaiveMemory:
@@ -87,7 +87,7 @@ class NaiveMemory:
         self.row += 1
 
     def transition(self, step: Step, n: int, gamma: float, stack: int) -> dict[str, Any] | None:
-        """What `sample` shows of it, or None if n steps are not known."""
+        """The step in the form of `sample`, or None if n steps are not known."""
         total, discount, now = 0.0, 1.0, step
         for count in range(1, n + 1):
             total += discount * float(now.reward)
@@ -109,7 +109,7 @@ class NaiveMemory:
         }
 
     def transitions(self, n: int, gamma: float, stack: int) -> list[dict[str, Any]]:
-        """All that can be sampled, in the order of their indices."""
+        """All transitions that can be sampled, in the order of their indices."""
         oldest = (self.row - self.rows) * len(self.lanes)
         steps = sorted((s for lane in self.lanes for s in lane.steps if s.index >= oldest), key=lambda s: s.index)
         found = [self.transition(step, n, gamma, stack) for step in steps]

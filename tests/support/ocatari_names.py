@@ -1,4 +1,4 @@
-"""Which of OCAtari's categories are which of our objects."""
+"""OCAtari's categories for our objects."""
 
 NAMES = {
     "adventure": "object_1=Gate object_2=YellowKey player=Player",
@@ -55,7 +55,7 @@ NAMES = {
     "video_pinball": "ball=Ball",
     "yars_revenge": "enemy=Enemy|Swirl enemy_shot=Enemy_Missile player=Player player_shot=Player_Bullet shield=Shield_Block",
 }
-"""By game, names of our objects (patterns) and the categories that they may be."""
+"""For each game, names of our objects (patterns) and their possible categories."""
 
 DIFFERENT = {"ice_hockey": 0.15, "qbert": 0.5}
-"""Games in which the two agree less often, with a share that they reach; docs/ram.md says why."""
+"""Games in which the two agree less often, with the least share; docs/ram.md has the reasons."""

@@ -1,4 +1,4 @@
-"""Programs that a test runs in an interpreter of their own, because a failure of them is a hang or a crash."""
+"""Programs that a test runs in their own interpreter, because their failures are hangs or crashes."""
 
 import subprocess
 import sys
@@ -9,10 +9,10 @@ LIMIT = 60
 
 
 def run_program(program: str) -> str:
-    """What the program prints; it must end by itself, with status 0 and without an error in any of its threads.
+    """The program's output; it must end by itself, with status 0 and without an error in any of its threads.
 
     Raises:
-        AssertionError: it hung, crashed, or raised; the message has what it wrote to stderr.
+        AssertionError: it hung, crashed, or raised an error; the message has its stderr.
     """
     command = [sys.executable, "-X", "faulthandler", "-W", "ignore::DeprecationWarning", "-c", textwrap.dedent(program)]
     try:
@@ -20,5 +20,5 @@ def run_program(program: str) -> str:
     except subprocess.TimeoutExpired as error:
         raise AssertionError(f"the program hung; it printed {error.stdout!r}, and to stderr {error.stderr!r}") from None
     assert done.returncode == 0, f"status {done.returncode}: {done.stderr}"
-    assert "Exception in thread" not in done.stderr, done.stderr  # which does not change the status
+    assert "Exception in thread" not in done.stderr, done.stderr  # such an error does not change the status
     return done.stdout

@@ -10,7 +10,7 @@ from atari.recording import RecordReplay
 
 
 def play(env: gymnasium.Env[Any, Any], steps: int, seed: int | None = 0) -> list[tuple[Any, ...]]:
-    """Play at random and return what each step returned."""
+    """Play at random and return the result of each step."""
     env.action_space.seed(0 if seed is None else seed)
     env.reset(seed=seed)
     results = []

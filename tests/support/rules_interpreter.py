@@ -17,7 +17,7 @@ def signed(value: int) -> int:
 
 
 def vocabulary(ram: Memory, base: int = 0x80) -> dict[str, Any]:
-    """The names in an expression that are no variables; `base` is the address of the first byte of `ram`."""
+    """The names in an expression that are not variables; `base` is the address of the first byte of `ram`."""
     memory = bytes(base) + bytes(ram)
 
     def between(low: int, high: int) -> bytes:
@@ -52,7 +52,7 @@ class Interpreter:
         self._state = dict(rules.state)
 
     def reset(self, ram: Memory, mode: int, xram: Memory = bytes(128)) -> dict[str, int]:
-        """Begin an episode with the RAM that a reset has left.
+        """Begin an episode with the RAM after a reset.
 
         The core evaluates the rules for every frame of a reset, but only the last frame determines the state after it.
         """

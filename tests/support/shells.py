@@ -1,4 +1,4 @@
-"""Interactive shells on a terminal of their own, where a test presses Tab."""
+"""Interactive shells on their own terminals, in which a test presses Tab."""
 
 import os
 import re
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 LIMIT = 60.0
-"""Seconds after which a shell has failed to answer."""
+"""Seconds after which a shell counts as hung."""
 
 
 class Session:
@@ -29,7 +29,7 @@ class Session:
         self._process.stdin.flush()
 
     def wait_for(self, pattern: str) -> re.Match[str]:
-        """The first match of what the shell writes from now on."""
+        """The first match in the shell's output from now on."""
         assert self._process.stdout
         written = ""
         end = time.monotonic() + LIMIT
@@ -83,7 +83,7 @@ print REA''DY
 
 
 class TcshSession(Session):
-    """tcsh, where a completed line is run and prints itself."""
+    """tcsh, which runs a completed line, so that it prints itself."""
 
     def __init__(self, script: Path, folder: Path) -> None:
         super().__init__(["tcsh", "-f"], folder, TERM="vt100")

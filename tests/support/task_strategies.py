@@ -44,11 +44,11 @@ VALUES: dict[str, tuple[Any, ...]] = {
     "end_frames": ("last", "gymnasium", "baselines", "envpool"),
     "reward_clipping": (False, True),
 }
-"""By field, values that are drawn. Several players and sound have tests of their own."""
+"""The values that are drawn for each field. Several players and sound have their own tests."""
 
 
 def accepted(fields: dict[str, Any]) -> Task:
-    """The task of drawn fields, without those that have no effect; fields that contradict each other are rejected."""
+    """The task of drawn fields, without fields that have no effect; contradictory fields are rejected."""
     if fields["img_height"] is None or fields["img_width"] is None:
         fields["img_height"] = fields["img_width"] = None
     settle(fields, DEFAULTS, given=())

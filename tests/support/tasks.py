@@ -17,7 +17,7 @@ _IMAGES = {
 
 
 def task(game: str = "breakout", **fields: Any) -> Task:
-    """A task with these fields: frames of 4 pooled, resized and stacked, and nothing else unless `fields` have it.
+    """A task with these fields: frames of 4 pooled, resized and stacked, and no other change unless `fields` have it.
 
     Fields without effect take their defaults.
     """

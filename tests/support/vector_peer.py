@@ -1,4 +1,4 @@
-"""A vector environment beside ale-py's of the same name: same options, seeds and actions, and every array compared."""
+"""Compares a vector environment with ale-py's of the same name: same options, seeds and actions, and every array."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ NUMBERS = ("env_id", "lives", "frame_number", "episode_frame_number")
 
 
 def compare(game: str, steps: int, seed: int = 0, num_envs: int = 2, **options: Any) -> int:
-    """Assert equality for some steps of random actions; returns how many episodes ended."""
+    """Assert equality for some steps of random actions; returns the number of episodes that ended."""
     theirs = ale_py.AtariVectorEnv(game, num_envs, num_threads=1, **options)
     ours = atari.AtariVectorEnv(game, num_envs, num_threads=1, **options)
     assert ours.single_action_space == theirs.single_action_space
@@ -57,7 +57,7 @@ def choose(generator: np.random.Generator, envs: Any, num_envs: int) -> Any:
 
 
 def same(name: str, mine: Any, other: Any, where: str) -> None:
-    """Whether two arrays are equal in dtype, shape and every value."""
+    """Assert that two arrays are equal in dtype, shape and every value."""
     assert mine.dtype == other.dtype, f"{where}: {name} is {mine.dtype}, ale-py's {other.dtype}"
     assert mine.shape == other.shape, f"{where}: {name} is {mine.shape}, ale-py's {other.shape}"
     assert np.array_equal(mine, other), f"{where}: {name} differs"
@@ -106,7 +106,7 @@ def option_sets(count: int, seed: int) -> list[tuple[str, dict[str, Any]]]:
 
 
 def _with_effect(options: dict[str, Any]) -> dict[str, Any]:
-    """The options that have an effect together: ale-py ignores the others, and ours refuses them."""
+    """The options that have an effect together: ale-py ignores the others, and ours raises errors for them."""
     without = {
         "continuous_action_threshold": not options["continuous"],
         "life_loss_info": options["episodic_life"],

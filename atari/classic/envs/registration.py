@@ -1,8 +1,7 @@
 """Gym's registry, as another interface to Gymnasium's.
 
-Only Gymnasium's registry has entries, so both interfaces can make an environment that either of them has registered. An
-`EnvSpec` has the fields of Gym's specs; it is derived from Gymnasium's at each lookup, with Gym's limits for Atari
-games.
+Only Gymnasium's registry has entries, so both interfaces can make each registered environment. An `EnvSpec` has the
+fields of Gym's specs; each lookup derives it from Gymnasium's spec, with Gym's limits for Atari games.
 """
 
 import copy
@@ -104,17 +103,17 @@ def register(
     tags: dict[str, Any] | None = None,
     **_: Any,
 ) -> None:
-    """Register an environment, of the old interface or the new, for `make` and for `gymnasium.make`.
+    """Register an environment, with the old interface or the new, for `make` and for `gymnasium.make`.
 
     Args:
         id: such as "Corridor-v0".
         entry_point: the class, or its import path "my_module:CorridorEnv".
         reward_threshold: the mean return from which the task counts as solved.
-        nondeterministic: whether seeding does not make it repeatable.
+        nondeterministic: whether its episodes differ despite equal seeds.
         max_episode_steps: the time limit; `timestep_limit` and the tag of 2016 mean the same.
         kwargs: arguments of the class; those of `make` have precedence.
         timestep_limit: see `max_episode_steps`.
-        tags: of these, only the time limit is used.
+        tags: only the time limit among them is used.
 
     Raises:
         gymnasium.error.Error: the ID is malformed, or taken by another environment.
@@ -152,10 +151,10 @@ def register(
 
 
 def spec(id: str) -> EnvSpec:
-    """The `EnvSpec` of an ID, or of its newest version if the ID's own is gone.
+    """The `EnvSpec` of an ID, or of its newest version if its own version no longer exists.
 
     Raises:
-        gymnasium.error.UnregisteredEnv: there is no such environment; the message suggests an ID, or what to
+        gymnasium.error.UnregisteredEnv: there is no such environment; the message suggests an ID, or a package to
             install.
 
     Example:
@@ -174,9 +173,9 @@ def make(id: str, **options: Any) -> Env:
         **options: arguments of the environment.
 
     Raises:
-        gymnasium.error.UnregisteredEnv: there is no such environment; the message suggests an ID, or what to
+        gymnasium.error.UnregisteredEnv: there is no such environment; the message suggests an ID, or a package to
             install.
-        gymnasium.error.DependencyNotInstalled: it needs a package that is not installed; the message names it.
+        gymnasium.error.DependencyNotInstalled: the environment needs a package; the message names it.
 
     Example:
         >>> from atari import classic

@@ -14,8 +14,8 @@ class Box(Shared, gymnasium.spaces.Box):
     Args:
         low: the lower bounds, an array, or one number for all.
         high: the upper bounds.
-        shape: of the arrays, if the bounds are numbers.
-        dtype: of the arrays; None is float32.
+        shape: the shape of the arrays, if the bounds are numbers.
+        dtype: the dtype of the arrays; None means float32.
     """
 
     def __init__(self, low: Any, high: Any, shape: Any = None, dtype: Any = None) -> None:
@@ -24,7 +24,7 @@ class Box(Shared, gymnasium.spaces.Box):
         super().__init__(low, high, shape, dtype)
 
     def contains(self, x: Any) -> bool:
-        """Whether `x` has the shape and lies within the bounds, whatever its dtype."""
+        """Whether `x` has the shape and lies within the bounds; its dtype does not matter."""
         array = np.asarray(x)
         return array.shape == self.shape and bool(np.all(array >= self.low) and np.all(array <= self.high))
 

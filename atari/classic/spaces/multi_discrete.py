@@ -1,4 +1,4 @@
-"""`MultiDiscrete`: several integers, each with a range of its own."""
+"""`MultiDiscrete`: several integers, each with its own range."""
 
 from typing import Any
 

@@ -1,6 +1,6 @@
 """`prng.seed(0)`: one generator for the samples of all spaces, as before 2018.
 
-After it is seeded, every space draws from it that has not been seeded or sampled before.
+After `prng.seed`, every space that was not seeded or sampled before draws from this generator.
 """
 
 from typing import Any

@@ -1,4 +1,4 @@
-"""Helpers for environments that users write."""
+"""Helpers for users' environments."""
 
 from gymnasium.utils import EzPickle, colorize
 

@@ -19,7 +19,7 @@ def play(
     callback: Callback | None = None,
     keys_to_action: dict[Any, Any] | None = None,
 ) -> None:
-    """Play until the window is closed or Escape pressed.
+    """Play until the window is closed or Escape is pressed.
 
     Args:
         env: an environment that renders "rgb_array".
@@ -27,12 +27,12 @@ def play(
         fps: steps a second.
         zoom: size of the window relative to the image.
         callback: called after each step with the observation before and after, action, reward, done and info.
-        keys_to_action: which keys stand for which action, such as {(ord("a"),): 0}; None uses those of the
+        keys_to_action: the action of each combination of keys, such as {(ord("a"),): 0}; None uses those of the
             environment.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: pygame is not installed.
-        gymnasium.error.Error: the environment has no keys of its own, and none were given.
+        gymnasium.error.Error: the environment has no keys, and none were given.
     """
     if keys_to_action is None and not hasattr(env, "get_keys_to_action"):
         raise gymnasium.error.Error(

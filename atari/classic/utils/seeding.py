@@ -1,4 +1,4 @@
-"""Random generators as Gym seeded them: `self.np_random, seed = seeding.np_random(seed)`.
+"""Random generators with Gym's seeding: `self.np_random, seed = seeding.np_random(seed)`.
 
 They are NumPy's `RandomState`s, with `randint` and `rand`, in streams that have not changed since 2016: an environment
 seeded with 0 draws the same numbers as then. A seed is hashed first, so that neighbouring seeds have unrelated streams.
@@ -14,7 +14,7 @@ _BYTES = 8
 
 
 def np_random(seed: int | None = None) -> tuple[np.random.RandomState, int]:
-    """A generator and its seed, which is chosen at random if None.
+    """A generator and its seed; None chooses a random seed.
 
     Raises:
         ValueError: the seed is negative.

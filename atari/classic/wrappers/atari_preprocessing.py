@@ -9,7 +9,7 @@ from atari.classic.wrappers.bridge import Bridge
 
 
 class AtariPreprocessing(Bridge):
-    """Random no-ops at the start, skipped frames, the maximum of the last two, in gray and 84 x 84.
+    """Random no-ops at the start, skipped frames, the maximum of the last two frames, in gray and 84 x 84.
 
     Args:
         env: a game without a frame skip of its own, such as "PongNoFrameskip-v4".

@@ -13,7 +13,7 @@ _GymnasiumEnv = gymnasium.Env[Any, Any]
 
 
 class Bridge(Wrapper):
-    """An old-style environment, wrapped by a wrapper of Gymnasium.
+    """An old-style environment, inside a wrapper of Gymnasium.
 
     Args:
         env: the environment.

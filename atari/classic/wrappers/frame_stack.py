@@ -5,13 +5,13 @@ from atari.classic.wrappers.bridge import Bridge
 
 
 class FrameStack(Bridge):
-    """Observations are the last `num_stack`, the oldest first, of shape (num_stack, *shape).
+    """Observations contain the last `num_stack`, the oldest first, in shape (num_stack, *shape).
 
     They share their frames, and become arrays when NumPy converts them: `np.array(observation)`.
 
     Args:
-        env: an environment of Box observations.
-        num_stack: how many.
+        env: an environment with Box observations.
+        num_stack: the number of stacked observations.
         lz4_compress: has no effect; shared frames need no compression.
     """
 

@@ -10,27 +10,27 @@ from atari.classic.episode_recorder import EpisodeRecorder, VideoCallable
 
 
 class Monitor(Wrapper):
-    """Writes videos of episodes 0, 1, 8, 27, ..., 1000, 2000, ..., and the statistics of all.
+    """Writes videos of episodes 0, 1, 8, 27, ..., 1000, 2000, ..., and the statistics of all episodes.
 
     An episode ends when it is done, or with the next `reset`. A monitor that is open when the interpreter exits is
     closed then.
 
     Args:
         env: an environment.
-        directory: where to write; it is made if necessary.
-        video_callable: called with the number of an episode, returns whether to record it; None records those above,
-            False none. Environments that cannot render "rgb_array" are not recorded.
+        directory: the folder for the files; it is made if necessary.
+        video_callable: a function of the number of an episode that returns whether to record it. None records the
+            episodes above, False none. Environments that cannot render "rgb_array" are not recorded.
         force: remove the files of other monitors in the directory.
         resume: keep these files, and add to them.
         write_upon_reset: write the statistics after every episode, not only when closed.
         uid: a name in place of the process's number.
-        mode: "training" or "evaluation", as noted with each episode.
+        mode: "training" or "evaluation", recorded with each episode.
 
     Raises:
         gymnasium.error.Error: another monitor wrote there, and neither `force` nor `resume` is given; from `step`: the
             episode is over.
-        gymnasium.error.DependencyNotInstalled: PyAV is not installed (extra `video`); `video_callable=False` does
-            without.
+        gymnasium.error.DependencyNotInstalled: PyAV is not installed (extra `video`); `video_callable=False` does not
+            need it.
     """
 
     def __init__(

@@ -8,14 +8,14 @@ from atari.classic.core import Env, Step, Wrapper
 class TimeLimit(Wrapper):
     """Episodes are done after `max_episode_steps` steps; `info["TimeLimit.truncated"]` distinguishes these ends.
 
-    It is True where only the limit ended the episode, False where the limit coincided with the end, and absent before.
+    It is True if only the limit ended the episode, False if the limit coincided with the end, and absent before.
 
     Args:
         env: an environment.
-        max_episode_steps: None is the limit of the environment's spec.
+        max_episode_steps: None means the limit of the environment's spec.
 
     Raises:
-        ValueError: it is less than 1, or None where the spec has no limit.
+        ValueError: it is less than 1, or it is None and the spec has no limit.
     """
 
     def __init__(self, env: Env, max_episode_steps: int | None = None) -> None:

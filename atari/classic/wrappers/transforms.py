@@ -31,7 +31,7 @@ class GrayScaleObservation(ObservationWrapper):
 
 
 class ResizeObservation(Bridge):
-    """Images of another size, (rows, columns), or one number for both."""
+    """Images in another size, (rows, columns), or one number for both."""
 
     def __init__(self, env: Env, shape: int | tuple[int, int]) -> None:
         size = (shape, shape) if isinstance(shape, int) else shape

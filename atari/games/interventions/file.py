@@ -28,15 +28,15 @@ _FOLDER = Path(__file__).parent / "data"
 _MOST_WRITES = 64
 _MOST_FRAMES = 100_000
 CHECK_NAMES = ("reward", "lives", "frame", "pixels")
-"""The names of a check's expressions besides labels; a label of the same name comes first."""
+"""The names in a check's expressions besides labels; a label of the same name takes precedence."""
 
 
 @dataclass(frozen=True)
 class Check:
-    """The proof of an intervention's effect: the frames to play, and the expression that must hold for them.
+    """The proof of an intervention's effect: the frames to play, and the expression that must hold.
 
     Attributes:
-        frames: emulated frames that are played.
+        frames: number of emulated frames to play.
         actions: "random", "noop", or names of actions, which are repeated.
         kind: "holds", "more" or "less".
         expression: over labels, `ram[...]`, `CHECK_NAMES`, and the calls `first(label)` and `changes(label)`.
@@ -54,7 +54,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Intervention:
-    """A described change of a game. `table` is its definition as in a file, without the name."""
+    """A described change of a game. `table` is its definition in a file's form, without the name."""
 
     name: str
     description: str

@@ -18,7 +18,7 @@ from atari.validation import check_integer
 
 _HELPERS = {**HELPERS, "random": Helper(2, 2, 0)}
 _VARIABLES = {"old": 1, "frame": 2, "v": 3}
-"""The numbers of the variables of a write's programs, as in `WriteVariable` in `atari/emulator/ale/writes.hpp`."""
+"""The numbers of the variables of a write's programs, equal to `WriteVariable` in `atari/emulator/ale/writes.hpp`."""
 
 _RESULT = 0
 _ANY_PLACE = range(256)
@@ -70,7 +70,7 @@ def compile_write(game: Game, rule: WriteRule, where: str) -> CompiledWrite:
     """Check a rule and compile it; `where` names it in errors.
 
     Raises:
-        TypeError, ValueError: a label, a place, a mask, a frame or an expression is wrong; the message says where.
+        TypeError, ValueError: a label, a place, a mask, a frame or an expression is wrong; the message has the place.
     """
     label = find_label(game, rule.to, f"{where}, to") if isinstance(rule.to, str) else None
     if label is None:
@@ -126,7 +126,7 @@ def parse_expression(game: Game, source: str, names: Iterable[str], where: str) 
     """Parse an expression over `names` and the labels of a game, and replace the labels by their values.
 
     Raises:
-        ValueError: `source` is not such an expression; the message says where and what is wrong.
+        ValueError: `source` is not such an expression; the message has the place and the fault.
     """
     names = set(names)
     tree = check_expression(source, _AnyName(), where, _ANY_PLACE, _HELPERS)
@@ -141,7 +141,7 @@ def parse_expression(game: Game, source: str, names: Iterable[str], where: str) 
 
 
 class _AnyName(set[str]):
-    """A scope with all names, which are checked afterwards."""
+    """A scope with all names; a later check refuses unknown ones."""
 
     def __contains__(self, name: object) -> bool:
         return True
@@ -181,6 +181,6 @@ class _Byte(ast.NodeTransformer):
 def _compile_label(label: RamLabel) -> list[int]:
     source = value_source(label)
     if label.transform is None and label.encoding == "bcd":
-        source = f"{source} if (v & 15) < 10 and (v & 240) < 160 else -1"  # no such digit is ever written
+        source = f"{source} if (v & 15) < 10 and (v & 240) < 160 else -1"  # -1: no value for bytes with other digits
     tree = check_expression(source, {"v"}, label.name, LABEL_ADDRESSES)
     return compile_expression(tree, _VARIABLES, _RESULT)

@@ -1,6 +1,6 @@
 """`python -m atari.integrations.envpool script.py [arguments]`: run a script whose `import envpool` gives this package.
 
-If Gym is not installed, `import gym` gives `atari.classic`.
+If Gym is not installed, `import gym` imports `atari.classic`.
 """
 
 import sys
@@ -15,12 +15,12 @@ _HELP = "Runs a script written for EnvPool: `import envpool` gives it atari.inte
 
 
 def main(arguments: list[str]) -> int:
-    """Run a script as `python script.py` would, and return its exit code."""
+    """Run a script like `python script.py`, and return its exit code."""
     return run_script("atari.integrations.envpool", _HELP, arguments, stand_in)
 
 
 def stand_in() -> None:
-    """Let `import envpool` give this package, and `envpool.python.protocol` the type `EnvPool` for annotations."""
+    """Make `import envpool` import this package; `envpool.python.protocol` has the type `EnvPool` for annotations."""
     if find_spec("gym") is None:
         stand_in_for_gym()
     sys.modules["envpool"] = envpool

@@ -23,7 +23,7 @@ class EnvPool:
 
     Observations are uint8 (batch, stack_num, img_height, img_width), in RGB with 3 * stack_num; rewards float32
     (batch,). `info` has, (batch,) each: `env_id`, `lives`, `elapsed_step`, int32; `reward`, float32, not clipped;
-    `terminated`, int32, whether the game is over, also where a lost life ends an episode; `TimeLimit.truncated`, bool;
+    `terminated`, int32, whether the game is over, even if a lost life ends an episode; `TimeLimit.truncated`, bool;
     `players`, a dict with `env_id`; and `ram`, uint8 (batch, 128).
 
     The step after an end ignores its action and returns the first observation of the next episode. Observations do not
@@ -33,7 +33,7 @@ class EnvPool:
 
     Args:
         spec: from `make_spec`.
-        returns_done: whether `step` returns four values, with `done`, and `reset` the observations alone.
+        returns_done: whether `step` returns four values, with `done`, and `reset` only the observations.
 
     Example:
         >>> import atari.integrations.envpool as envpool
@@ -65,20 +65,20 @@ class EnvPool:
 
     @property
     def task(self) -> Task:
-        """The task that is played."""
+        """The task."""
         return self.vector.task
 
     def reset(self, env_id: Any = None, *, seed: Any = None, options: Any = None) -> Any:
         """Reset all environments, or those in `env_id`, and return their first observations and `info`.
 
         Args:
-            env_id: integers (rows,), each once; the rows of the results are theirs, in this order.
-            seed: environment i is seeded with seed + i; None continues, or begins with the seed of `make`.
+            env_id: integers (rows,), each once; the results have the rows of these environments, in this order.
+            seed: environment i gets seed + i; None continues the generators, or begins with the seed of `make`.
             options: None, or empty.
 
         Raises:
             TypeError, ValueError, IndexError: `env_id` or `seed` does not fit.
-            gymnasium.error.ResetNeeded: the first reset is not of all environments.
+            gymnasium.error.ResetNeeded: the first reset does not reset all environments.
         """
         if options:
             raise ValueError(f"reset() has no options here, got {options!r}")
@@ -96,7 +96,7 @@ class EnvPool:
         return self._shown(results if rows is None or self.is_async else pick_rows(results, rows), reset=True)
 
     def step(self, action: Any, env_id: Any = None) -> Any:
-        """Play a step of all environments, or of those in `env_id`, whose rows alone come back.
+        """Play a step of all environments, or of those in `env_id`; then the results have only their rows.
 
         Returns:
             Observations, rewards, dones and `info`; for "gymnasium" terminations and truncations instead of dones.
@@ -119,7 +119,7 @@ class EnvPool:
         self.vector.send(action, env_id=env_id)
 
     def recv(self, reset: bool = False, return_info: bool = True) -> Any:
-        """Wait for a batch of results, as `step` returns them, or with `reset` as `reset` does.
+        """Wait for a batch of results, in the form of `step`, or with `reset` in the form of `reset`.
 
         Raises:
             gymnasium.error.NoAsyncCallError: nothing has been sent.
@@ -135,7 +135,7 @@ class EnvPool:
         self._seed = seed
 
     def xla(self) -> Any:
-        """`handle`, `recv`, `send` and `step` for functions compiled by JAX, as `AtariVectorEnv.xla` returns them.
+        """`handle`, `recv`, `send` and `step` for functions compiled by JAX, see `AtariVectorEnv.xla`.
 
         `recv` and `step` return a handle and the results of the methods of these names.
 
@@ -175,7 +175,7 @@ class EnvPool:
         return array.astype(np.int64)
 
     def _shown(self, results: Any, reset: bool, return_info: bool = True) -> Any:
-        """Results of the vector environment as EnvPool returns them."""
+        """Results of the vector environment in EnvPool's form."""
         if reset:
             image, *_, info = shown(results, self.returns_done)
             return (image, info) if self._reset_returns_info and return_info else image
@@ -183,7 +183,7 @@ class EnvPool:
 
 
 def shown(results: Any, returns_done: bool) -> tuple[Any, ...]:
-    """Results of the vector environment as EnvPool's `step` returns them, of NumPy's arrays or of JAX's.
+    """Results of the vector environment in the form of EnvPool's `step`, as arrays of NumPy or of JAX.
 
     Args:
         results: the results of `AtariVectorEnv.step`.
@@ -210,18 +210,18 @@ def shown(results: Any, returns_done: bool) -> tuple[Any, ...]:
 
 
 class GymnasiumEnvPool(EnvPool, VectorEnv, gymnasium.Env[Any, Any]):  # type: ignore[misc]
-    """An `EnvPool` for Gymnasium's wrappers, of single and of vector environments, as EnvPool's own is."""
+    """An `EnvPool` for Gymnasium's wrappers of single and of vector environments, like EnvPool's own."""
 
 
 def make(task_id: GameLike, env_type: str, **options: Any) -> EnvPool:
-    """Make environments of a task, as `envpool.make` does.
+    """Make environments of a task, like `envpool.make`.
 
     Args:
-        task_id: a name of `list_all_envs`, such as "Breakout-v5", or another that `make_spec` takes: a game's name,
-            a game file, an environment ID, or an `atari.Task`.
-        env_type: "gym", where `step` returns four values and `reset` one, as in EnvPool with Gym before 0.26; or
+        task_id: a name of `list_all_envs`, such as "Breakout-v5", or another argument of `make_spec`: a game's name, a
+            game file, an environment ID, or an `atari.Task`.
+        env_type: "gym": `step` returns four values and `reset` one, as in EnvPool with Gym before 0.26; or
             "gymnasium".
-        options: EnvPool's: num_envs, batch_size, num_threads, thread_affinity_offset, seed, max_episode_steps,
+        options: EnvPool's options: num_envs, batch_size, num_threads, thread_affinity_offset, seed, max_episode_steps,
             stack_num, frame_skip, noop_max, episodic_life, reward_clip, use_fire_reset, img_height, img_width, mode,
             difficulty, full_action_space, repeat_action_probability, gray_scale, gym_reset_return_info.
 

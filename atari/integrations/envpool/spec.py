@@ -52,7 +52,7 @@ _SAME = (
     "stack_num episodic_life img_height img_width mode difficulty full_action_space repeat_action_probability".split()
 )
 _FIELDS = {"frame_skip": "frameskip", "reward_clip": "reward_clipping", **dict(zip(_SAME, _SAME, strict=True))}
-"""EnvPool's options that a `Task` has under another name or the same; -1 is the default."""
+"""The `Task` fields of EnvPool's options, under the same or another name; -1 is the default."""
 
 _WITHOUT_EFFECT = {
     "max_num_players": "a game has one player",
@@ -60,7 +60,7 @@ _WITHOUT_EFFECT = {
     "zero_discount_on_life_loss": "no discount is returned",
     "use_inter_area_resize": "images are resized by areas",
 }
-"""EnvPool's options that are refused unless they have their default, with the reason."""
+"""EnvPool's options that must have their default, with the reason."""
 
 Config = namedtuple("Config", _DEFAULTS)  # type: ignore[misc]
 """EnvPool's options with their values."""
@@ -71,7 +71,7 @@ class EnvPoolSpec:
     """The options of a task. Scripts may set other attributes, such as `id`.
 
     Attributes:
-        config: every option of EnvPool's with its value, a named tuple.
+        config: every option of EnvPool's with its value; a named tuple.
         played: the task that these options define.
 
     Example:
@@ -98,12 +98,12 @@ class EnvPoolSpec:
 
     @cached_property
     def observation_space(self) -> Any:
-        """The observation space of one environment; of Gym, if `gym` is imported."""
+        """The observation space of one environment; a space of Gym if `gym` is imported."""
         return self._observation_space(sys.modules.get("gym.spaces", gymnasium.spaces))
 
     @cached_property
     def action_space(self) -> Any:
-        """The action space of one environment; of Gym, if `gym` is imported."""
+        """The action space of one environment; a space of Gym if `gym` is imported."""
         return self._action_space(sys.modules.get("gym.spaces", gymnasium.spaces))
 
     def make_vector(self) -> AtariVectorEnv:
@@ -142,13 +142,13 @@ def make_spec(task_id: GameLike, **options: Any) -> EnvPoolSpec:
     """The spec of a task, such as "Breakout-v5", with EnvPool's options.
 
     Args:
-        task_id: a name of EnvPool's, or a game's name, the path of a game file or a `Game`, which have EnvPool's
-            defaults; an environment ID ("ALE/Breakout-v5"), which has its own sticky actions and actions; or an
-            `atari.Task`, whose fields replace all of EnvPool's defaults.
+        task_id: a name of EnvPool's, or a game's name, the path of a game file or a `Game`, with EnvPool's defaults; an
+            environment ID ("ALE/Breakout-v5"), which decides sticky actions and actions; or an `atari.Task`, whose
+            fields replace all of EnvPool's defaults.
         options: EnvPool's options.
 
     Raises:
-        TypeError: there is no such option; the nearest is suggested.
+        TypeError: there is no such option; the message suggests the nearest.
         ValueError: there is no such task, or an option has a value that is not supported.
 
     Example:
@@ -178,7 +178,7 @@ def make_spec(task_id: GameLike, **options: Any) -> EnvPoolSpec:
 
 
 def _resolve(task_id: GameLike, fields: Mapping[str, Any]) -> Task:
-    """The task that a name has with EnvPool's defaults, or a task of one player, with these fields."""
+    """A name's task with EnvPool's defaults, or a task for one player, with these fields."""
     if isinstance(task_id, Task):
         if task_id.players > 1:
             raise ValueError(f"a game has one player, and the task has players={task_id.players}; use AtariVectorEnv")
@@ -192,7 +192,7 @@ def _base(task_id: GameLike) -> Task:
     """The task without options.
 
     Raises:
-        ValueError: there is no such task; the nearest name of EnvPool's is suggested.
+        ValueError: there is no such task; the message suggests the nearest of EnvPool's names.
     """
     try:
         return _resolve(task_id, {})
@@ -205,7 +205,7 @@ def _base(task_id: GameLike) -> Task:
 
 
 def _of_task(base: Task, task_id: GameLike) -> dict[str, Any]:
-    """EnvPool's options with the values of a task, or of an ID, where they are not EnvPool's defaults."""
+    """EnvPool's options with the values of a task, or of an ID, that differ from EnvPool's defaults."""
     own = {"repeat_action_probability": base.repeat_action_probability, "full_action_space": base.actions == "full"}
     if not isinstance(task_id, Task):
         return own

@@ -1,6 +1,6 @@
 """Vector environments inside functions that JAX compiles: `xla`.
 
-`functions.py` has the functions, `results.py` their results, `callback.py` the way through Python for GPUs. JAX is
+`functions.py` has the functions, `results.py` their results, `callback.py` the callbacks in Python for GPUs. JAX is
 imported when `xla` is called.
 """
 

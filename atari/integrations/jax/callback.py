@@ -1,6 +1,6 @@
-"""`send` and `recv` by ordered callbacks, which run in Python on the host: for devices that are no CPU.
+"""`send` and `recv` by ordered callbacks, which run in Python on the host: for devices other than CPUs.
 
-Observations are written to page-locked memory where JAX's device has it, from which a GPU copies without help.
+If JAX's device has page-locked memory, observations are written there, and a GPU copies them by itself.
 """
 
 import ctypes
@@ -51,14 +51,14 @@ def callbacks(envs: Any, parts: ResultParts) -> tuple[Callable[..., Any], Callab
 
 
 def filled(value: Any, wanted: Any) -> Any:
-    """An array, or dict of arrays, as declared: absent arrays are zero, and undeclared arrays are left out."""
+    """An array, or dict of arrays, in the declared form: absent arrays are zero, undeclared arrays are left out."""
     if isinstance(wanted, dict):
         return {name: filled((value or {}).get(name), part) for name, part in wanted.items()}
     return np.zeros(wanted.shape, wanted.dtype) if value is None else np.asarray(value).astype(wanted.dtype, copy=False)
 
 
 def pinned_arrays(like: Any, count: int = 2) -> list[Any] | None:
-    """NumPy arrays in page-locked memory; None if the default device has none, or `like` is not of uint8.
+    """NumPy arrays in page-locked memory; None if the default device has none, or `like` is not uint8.
 
     Args:
         like: an object with the `shape` and `dtype` of the arrays.
@@ -73,7 +73,7 @@ def pinned_arrays(like: Any, count: int = 2) -> list[Any] | None:
 
 
 def _view(array: Any) -> Any:
-    """The memory of a JAX array, which nothing else uses, as a writable NumPy array that keeps it."""
+    """The memory of a JAX array, which nothing else uses, as a writable NumPy array that keeps the JAX array alive."""
     memory: Any = (ctypes.c_uint8 * int(np.prod(array.shape))).from_address(array.unsafe_buffer_pointer())
     memory.kept = array
     return np.frombuffer(memory, np.uint8).reshape(array.shape)

@@ -22,30 +22,30 @@ class XlaFunctions(NamedTuple):
 
 
 def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
-    """`(handle, recv, send, step)` of an `AtariVectorEnv`, as EnvPool's, for functions that JAX compiles.
+    """`(handle, recv, send, step)` of an `AtariVectorEnv`, in EnvPool's form, for functions that JAX compiles.
 
     `step(handle, action, env_id=None)` returns a handle and the results of `step`; `send(handle, action, env_id=None)`
     returns a handle; `recv(handle)` returns a handle and results. Pass on each handle: their chain is the order in
-    which calls run. `env_id` must have as many rows as a batch. Reset the environments by `reset`, or `reset_async`
-    before `recv`. Compiled functions fail after the environments have been closed or collected.
+    which calls run. `env_id` must have the number of rows of a batch. Reset the environments by `reset`, or by
+    `reset_async` before `recv`. Compiled functions fail after the environments have been closed or collected.
 
     Results equal those of `AtariVectorEnv.step` to the byte. `info` has the same arrays in each step: it leaves out the
     masks of keys that all rows have, and `episode`. In SAME_STEP it always has `final_obs` and `final_info`, zero in
-    the rows of episodes that go on, and their masks.
+    the rows of episodes that continue, and their masks.
 
     Args:
         envs: the environments; `envs.xla()` is the same call.
-        callback: False plays by calls from XLA to the emulator without Python, on the CPU; True by ordered callbacks
-            in Python, on any device; None is False if JAX's default device is a CPU, otherwise True.
+        callback: False plays by calls from XLA to the emulator without Python, on the CPU. True plays by ordered
+            callbacks in Python, on any device. None means False if JAX's default device is a CPU, otherwise True.
 
     Returns:
         A named tuple with these four fields; `handle` is uint8 (8,).
 
     Raises:
-        gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0, without `jax.ffi`.
+        gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0, which added `jax.ffi`.
         gymnasium.error.ClosedEnvironmentError: the environments are closed.
         TypeError: `callback` is neither None nor a bool.
-        ValueError: the environments have `continuous` or `agent_indicator`, which compiled functions cannot have.
+        ValueError: the environments have `continuous` or `agent_indicator`, which compiled functions do not support.
 
     Example:
         >>> import atari, numpy
@@ -119,7 +119,7 @@ def _foreign_functions(jax: Any, parts: ResultParts) -> tuple[Callable[..., Any]
 def _checked(
     jax: Any, shape: tuple[int, ...], send: Callable[..., Any], recv: Callable[..., Any], step: Any
 ) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """`send` and `step` that refuse actions of another kind while a function is traced."""
+    """`send` and `step` that raise an error for actions of another kind while JAX traces a function."""
 
     def check(action: Any, env_id: Any) -> list[Any]:
         arrays = [_integers(jax, "actions", action, shape)]

@@ -10,7 +10,7 @@ from atari.vector.results import COUNTERS, GAME_INFO
 
 
 class ResultParts:
-    """The arrays of a batch, and how they become the results of a step.
+    """The arrays of a batch, and their conversion to the results of a step.
 
     Args:
         options: the options of the vector environment.
@@ -18,7 +18,7 @@ class ResultParts:
 
     Attributes:
         declared: name, shape and dtype of each array that a compiled function gets, in order.
-        as_written: whether an observation is one array, as the engine writes it.
+        as_written: whether an observation is one array, in the engine's form.
     """
 
     def __init__(self, options: Any, port: _emulator.XlaPort) -> None:

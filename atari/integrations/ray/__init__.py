@@ -2,7 +2,7 @@
 
 RLlib: `config` makes an algorithm's configuration, `register` and `env_creator` the environment alone (`rllib.py`).
 Other learners: `RolloutActors` plays environments in actors and returns batches of steps (`rollout_actors.py`).
-Data sets: `collect` lets many workers play games, and writes them (`collection.py`).
+Data sets: `collect` has many workers play games, and writes data sets (`collection.py`).
 Each name is imported when it is first used.
 """
 

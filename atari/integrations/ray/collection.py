@@ -1,4 +1,4 @@
-"""`collect`: data sets of many games, played by workers of a cluster; a run that was stopped goes on."""
+"""`collect`: data sets of many games, played by workers of a cluster; a stopped run can continue."""
 
 import json
 import os
@@ -21,7 +21,7 @@ from atari.validation import check_integer, check_name
 
 _MANIFEST = "_manifest.jsonl"
 _SEEDS = 2**32
-"""Seeds are below it."""
+"""The bound of seeds."""
 
 
 @dataclass(frozen=True)
@@ -58,38 +58,38 @@ def collect(
     labels: Sequence[str] | None = None,
     progress: Callable[[int], object] | None = None,
 ) -> dict[str, Any]:
-    """Let workers of Ray play a game for each seed, and write a data set, with the columns of `write_dataset`.
+    """Have workers of Ray play a game for each seed, and write a data set with the columns of `write_dataset`.
 
-    The workers belong to the cluster that this process is connected to. Otherwise `ray.init()` connects it, or starts
+    The workers belong to the cluster to which this process is connected. Otherwise `ray.init()` connects it, or starts
     Ray on this machine. Games come to this process through the object store, so workers need no common file system. At
-    most two games for each CPU of the cluster are under way.
+    most two games for each CPU of the cluster are in progress.
 
     - "parquet": `output` is a folder with a file for each seed, `seed-0000000003.parquet`. The number of an episode is
       its seed. `pyarrow.parquet.read_table(output)` and `ray.data.read_parquet(output)` read the folder. The workers
       play, render and compress.
     - "hdf5", "minari": the workers play, and return replays, which are kept in the folder `OUTPUT.parts` ("/" becomes
       "-"). When all are there, this process renders and writes the output, because these formats have one writer, and
-      deletes the folder. `write_dataset` would write the same output of the replays in the order of the seeds.
+      deletes the folder. `write_dataset` would write the same output from the replays in the order of the seeds.
 
-    The folder has a manifest of the finished seeds. The same call goes on where a killed one stopped, and more seeds
-    add to a Parquet folder; seeds that are finished are not played again. The rows are the same to the bit for any
+    The folder has a manifest of the finished seeds. The same call continues a killed one, and more seeds add to a
+    Parquet folder; finished seeds are not played again. The rows are the same to the bit for any
     number of workers, provided that the policy's actions depend only on its observations and seeds.
 
     Args:
         game: a game, an ID or a `Task`. A policy without a task plays an ID or a `Task` unchanged. The manifest and
-            the files have the task that is played.
-        output: the folder (.parquet), the file (.h5, .hdf5) or the ID of the Minari dataset. The latter two must not
-            exist.
-        policy: a policy as for `load_policy`; the workers load it. The manifest and the files have its name.
-        seeds: the seeds of the games, 0..2**32 - 1; a seed that comes twice counts once.
+            the files have the task.
+        output: the folder (.parquet), the file (.h5, .hdf5) or the ID of the Minari dataset. The file and the ID must
+            not exist.
+        policy: a policy, see `load_policy`; the workers load it. The manifest and the files have its name.
+        seeds: the seeds of the games, 0..2**32 - 1; a repeated seed counts once.
         format, frames, labels: see `write_dataset`.
-        progress: called with the number of games that are finished, once at the start and after each.
+        progress: a function to call with the number of finished games, at the start and after each game.
 
     Returns:
-        As `write_dataset`, with the number `played` of games that this call has played, and the `task`, an object.
+        The result of `write_dataset`, with `played`, the number of games that this call played, and `task`, an object.
 
     Raises:
-        TypeError, ValueError: as `write_dataset` and `evaluate`; or the folder has data of another task or policy, or
+        TypeError, ValueError: see `write_dataset` and `evaluate`; or the folder has data of another task or policy, or
             of other options.
         KeyError: the game has no such label.
         RuntimeError: a worker has another version of this package.
@@ -107,7 +107,7 @@ def collect(
     if format != "parquet":
         check_output(output, format)
     names = Labels(entry.task.definition, labels).names
-    loaded = load_policy(policy)  # so that errors are raised before anything is written
+    loaded = load_policy(policy)  # raises its errors before anything is written
     name = str(policy) if isinstance(policy, (str, Path)) else loaded.name
     task = json.loads(Player(loaded, usual_protocol(loaded, entry), entry).task.to_json())
     facts = {
@@ -141,10 +141,10 @@ def collect(
 
 
 def _played(tasks: Sequence[_Task]) -> Iterator[_Part]:
-    """Yield the workers' parts, in any order. An error cancels the games that are under way."""
+    """Yield the workers' parts, in any order. An error cancels the games in progress."""
     if not ray.is_initialized():
         ray.init()
-    cluster: Any = ray  # whose functions have no types
+    cluster: Any = ray  # Ray's functions have no types
     limit = max(2, 2 * int(cluster.cluster_resources().get("CPU", 1)))
     play = ray.remote(_play).options(num_cpus=1)
     waiting = iter(tasks)

@@ -1,7 +1,7 @@
-"""RLlib's own networks for observations of bytes: their first layer divides by 255.
+"""RLlib's own networks for observations as bytes: their first layer divides by 255.
 
-RLlib's default networks take float32. With these, episodes, the object store and replay buffers hold bytes, which are
-a quarter of the size, and the network converts them on its own device.
+RLlib's default networks take float32. With these networks, episodes, the object store and replay buffers hold
+bytes, which are a quarter of the size, and the network converts them on its own device.
 """
 
 from typing import Any
@@ -13,10 +13,10 @@ from ray.rllib.core.models.configs import CNNEncoderConfig, MLPEncoderConfig
 
 
 class Scale(torch.nn.Module):
-    """Tensors of 0 to 255, of any type, as float32 of 0 to 1."""
+    """Scales tensors with values 0 to 255, of any type, to float32 values 0 to 1."""
 
     def forward(self, values: torch.Tensor) -> torch.Tensor:
-        """The scaled values, in the shape of the given ones."""
+        """The scaled values, in the same shape."""
         return values.float() / 255
 
 
@@ -29,11 +29,11 @@ class _ScalingEncoder:
 
 
 class ScalingCNN(_ScalingEncoder, CNNEncoderConfig):
-    """RLlib's convolutions, of images of bytes."""
+    """RLlib's convolutions, for images as bytes."""
 
 
 class ScalingMLP(_ScalingEncoder, MLPEncoderConfig):
-    """RLlib's fully connected layers, of rows of bytes."""
+    """RLlib's fully connected layers, for rows of bytes."""
 
 
 class _ScalingCatalog:
@@ -41,13 +41,13 @@ class _ScalingCatalog:
     def _get_encoder_config(cls, observation_space: Any, model_config_dict: Any, action_space: Any = None) -> Any:
         config = super()._get_encoder_config(observation_space, model_config_dict, action_space)  # type: ignore[misc]
         kinds = {CNNEncoderConfig: ScalingCNN, MLPEncoderConfig: ScalingMLP}
-        # An LSTM's config is neither; RLlib makes the network before the LSTM by another call of this method.
+        # An LSTM's config is neither of these; another call of this method makes the network before the LSTM.
         return kinds[type(config)](**vars(config)) if type(config) in kinds else config
 
 
 class ScalingPPOCatalog(_ScalingCatalog, PPOCatalog):
-    """Networks of PPO, IMPALA and APPO."""
+    """Networks for PPO, IMPALA and APPO."""
 
 
 class ScalingDQNCatalog(_ScalingCatalog, DQNCatalog):
-    """Networks of DQN."""
+    """Networks for DQN."""

@@ -1,6 +1,6 @@
 """RLlib's new API stack on `AtariVectorEnv`: one vector environment in each env runner.
 
-RLlib's env runner assumes autoreset in NEXT_STEP mode: it takes the observation after an end for the first
+RLlib's env runner assumes autoreset in NEXT_STEP mode: it uses the observation after an end as the first
 observation of the next episode.
 """
 
@@ -27,7 +27,7 @@ _RUN_OPTIONS = frozenset(inspect.signature(AtariVectorEnv.__init__).parameters) 
     "num_envs",
     "options",
 }
-"""Options of `AtariVectorEnv` that are no fields of the task."""
+"""Options of `AtariVectorEnv` that are not fields of the task."""
 
 
 def register(name: str = "atari") -> str:
@@ -48,16 +48,16 @@ def env_creator(env_config: Mapping[str, Any]) -> "EpisodeVectorEnv":
     """The vector environment of one env runner, for `gym_env_vectorize_mode="vector_entry_point"`.
 
     Args:
-        env_config: `game`, as `AtariVectorEnv` takes it ("pong", "ALE/Pong-v5", an `atari.Task`), or a list of them;
+        env_config: `game`, for `AtariVectorEnv` ("pong", "ALE/Pong-v5", an `atari.Task`), or a list of games;
             RLlib's `num_envs`; all others are options of `AtariVectorEnv`. Environment i plays game i of a list, which
-            repeats after its end. Workers do not have IDs that your program registered itself: give
-            `Task.of(ID)`, as `config` does. `num_threads` is the number of CPUs of the env runner, unless given.
+            repeats after its end. Workers do not have IDs that your program registered itself: for them use
+            `Task.of(ID)`, like `config`. `num_threads` is the number of CPUs of the env runner, unless given.
 
     Returns:
         A wrapper around an `AtariVectorEnv`.
 
     Raises:
-        TypeError, ValueError: as `AtariVectorEnv`; or `game` is missing; or the autoreset mode is not NEXT_STEP; or
+        TypeError, ValueError: see `AtariVectorEnv`; or `game` is missing; or the autoreset mode is not NEXT_STEP; or
             there are more games than environments.
         gymnasium.error.NameNotFound: there is no such ID.
     """
@@ -82,7 +82,7 @@ def env_creator(env_config: Mapping[str, Any]) -> "EpisodeVectorEnv":
 
 
 def _cpus() -> int:
-    """The number of CPUs of this Ray worker; outside of workers 0, which stands for all CPUs of the machine."""
+    """The number of CPUs of this Ray worker; outside workers 0, which means all CPUs of the machine."""
     if not ray.is_initialized() or ray.get_runtime_context().get_actor_id() is None:
         return 0
     return max(1, int(ray.get_runtime_context().get_assigned_resources().get("CPU", 1)))
@@ -92,15 +92,15 @@ class EpisodeVectorEnv(VectorWrapper):
     """An `AtariVectorEnv` for RLlib's env runner.
 
     `info` is empty: RLlib would make a dict of each environment's values in each step, and keep them with the
-    episodes. `finished` has the scores of whole games, which `GameScores` reports. `reset` with one seed gives
-    environment i the seed `seed * num_envs + i`: env runners get seeds in a row, and no two of their environments then
+    episodes. `finished` has the scores of whole games, which `GameScores` reports. With one seed, `reset` gives
+    environment i the seed `seed * num_envs + i`. Env runners get consecutive seeds, so no two of their environments
     play the same game.
     """
 
     def __init__(self, envs: AtariVectorEnv) -> None:
         super().__init__(envs)
         self.finished: list[tuple[float, int]] = []
-        """Return and length in frames of each whole game that has ended, until it is cleared."""
+        """Return and length in frames of each whole game that has ended, until the next report clears them."""
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """New episodes; see `AtariVectorEnv.reset`."""
@@ -124,9 +124,9 @@ class EpisodeVectorEnv(VectorWrapper):
 
 
 def _copied(observations: Any) -> Any:
-    """Observations in memory of their own.
+    """Copies of observations.
 
-    RLlib keeps every observation until the sample is complete. If they were lent, the vector would have to make new
+    RLlib keeps every observation until the sample is complete. If the vector lent them, it would have to make new
     results at every step, which takes longer than this copy.
     """
     if isinstance(observations, dict):
@@ -138,14 +138,14 @@ class GameScores(RLlibCallback):
     """Reports the scores of whole games beside RLlib's episodes, which may be single lives with clipped rewards.
 
     `algo.train()["env_runners"]` has `game_return_mean` and `game_frames_mean`, means over the last 100 games of each
-    env runner, and `num_games`, of this iteration. Means are NaN where no game has ended. They need a preset.
+    env runner, and `num_games`, of this iteration. Means are NaN if no game has ended. They need a preset.
 
     Example:
         >>> PPOConfig().callbacks(GameScores)  # doctest: +SKIP
     """
 
     def on_sample_end(self, *, env_runner: Any, metrics_logger: Any, **_: Any) -> None:
-        """Report the games that have ended since the last call."""
+        """Report the games that ended after the last call."""
         envs = env_runner.env
         while not isinstance(envs, EpisodeVectorEnv) and hasattr(envs, "env"):
             envs = envs.env
@@ -182,9 +182,9 @@ def config(
     num_env_runners: int = 2,
     **options: Any,
 ) -> Any:
-    """RLlib's configuration of an algorithm on Atari, ready for `build_algo()` and to be changed before.
+    """RLlib's configuration of an algorithm on Atari, ready for `build_algo()` or for changes.
 
-    An ID decides sticky actions, actions, and whether RAM or pixels are observed; the preset decides the rest. For a
+    An ID decides sticky actions, actions, and RAM or pixels as observations; the preset decides the rest. For a
     game's name, the preset decides all of it. A `Task` is played unchanged. `env_config["game"]` has the tasks.
 
     Observations are bytes, and the networks scale them. Pixels have the network of Mnih et al. (2015).
@@ -192,9 +192,9 @@ def config(
     Args:
         algorithm: "PPO", "DQN", "IMPALA" or "APPO".
         game: a game, an ID or a task, or a list of them.
-        preset: name of a preset; None is "baselines", or for a task its own fields.
+        preset: name of a preset; None means "baselines", or for a task its own fields.
         num_envs: environments of each env runner.
-        num_env_runners: processes that play; with 0 the algorithm's own process does.
+        num_env_runners: processes that play; with 0 the algorithm's own process plays.
         options: fields of `atari.Task`, such as obs_type="ram", and the other options of `AtariVectorEnv`.
 
     Returns:

@@ -14,20 +14,20 @@ Bools = npt.NDArray[np.bool_]
 class Rollout:
     """Steps of the environments of one actor: `steps` of each of its `num_envs` environments.
 
-    Arrays that came through Ray's object store are read-only views of its memory, which stays in use as long as one of
-    them is held.
+    Arrays from Ray's object store are read-only views of its memory. The memory stays in use as long as one of these
+    arrays exists.
 
     Attributes:
         actor: index of the actor.
         number: number of this batch among the batches of its actor, 0, 1, ... without gaps.
         version: version of the weights that chose the actions, 0 before the first `set_weights`.
-        observations_table: uint8 (entries, ...), single frames, or whole observations where nothing is stacked.
-        observations_index: int32 (steps + 1, num_envs, stack_num), for each frame of each observation its entry in the
-            table; None where nothing is stacked: then the table is (steps + 1, num_envs, ...).
-        actions: (steps, num_envs) as the policy returned them.
+        observations_table: uint8 (entries, ...), single frames, or whole observations if nothing is stacked.
+        observations_index: int32 (steps + 1, num_envs, stack_num), the entry in the table of each frame of each
+            observation; None if nothing is stacked: then the table is (steps + 1, num_envs, ...).
+        actions: (steps, num_envs), the policy's results.
         rewards: (steps, num_envs).
         terminations, truncations: bool (steps, num_envs).
-        valid: bool (steps, num_envs), false where the step only began a new episode and ignored its action: no
+        valid: bool (steps, num_envs), false for a step that only began a new episode and ignored its action: it is no
             transition.
         extras: the arrays that the policy returned beside actions, by name, (steps, num_envs, ...) each.
         scores, lengths: for the whole games that ended, in order: the sum of the rewards without clipping, float64
@@ -93,7 +93,7 @@ class Frames:
     """Stacked observations of a rollout, as a table of single frames and an index.
 
     An observation has one new frame, and shares the others with the observation before it. At the start and after the
-    end of an episode it shares none: `whole` marks these observations, and all their frames are stored.
+    end of an episode it shares no frame: `whole` marks these observations, and all their frames are stored.
 
     Args:
         steps: number of steps of a rollout.
@@ -103,7 +103,7 @@ class Frames:
     def __init__(self, steps: int, shape: tuple[int, ...]) -> None:
         self._num_envs, self._stack, *frame = shape
         self.index = np.zeros((steps + 1, self._num_envs, self._stack), np.int32)
-        # Most rollouts have few ends: an eighth more than the new frames and the first stacks is enough for them.
+        # Most rollouts have few ends: an eighth more than the new frames and the first stacks is enough.
         entries = (steps + self._stack) * self._num_envs
         self._table = np.zeros((entries + entries // 8, *frame), np.uint8)
         self._used = 0

@@ -1,7 +1,7 @@
-"""`RolloutActors`: actors of Ray that play environments and return batches of steps, for learners of your own.
+"""`RolloutActors`: actors of Ray that play environments and return batches of steps, for your own learners.
 
-Every batch is delivered once, in order within its actor. When an actor is lost, another one takes its place. It
-continues from the last snapshot that came with a delivered batch, plays the actions of the batches delivered since
+Every batch is delivered once, in order within its actor. When an actor is lost, another actor replaces it. The new
+actor continues from the last snapshot of a delivered batch. It plays the actions of the later delivered batches
 again, and then plays the batches that were in flight.
 """
 
@@ -24,7 +24,7 @@ from atari.task.resolution import is_id
 from atari.validation import check_integer
 
 _LOST = (RayActorError, ObjectLostError, OutOfMemoryError, RaySystemError)
-_MOST_LOSSES = 5  # after that many losses without a batch between them, an actor does not come back
+_MOST_LOSSES = 5  # an actor is not replaced after more losses without a batch between them
 
 _log = logging.getLogger(__name__)
 
@@ -63,10 +63,10 @@ class RolloutActors:
     and lost actors, provided that `set_weights` is called after the same batches.
 
     Args:
-        game: the game of the environments, as `AtariVectorEnv` takes it, or a sequence of `num_envs` games.
+        game: the game of the environments, see `AtariVectorEnv`, or a sequence of `num_envs` games.
         num_actors: the number of actors.
         num_envs: the number of environments of each actor.
-        policy: a policy as for `atari.learning.load_policy`, such as a class or a function without parameters, which
+        policy: a policy, see `atari.learning.load_policy`, such as a class or a function without parameters, which
             each actor calls. `policy(observations, lanes)` returns actions (num_envs,), or (actions, extras) with a
             mapping of arrays (num_envs, ...) that come with the batch, such as logits. `observations` are those of
             `AtariVectorEnv`, (num_envs, ...) uint8, valid until the next call. A policy with weights has
@@ -77,7 +77,7 @@ class RolloutActors:
             the lost actor had.
         steps: the steps of each environment in a batch.
         seed: environment j of actor i has seed + i * num_envs + j.
-        in_flight: batches of each actor that are being played or wait for delivery: no more are played until the
+        in_flight: batches of each actor in progress or waiting for delivery: no more are played until the
             learner takes one. With 2, an actor plays while the learner learns.
         snapshot_every: batches between two snapshots of an actor's environments. A lost actor's successor plays the
             batches since the last snapshot again.
@@ -89,7 +89,7 @@ class RolloutActors:
 
     Raises:
         TypeError, ValueError, FileNotFoundError: an argument is of the wrong kind or out of range, or there is no ROM
-            file; nothing has been started.
+            file; nothing has started.
 
     Example:
         >>> with RolloutActors("breakout", 2, 8, "random", steps=32) as actors:  # doctest: +SKIP
@@ -122,15 +122,15 @@ class RolloutActors:
         seed = check_integer("seed", seed, 0, SEED_LIMIT - 1)
         steps = check_integer("steps", steps, 1, 1_000_000)
         if not makes_policy(policy):
-            load_policy(policy)  # so that errors are raised here
+            load_policy(policy)  # raises its errors here
         self._settings = WorkerSettings(_resolved(game), num_envs, steps, seed, unstacked, options)
-        self._settings.make().close()  # so that errors are raised here
+        self._settings.make().close()  # raises its errors here
         self._policy = policy
         self._worker = ray.remote(RolloutWorker).options(
             **{"num_cpus": 1, **(actor_options or {}), "max_restarts": 0, "max_task_retries": 0}
         )
         self._version = 0
-        self._weights: Any = None  # a reference
+        self._weights: Any = None  # a reference in the object store
         self._turn = 0
         self.lost = 0
         """Actors that were lost and replaced so far."""
@@ -139,13 +139,13 @@ class RolloutActors:
             self._order(index)
 
     def set_weights(self, weights: Any) -> int:
-        """Give the policies weights, with which the batches ordered from now on are played; returns their version.
+        """Set the policies' weights for the batches ordered from now on; returns their version.
 
-        They are put into the object store once, and each node fetches them once. The batches that are in flight keep
-        the weights with which they were ordered: `Rollout.version` says which.
+        They are put into the object store once, and each node fetches them once. Batches in flight keep the weights
+        with which they were ordered: `Rollout.version` has their version.
 
         Args:
-            weights: for `load` of the policy: NumPy arrays in any structure, which it gets as read-only views.
+            weights: the argument of the policy's `load`: NumPy arrays in any structure; `load` gets read-only views.
         """
         self._version += 1
         self._weights = ray.put(weights)
@@ -175,7 +175,7 @@ class RolloutActors:
             return played.rollout
 
     def close(self) -> None:
-        """Stop the actors; batches that are held stay readable."""
+        """Stop the actors; existing batches stay readable."""
         for seat in self._seats:
             ray.kill(seat.actor)
         self._seats = []
@@ -197,7 +197,7 @@ class RolloutActors:
         return heads[ready]
 
     def _deliver(self, index: int, played: Played) -> None:
-        """Note that the oldest batch of an actor has come."""
+        """Record the arrival of an actor's oldest batch."""
         seat = self._seats[index]
         number = seat.orders.popleft().number
         if played.rollout.number != number:
@@ -211,7 +211,7 @@ class RolloutActors:
         self._turn = (index + 1) % len(self._seats)
 
     def _order(self, index: int) -> None:
-        """Order batches of an actor until as many as allowed are in flight."""
+        """Order batches of an actor until the allowed number is in flight."""
         seat = self._seats[index]
         while len(seat.orders) < self._in_flight:
             order = _Order(seat.ordered, self._version, self._weights)
@@ -249,7 +249,7 @@ class RolloutActors:
             else f"the snapshot after batch {seat.position.number - replayed - 1}",
             replayed,
         )
-        ray.kill(seat.actor)  # it may be alive where its batch was lost
+        ray.kill(seat.actor)  # the actor may be alive although its batch was lost
         seat.actor = self._hire(index, seat.position)
         seat.sent_version = -1
         for order in seat.orders:
@@ -257,7 +257,7 @@ class RolloutActors:
 
 
 def _resolved(game: Any) -> Any:
-    """A game for actors, in which IDs that this program has registered are missing."""
+    """A game in a form for actors, which lack the IDs that this program has registered."""
     if isinstance(game, str):
         return Task.of(game) if is_id(game) else game
     return [_resolved(one) for one in game] if isinstance(game, Sequence) else game

@@ -1,4 +1,4 @@
-"""`RolloutWorker`: environments and a policy, which an actor of `RolloutActors` plays. Needs no Ray."""
+"""`RolloutWorker`: environments and a policy, which an actor of `RolloutActors` plays. This module needs no Ray."""
 
 import pickle
 import zlib
@@ -43,8 +43,8 @@ class WorkerSettings:
         """The environments of a worker.
 
         Raises:
-            TypeError, ValueError, FileNotFoundError: as `AtariVectorEnv`; or observations would not be written straight
-                into a rollout.
+            TypeError, ValueError, FileNotFoundError: see `AtariVectorEnv`; or observations would not be written
+                straight into a rollout.
         """
         envs = AtariVectorEnv(self.game, self.num_envs, **{"num_threads": 1, "game_info": True, **self.options})
         refused = {
@@ -65,13 +65,13 @@ class WorkerSettings:
 
 @dataclass(frozen=True)
 class Position:
-    """The position of a worker after a rollout: all that the next rollout depends on, except the weights.
+    """The position of a worker after a rollout: everything that the next rollout depends on, except the weights.
 
     Attributes:
         number: number of the next rollout.
-        environments: snapshots of the environments after rollout `snapshot_number - 1`, packed; None is their reset.
+        environments: snapshots of the environments after rollout `snapshot_number - 1`, packed; None means their reset.
         actions: the actions played since the snapshot, (steps, num_envs, ...) for each rollout.
-        policy: the state of the policy after the last rollout, pickled; None is the beginning.
+        policy: the state of the policy after the last rollout, pickled; None means the beginning.
     """
 
     number: int = 0
@@ -87,7 +87,7 @@ class Played:
     Attributes:
         rollout: the steps.
         environments: snapshots after the rollout, packed; None without `take_snapshot`.
-        policy: the state of the policy, as in `Position`.
+        policy: the state of the policy, see `Position`.
     """
 
     rollout: Rollout
@@ -114,7 +114,7 @@ class RolloutWorker:
         self._number = position.number
         self._observations, _ = self._envs.reset(seed=(settings.seed + index * settings.num_envs) % SEED_LIMIT)
         self._ended = np.zeros(settings.num_envs, np.bool_)  # lanes in which the next step begins an episode
-        self._renewed = self._ended  # lanes in which it begins a stack of images, too
+        self._renewed = self._ended  # lanes in which the next step also begins a stack of images
         shape = self._observations.shape
         stacked = settings.unstacked and len(shape) > 3 and shape[1] > 1
         self._frames = Frames(settings.steps, shape) if stacked else None
@@ -122,10 +122,10 @@ class RolloutWorker:
         self._position: Position | None = position
 
     def play(self, weights: Any, version: int, take_snapshot: bool) -> Played:
-        """Play a rollout. The next one writes to the memory of its observations again.
+        """Play a rollout. The next rollout overwrites the memory of its observations.
 
         Args:
-            weights: for the policy's `load`, before the first step; None leaves them.
+            weights: the argument of the policy's `load`, before the first step; None keeps the old weights.
             version: the version of the weights, which marks the rollout.
             take_snapshot: whether to return the state of the environments after the rollout.
 
@@ -133,7 +133,7 @@ class RolloutWorker:
             ValueError: the policy returns no actions for the environments, or other extras than before.
             RuntimeError: in the successor of a lost actor, the policy's `restore` has failed.
         """
-        if self._position is not None:  # here, because Ray takes an actor whose constructor fails for a lost one
+        if self._position is not None:  # not in the constructor, whose failure would mean a lost actor to Ray
             self._begin_policy()
             self._continue(self._position)
             self._position = None
@@ -163,7 +163,7 @@ class RolloutWorker:
         return Played(rollout, self._snapshot() if take_snapshot else None, self._policy_state())
 
     def _begin(self) -> npt.NDArray[np.uint8]:
-        """Begin a rollout with the last observations; returns where whole observations are written."""
+        """Begin a rollout with the last observations; returns the array for whole observations."""
         if self._frames:
             self._frames.begin(self._observations)
             return np.zeros(0, np.uint8)
@@ -173,7 +173,7 @@ class RolloutWorker:
         return self._table
 
     def _note_ends(self, terminations: Any, truncations: Any, info: Mapping[str, Any]) -> None:
-        """Note in which lanes the next step begins an episode, and a new stack of images."""
+        """Record the lanes in which the next step begins an episode, and a new stack of images."""
         self._ended = terminations | truncations
         self._renewed = ends_of_stacks(self._envs.task, terminations, truncations, info)
 
@@ -188,7 +188,7 @@ class RolloutWorker:
         """Begin with the policy.
 
         Raises:
-            ValueError: it needs other environments than these.
+            ValueError: the policy needs other environments than these.
         """
         played, needs = self._envs.task, needs_of(self._policy, self._envs.games[0])
         if needs.task is not None:
@@ -232,7 +232,7 @@ class RolloutWorker:
 
 
 class _Rows:
-    """The arrays of a rollout but its observations, filled row by row; made as the first row needs them."""
+    """The arrays of a rollout except its observations, filled row by row; the first row decides their shapes."""
 
     def __init__(self, steps: int) -> None:
         self._steps = steps

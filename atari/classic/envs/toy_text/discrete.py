@@ -15,12 +15,12 @@ Transition = tuple[float, int, float, bool]
 
 
 class DiscreteEnv(Env):
-    """An environment of finitely many states and actions.
+    """An environment with finitely many states and actions.
 
     Args:
         nS: number of states.
         nA: number of actions.
-        P: the transitions; `P[state][action]` lists those that are possible.
+        P: the transitions; `P[state][action]` lists the possible ones.
         isd: the probability of each state at the start.
     """
 
