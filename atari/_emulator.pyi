@@ -804,7 +804,7 @@ class ReplayTarget:
         """
 
 class Causes:
-    """What each byte of RAM causes; see emulator/lab/causes.hpp."""
+    """The effects of each byte of RAM; see emulator/lab/causes.hpp."""
 
     def __init__(self, *, game: Game, values: int, frames: int, threads: int, seed: int) -> None: ...
     def explore(self, states: list[State], actions: numpy.typing.NDArray[numpy.uint8], first: int) -> None:

@@ -14,7 +14,7 @@ if TYPE_CHECKING or hasattr(vector, "AutoresetMode"):
 else:
 
     class AutoresetMode(Enum):
-        """When a vector resets an environment that is done."""
+        """The time at which a vector resets an environment that is done."""
 
         NEXT_STEP = "NextStep"
         SAME_STEP = "SameStep"

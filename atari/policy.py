@@ -94,7 +94,7 @@ class LoadedPolicy:
             begin(game, self._names, lanes, seeds)
 
     def begin_episodes(self, lanes: npt.NDArray[np.int64]) -> None:
-        """Begin episodes in some lanes, where the games go on, see `Policy`."""
+        """Begin episodes in some lanes, whose games continue, see `Policy`."""
         begin = getattr(self._policy, "begin_episodes", None)
         if begin is not None:
             begin(lanes)

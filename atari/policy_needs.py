@@ -65,7 +65,7 @@ def needs_of(policy: Any, game: Game) -> Needs:
         if task is None and environment:
             if not game.single_player:
                 options.setdefault("players", min(rules_of(game).modes))
-            task = resolve_one(game, options.pop("preset", None), options)  # as `AtariVectorEnv` does
+            task = resolve_one(game, options.pop("preset", None), options)  # like `AtariVectorEnv`
         needs = Needs(task, layout)
         if task is not None:
             needs.layout(task)

@@ -86,7 +86,7 @@ def misleads(file: Path, game: Game) -> bool:
     """Whether the name of `file` is the id of another game than its content.
 
     ale-py uses the rules of the first game, in its own table, that fits the content *or* the name up to its last dot,
-    in any case: Breakout in `asterix.bin` would be scored as Asterix.
+    in any case. So Breakout in `asterix.bin` would be scored as Asterix.
     """
     stem = (file.name.rpartition(".")[0] or file.name).lower()
     return stem in games and stem != game.id

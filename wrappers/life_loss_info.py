@@ -1,4 +1,4 @@
-"""`LifeLossInfo`: a lost life is reported as a termination, and the game goes on.
+"""`LifeLossInfo`: a lost life is reported as a termination, and the game continues.
 
 A learner that cuts its returns at lost lives, as with `EpisodicLife`, here plays whole games, without a reset after
 each life; this is `life_loss_info` of ale-py's vector environment.

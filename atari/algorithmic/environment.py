@@ -24,7 +24,7 @@ Rows = list[list[int]]
 """An input: rows of characters, all of the same length."""
 
 MOVES = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
-"""How the read head moves, columns and rows."""
+"""A movement of the read head, columns and rows."""
 
 
 class AlgorithmicEnv(gymnasium.Env[Any, Any]):

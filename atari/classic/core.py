@@ -1,8 +1,8 @@
 """The environment of OpenAI Gym's first years, and wrappers around it.
 
-The interface is that of the paper (Brockman et al. 2016, "OpenAI Gym"): `reset` returns an observation, `step` an
-observation, a reward, whether the episode is over, and a dictionary; `render` has the mode as an argument; `seed` is
-a method. The methods of an environment may begin with an underscore (`_step`), as before 2018.
+The interface is that of the paper (Brockman et al. 2016, "OpenAI Gym"). `reset` returns an observation. `step` returns
+an observation, a reward, whether the episode is over, and a dictionary. `render` has the mode as an argument; `seed`
+is a method. The methods of an environment may begin with an underscore (`_step`), as before 2018.
 """
 
 from functools import cached_property

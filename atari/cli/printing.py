@@ -23,7 +23,7 @@ def to_json_types(value: Any) -> Any:
 
 
 def print_json(value: Any) -> None:
-    """Print a value that `to_json_types` accepts as one JSON document, at once: the command may go on."""
+    """Print a value that `to_json_types` accepts as one JSON document, at once: the command may continue."""
     print(json.dumps(to_json_types(value), indent=2), flush=True)
 
 

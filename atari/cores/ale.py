@@ -274,7 +274,7 @@ class AleCore:
         return _filled(self._ale.getScreenGrayscale, self.game.screen.shape, out)
 
     def redraw(self, out: ByteArray | None = None) -> ByteArray:
-        """Not possible: ale-py's states leave out the framebuffer, so no frame can be undone.
+        """Raise an error: ale-py's states leave out the framebuffer, so no frame can be undone.
 
         Raises:
             NotImplementedError: always.

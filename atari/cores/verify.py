@@ -161,7 +161,7 @@ def _differences(first: Core, second: Core, reward: int, other_reward: int) -> t
 
 
 def _differing_bytes(ours: ByteArray, theirs: ByteArray) -> str:
-    """How many bytes differ, and the first of them."""
+    """The number of differing bytes, and the first of them."""
     indices = np.argwhere(ours != theirs)
     first = tuple(int(index) for index in indices[0])
     where = first[0] if len(first) == 1 else first

@@ -26,7 +26,7 @@ class Helper(NamedTuple):
 HELPERS: Mapping[str, Helper] = {
     "bcd": Helper(1, 8, 8),  # binary-coded decimal digits at these addresses, least significant first
     "s8": Helper(1, 1, 0),  # the low eight bits as a signed number
-    "count": Helper(3, 16, 2),  # how many of the bytes lo..hi equal one of the values
+    "count": Helper(3, 16, 2),  # the number of bytes lo..hi that equal one of the values
     "same": Helper(2, 2, 2),  # whether all bytes lo..hi are equal
     "pos_sum": Helper(2, 2, 2),  # sum of the positive (signed) bytes lo..hi
     "neg_sum": Helper(2, 2, 2),  # sum of the magnitudes of the negative bytes lo..hi
@@ -68,7 +68,7 @@ class Operation:
 
 @dataclass(frozen=True)
 class Rules:
-    """How reward, lives and the end of a game follow from RAM, and how a reset selects the mode.
+    """The expressions for reward, lives and the end of a game from RAM, and the mode selection at a reset.
 
     `step` holds `(name, expression)` pairs, evaluated from first to last after every emulated frame. The names in
     `state` persist from frame to frame, all others exist for one evaluation. The emulator reads `terminal` and
@@ -196,7 +196,7 @@ def check_label_expression(source: str, where: str) -> None:
 
 
 def _depth(tree: ast.AST) -> int:
-    """How deeply the nodes of an expression are nested."""
+    """The depth of nesting of an expression's nodes."""
     depth, level = 0, [tree]
     while level := [child for node in level for child in ast.iter_child_nodes(node)]:
         depth += 1

@@ -21,8 +21,8 @@ class Layout:
         channels_last: images are (height, width, stack), in RGB (height, width, 3 * stack).
         stacked: images have an axis for the stack; otherwise the stack is one image.
         dtype: "uint8" or "float32"; the values stay 0..255.
-        indicators: the number of players, each with an own observation and an indicator of the player; 0 means one
-            observation for all.
+        indicators: the number of players with their own observations, which have an indicator of the player; 0 means
+            one observation for all.
     """
 
     channels_last: bool = False

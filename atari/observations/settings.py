@@ -20,7 +20,7 @@ def filled(settings: _Settings, **fields: Any) -> _Settings:
 def filled_by_name(settings: _Settings, task: Task, **others: Any) -> _Settings:
     """A settings object, with each field that is not in `others` set to the task's field of its name.
 
-    Names stand for the members of enumerations.
+    Names select the members of enumerations.
 
     Raises:
         AttributeError: a task lacks a field.

@@ -1,4 +1,4 @@
-"""Which fields of a `Task` have an effect together.
+"""The rules for fields of a `Task` that have an effect only together.
 
 A field without effect beside another one is an error if a user gave it, and takes its default if it comes from a
 preset, an ID or another task. So two tasks that play the same are equal.

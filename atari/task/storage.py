@@ -178,7 +178,7 @@ def _read(text: Any) -> dict[str, Any]:
 
 
 def _depth(text: str) -> int:
-    """How deep brackets are nested; those in strings count, which only makes the limit stricter."""
+    """The depth of nested brackets; brackets in strings count, which only makes the limit stricter."""
     deepest = depth = 0
     for character in text:
         if character in "[{":

@@ -64,7 +64,7 @@ class Task:
         on_reset: a reset after a lost life plays a step of NOOP, nothing (continue), or a new game.
         last_life: losing the last life counts in games that continue after it.
         seamless_lives: a lost life neither cuts a skip short nor clears the stack.
-        life_loss_info: a lost life is reported as a termination, and the episode goes on.
+        life_loss_info: a lost life is reported as a termination, and the episode continues.
         max_num_frames_per_episode: limit on all frames of a game, no-ops included; None means no limit.
         max_frames: limit on the frames of a game after its beginning; None means no limit.
         max_episode_steps: limit on the agent's steps of an episode; None means no limit.

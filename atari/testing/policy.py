@@ -42,9 +42,9 @@ def check_policy(
 ) -> None:
     """Check that a policy keeps the contract of `atari.learning.Policy`.
 
-    The policy plays three environments. It must return an action of the game for each; not change the observations;
-    return the same actions after `begin` with the same seeds, and the same for one environment alone as for a
-    batch; and after `restore` continue like after the saved `state`.
+    The policy plays three environments. It must return an action of the game for each, and not change the
+    observations. It must return the same actions after `begin` with the same seeds, and the same for one environment
+    alone as for a batch. After `restore` it must continue like after the saved `state`.
 
     Args:
         policy: a `Policy`, a function of observations, or a class of policies; a network, a file or a name in the form

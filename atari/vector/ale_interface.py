@@ -32,7 +32,7 @@ class AleVectorInterface:
         return tuple(self._envs.single_observation_space.shape or ())
 
     def reset(self, reset_indices: Sequence[int], reset_seeds: Sequence[int]) -> tuple[Any, dict[str, Any]]:
-        """Reset these environments, each with its seed; -1 keeps the generator as it is.
+        """Reset these environments, each with its seed; -1 keeps the generator.
 
         Raises:
             IndexError: there is no such environment.

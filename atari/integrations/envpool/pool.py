@@ -23,8 +23,8 @@ class EnvPool:
 
     Observations are uint8 (batch, stack_num, img_height, img_width), in RGB with 3 * stack_num; rewards float32
     (batch,). `info` has, (batch,) each: `env_id`, `lives`, `elapsed_step`, int32; `reward`, float32, not clipped;
-    `terminated`, int32, whether the game is over, even if a lost life ends an episode; `TimeLimit.truncated`, bool;
-    `players`, a dict with `env_id`; and `ram`, uint8 (batch, 128).
+    `terminated`, int32, whether the game is over, even if a lost life ends an episode; and `TimeLimit.truncated`,
+    bool. It also has `players`, a dict with `env_id`; and `ram`, uint8 (batch, 128).
 
     The step after an end ignores its action and returns the first observation of the next episode. Observations do not
     change while you hold them.

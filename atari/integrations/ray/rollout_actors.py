@@ -58,9 +58,9 @@ class RolloutActors:
     `valid` (steps, num_envs), where `valid` is false for steps that only began an episode; `observations` (steps + 1,
     num_envs, ...) and `observations_at(steps, environments)`; `extras` by name; `scores` and `lengths` of the games
     that ended; `actor`, `number`, and the `version` of the weights. Arrays are read-only views of Ray's object store.
-    Batches of one actor come in order and each once, also when actors are lost. With `in_order`, a policy whose actions
-    depend only on its arguments, its weights and `state` gives the same batches in each run, with any number of nodes
-    and lost actors, provided that `set_weights` is called after the same batches.
+    Batches of one actor come in order and each once, also when actors are lost. With `in_order`, each run gives the
+    same batches, with any number of nodes and lost actors. This needs a policy whose actions depend only on its
+    arguments, its weights and `state`, and `set_weights` after the same batches.
 
     Args:
         game: the game of the environments, see `AtariVectorEnv`, or a sequence of `num_envs` games.
