@@ -154,7 +154,7 @@ class Driver(AleGame):
         """Play up to `frames` frames, and return the reward and the number of frames.
 
         The last one ends the game, changes the number of lives, or is the last of `frames`. With observers, and with
-        cores that play only single frames, it plays one frame. Wrappers that read only some of the frames
+        cores that play only single frames, the method plays one frame. Wrappers that read only some of the frames
         (`atari.wrappers.DqnPreprocessing`) call this method.
 
         Raises:

@@ -290,7 +290,7 @@ def _check_frame_skip(frame_skip: Any) -> tuple[int, int]:
 
 
 def _check_size(screen_size: Any, screen: tuple[int, int]) -> tuple[int, int]:
-    """`screen_size` as (width, height), None means the size (rows, columns) of the screen."""
+    """`screen_size` as (width, height); None means the size (rows, columns) of the screen."""
     pair = screen_size if isinstance(screen_size, (tuple, list)) else (screen_size, screen_size)
     if len(pair) != 2:
         raise ValueError(f"screen_size must be an integer or (width, height), got {screen_size!r}")

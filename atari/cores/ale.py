@@ -164,7 +164,7 @@ class AleCore:
         self._journal: Journal | None
         self.sound = self._options.sound
         # A reset sets everything that ale-py's states leave out, except the sound generator and the variables that the
-        # rules of two games keep over a reset. With those, only a journal since loading is complete.
+        # rules of two games keep over a reset. With these, only a journal since loading is complete.
         kept = self.game.rules is not None and bool(self.game.rules.kept_over_reset)
         self._sound_or_rules_outlive_reset = self.sound or kept
         ale = ALEInterface()
