@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstring>
 
-#include "fast/inline.hpp"
+#include "machine/inline.hpp"
 #include "machine/state.hpp"
 
 namespace atari {

@@ -22,6 +22,7 @@
 #include "bankswitching.hpp"
 #include "console_config.hpp"
 #include "framebuffers.hpp"
+#include "inline.hpp"
 #include "random.hpp"
 #include "state.hpp"
 #include "tia.hpp"
@@ -91,7 +92,7 @@ class Console : protected CartridgeSlot::Listener {
 
     // The bus, as `Cpu` uses it. For tests: single instructions, the start of a frame, and rendering up to the latest
     // access.
-    [[gnu::always_inline]] uint8_t read(uint16_t address) {
+    INLINE uint8_t read(uint16_t address) {
         uint8_t value;
         if (!(address & 0x1000)) value = read_chip(address);
         else if (slot_.is_plain(address)) value = *slot_.image_at(address);

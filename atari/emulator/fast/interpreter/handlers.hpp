@@ -6,7 +6,7 @@
 #pragma once
 
 #include "fast/fast_console.hpp"
-#include "fast/inline.hpp"
+#include "machine/inline.hpp"
 #include "machine/dpc.hpp"
 #include "machine/opcodes.hpp"
 

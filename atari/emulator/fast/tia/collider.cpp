@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "machine/console_config.hpp"
-#include "fast/inline.hpp"
+#include "machine/inline.hpp"
 #include "machine/tia_positions.hpp"
 
 namespace atari {

@@ -6,7 +6,7 @@
 
 #include "machine/console_config.hpp"
 #include "machine/object_mask.hpp"
-#include "fast/inline.hpp"
+#include "machine/inline.hpp"
 #include "paint.hpp"
 #include "machine/tia_positions.hpp"
 #include "machine/tia_registers.hpp"
