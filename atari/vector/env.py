@@ -182,7 +182,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
             self._phase = "sent"
 
     def _begin_reset(self, seed: Any, options: dict[str, Any] | None) -> _emulator.VectorEngine:
-        if self._engine is None and (options or {}).get("reset_mask") is None:
+        if self._engine is None and _dict(options).get("reset_mask") is None:
             self._reopen()
         engine = self._open()
         mask = self.reset_mask(options)
@@ -190,7 +190,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         self._phase = "new"  # until the reset succeeds
         results = self._take_buffer(engine, None)
         batch = results.batch if self.batch_size == self.num_envs else None
-        engine.reset(mask, seeded, seeds, batch, bool((options or {}).get("new_game")))
+        engine.reset(mask, seeded, seeds, batch, bool(_dict(options).get("new_game")))
         self._flying, self._chosen = results, None
         return engine
 
@@ -444,7 +444,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         Raises:
             TypeError, ValueError: the mask among the options is of the wrong kind or length.
         """
-        mask = (options or {}).get("reset_mask")
+        mask = _dict(options).get("reset_mask")
         if mask is None:
             return np.ones(self.num_envs, np.bool_)
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
@@ -475,6 +475,13 @@ def vector_of(envs: Any, num_envs: int | None, options: Mapping[str, Any], **def
     if given:
         raise TypeError(f"{next(iter(given))} is an option of new environments, and these exist; leave it out")
     return envs
+
+
+def _dict(options: Any) -> Mapping[str, Any]:
+    """The options of a reset; {} if there are none."""
+    if options is not None and not isinstance(options, Mapping):
+        raise TypeError(f"the options of a reset are a dict, got {options!r}")
+    return options or {}
 
 
 def _closed() -> gymnasium.error.ClosedEnvironmentError:

@@ -297,6 +297,13 @@ class TestAutoreset:
         with pytest.raises(error, match=text):
             envs.reset(options={"reset_mask": mask})
 
+    @pytest.mark.parametrize("options", [[], 3, "new_game"])
+    def test_options_that_are_no_dict_are_refused(self, options: Any) -> None:
+        envs = make()
+        for call in (envs.reset, envs.reset_async, envs.reset_mask):
+            with pytest.raises(TypeError, match="the options of a reset are a dict"):
+                call(**{"options": options})
+
     def test_the_first_reset_is_of_all(self) -> None:
         with pytest.raises(gymnasium.error.ResetNeeded, match=r"the first reset\(\) must reset every"):
             make().reset(options={"reset_mask": np.array([True, False, True])})
