@@ -143,7 +143,7 @@ def compare(
         A `Comparison`, which prints as two tables, with methods `save(file)` (JSON) and `plot(file)`.
 
         - `rows`: the agents, the evaluated one first: `name`, `runs`, `frames`, `protocol`, `scores` by game, and
-          `median`, `mean` and `iqm` with `value`, `low` and `high`, the interval of 95 %;
+            `median`, `mean` and `iqm` with `value`, `low` and `high`, the interval of 95 %;
         - `games`: the games that are compared;
         - `human`: the name of the human table, and `references`: by game, the scores of random play and of a human;
         - `mixed`: whether protocols or budgets differ;

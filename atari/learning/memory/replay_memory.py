@@ -421,11 +421,11 @@ class ReplayMemory:
             - `next_observations`: as `observations`, after the last step; the real last ones at the end of an episode;
             - `discounts`: float32 (batch,), gamma to the power of the number of steps, and 0 at a termination;
             - `terminations`, `truncations`: bool (batch,), how the last step ended. A reset before the end of an
-              episode is a truncation;
+                episode is a truncation;
             - `indices`: int64 (batch,), the numbers of the steps, for `update_priorities`. No number is used twice;
             - `weights`: float32 (batch,), importance weights, divided by their maximum; 1 in uniform sampling;
             - `frames`: uint8 (batch, stack_num + 1, ...), or a dict of these, after `make_batch(..., share=True)`:
-              `observations` and `next_observations` are views of it. Otherwise None.
+                `observations` and `next_observations` are views of it. Otherwise None.
 
         Raises:
             TypeError, ValueError: an argument does not fit, no step can be drawn yet, or all priorities are 0.
@@ -466,7 +466,7 @@ class ReplayMemory:
             A `Sequences`, `out` if it was given. Its attributes are arrays of NumPy, or CPU tensors of PyTorch.
 
             - `observations`: uint8 (batch, length + 1, stack_num, ...), or a dict of these; observation i + 1 follows
-              step i;
+                step i;
             - `actions`: (batch, length, *action_shape), of `action_dtype`;
             - `rewards`: float32 (batch, length);
             - `terminations`, `truncations`: bool (batch, length);
