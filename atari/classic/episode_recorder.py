@@ -36,7 +36,7 @@ class Renderable(Protocol):
 
 
 class EpisodeRecorder:
-    """Writes videos of some episodes and the statistics of all episodes; the arguments are those of `Monitor`.
+    """Writes videos of some episodes and the statistics of all episodes; it takes the arguments of `Monitor`.
 
     The owner calls `check_running` before a step, `add_step` after it, `begin_episode` after a reset, and `close`.
     """

@@ -100,7 +100,7 @@ class AleCore:
         mode, difficulty: among `games[game].modes` and `.difficulties`; None is the default.
         frame_skip: frames for each `act`. As in ALE, it also applies to the actions with which a reset selects the
             mode (in Berzerk, Double Dunk and Video Cube). `AtariEnv` has 1 here and skips frames itself, like ale-py's
-            environment. So its resets of these games differ from those of a core with the same frame skip.
+            environment. So it resets these games otherwise than a core with the same frame skip.
         max_num_frames_per_episode: frames after which an episode is truncated; 0 means never.
         sound: produce samples for `audio()`.
         color_averaging: average each frame with the one before it (ALE's colour averaging, against flicker).

@@ -92,7 +92,7 @@ class AleGame:
         self._closed_state = None
 
     def settings_state(self) -> dict[str, Any]:
-        """The settings, for `restore_settings`: including those of the core, and the writes of `Freeze` and `Poke`."""
+        """The settings, for `restore_settings`, with the core's settings and the writes of `Freeze` and `Poke`."""
         return {
             "ale_settings": copy.deepcopy(self.ale_settings),
             "core_options": self.core_options,

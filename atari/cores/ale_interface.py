@@ -114,7 +114,7 @@ class Player(Protocol):
 class AleInterface:
     """The methods of ale-py's `ALEInterface` for a running game; ale-py documents each.
 
-    Arrays and errors are those of `atari.cores.Core`, with `AleError` where ale-py raises RuntimeError.
+    Arrays and errors are as in `atari.cores.Core`, with `AleError` where ale-py raises RuntimeError.
     """
 
     # ruff: noqa: D102 - the names are ale-py's, one line each

@@ -78,7 +78,7 @@ class NativeCore(EmulatorCore):
         rom: path of the ROM file; None searches (see `atari.roms`). A `Game` without a hash accepts any image.
         interventions: changes of the game, which its frames and resets apply (see `atari.games.interventions`).
 
-    The other arguments, and the errors, are those of `AleCore`. The core releases Python's global interpreter lock
+    `AleCore` documents the other arguments and the errors. The core releases Python's global interpreter lock
     while it plays frames. Several threads may use a core; their calls run one at a time. If another thread played a
     core while the process was forked, the core raises RuntimeError in the child process.
 

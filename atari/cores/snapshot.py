@@ -71,7 +71,7 @@ def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
 
 
 def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
-    """Check that a snapshot's facts equal those of the environment that restores it.
+    """Check that a snapshot and the environment that restores it have equal facts.
 
     Raises:
         ValueError: one differs; the message has its name and both values.

@@ -27,7 +27,7 @@ def play(
         fps: steps a second.
         zoom: size of the window relative to the image.
         callback: called after each step with the observation before and after, action, reward, done and info.
-        keys_to_action: the action of each combination of keys, such as {(ord("a"),): 0}; None uses those of the
+        keys_to_action: the action of each combination of keys, such as {(ord("a"),): 0}; None uses the keys of the
             environment.
 
     Raises:

@@ -56,7 +56,7 @@ void Environment::Parts::play_frame_with_writes() {
     for (size_t player = 0; player < kMaxPlayers; ++player) state.variables[game->rewards[player]] = rewards[player];
 }
 
-// Applies the writes of a reset. All rewards of a reset are discarded, also those of the writes.
+// Applies the writes of a reset. All rewards of a reset are discarded, also rewards of the writes.
 void Environment::Parts::begin_writes() {
     state.first_frame = state.episode_frame;
     active_writes = writes.empty() ? nullptr : &writes;
