@@ -4,6 +4,7 @@ Everything that must survive is written by the operations at the top of this mod
 test stops a program before each of them.
 """
 
+import mmap
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -21,6 +22,11 @@ def write(file: int, data: bytes | memoryview) -> int:
 def sync(file: int) -> None:
     """Wait until a file's bytes are on the disk."""
     os.fsync(file)
+
+
+def sync_map(map: mmap.mmap) -> None:
+    """Wait until the changed pages of a mapped file are on the disk."""
+    map.flush()
 
 
 def replace(source: Path, target: Path) -> None:
@@ -142,6 +148,23 @@ def append(path: Path, data: bytes) -> None:
             raise
     finally:
         os.close(file)
+
+
+def lock_file(path: Path, in_use: str) -> BinaryIO:
+    """Open a file for its lock alone, and make it if it is missing; see `lock`.
+
+    Raises:
+        BlockingIOError: see `lock`.
+        OSError: the file is a symbolic link, or the folder is read-only.
+    """
+    flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
+    file = os.fdopen(os.open(path, flags, 0o666), "r+b", buffering=0)
+    try:
+        lock(file, in_use)
+    except BaseException:
+        file.close()
+        raise
+    return file
 
 
 def lock(file: BinaryIO, in_use: str) -> None:

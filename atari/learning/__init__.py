@@ -4,7 +4,7 @@ Memory and evaluation need NumPy alone; trained policies need the library that t
 PyTorch).
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from atari._renamed import missing
 from atari.learning.evaluation.compare import compare
@@ -16,6 +16,9 @@ from atari.learning.memory import ReplayMemory
 from atari.learning.policies import load_policy
 from atari.policy import Policy, ScoresPolicy
 
+if TYPE_CHECKING:
+    from atari.learning.run import RunFolder
+
 __all__ = [
     "GAME_SETS",
     "PROTOCOLS",
@@ -24,6 +27,7 @@ __all__ = [
     "Published",
     "ReplayMemory",
     "Result",
+    "RunFolder",
     "ScoresPolicy",
     "compare",
     "evaluate",
@@ -33,4 +37,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name == "RunFolder":  # imports PyTorch
+        from atari.learning.run import RunFolder
+
+        return RunFolder
     raise missing(__name__, name)

@@ -2,13 +2,14 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, ClassVar
 
 import torch
 
 from atari.learning.environments import TrainingEnvironments
+from atari.learning.memory import ReplayMemory
 from atari.learning.options import TrainingOptions
+from atari.learning.run import RunFolder
 
 
 class Agent(ABC):
@@ -21,10 +22,11 @@ class Agent(ABC):
         steps: agent steps so far, of all environments together.
         network: the network with the weights; its method `scores` rates the actions.
         environments: the environments that the agent plays.
+        memory: a replay memory; None for an agent without one.
 
     Args:
         options: the options of the training.
-        folder: the folder for the file of a large replay memory; None keeps it in main memory.
+        run: the folder of the training, which can have the file of a memory; None keeps a memory in main memory.
     """
 
     options_class: ClassVar[type[TrainingOptions]]
@@ -34,39 +36,33 @@ class Agent(ABC):
     steps: int
     network: torch.nn.Module
     environments: Sequence[TrainingEnvironments]
+    memory: ReplayMemory | None = None
 
     @abstractmethod
-    def __init__(self, options: Any, folder: Path | None = None) -> None: ...
+    def __init__(self, options: Any, run: RunFolder | None = None) -> None: ...
 
     @staticmethod
     @abstractmethod
     def make_network(options: Any, shape: tuple[int, ...], actions: int) -> torch.nn.Module:
-        """The network for observations of a shape and a number of actions."""
+        """The network for observations of a shape."""
 
     @abstractmethod
-    def update(self) -> Mapping[str, float]:
-        """Play some steps and learn from them. Returns the columns of the log, `loss` among them."""
+    def update(self) -> Mapping[str, float] | None:
+        """Play some steps and learn from them.
+
+        Returns:
+            The columns of the log, `loss` among them; None if the update stopped before its end because the memory
+            needs a checkpoint. The next call goes on with it.
+        """
 
     @abstractmethod
     def state(self) -> dict[str, Any]:
-        """Everything that the next update depends on, except what `commit` saves."""
+        """Everything that the next update depends on, except a memory in the folder of the training."""
 
     @abstractmethod
     def restore(self, state: Mapping[str, Any]) -> None:
         """Continue from a state of `state`."""
 
-    def commit(self) -> None:  # noqa: B027 - most agents have everything in `state`
-        """Save what the last `state` refers to, such as the file of a replay memory."""
-
-    def fits(self, state: Mapping[str, Any]) -> bool:
-        """Whether the last `commit` belongs to this state."""
-        return True
-
-    @property
-    def must_save(self) -> bool:
-        """Whether a checkpoint is needed before the next update."""
-        return False
-
     @abstractmethod
     def close(self) -> None:
-        """Release environments and threads."""
+        """Release environments, threads and memory."""

@@ -3,9 +3,11 @@
 import argparse
 import math
 import sys
+import time
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import fields
+from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,7 @@ from tqdm import tqdm
 
 from atari._interrupt import ctrl_c_as_event
 from atari.learning.agents import find_agent
-from atari.learning.options import FAST_RAM, TrainingOptions, parse
+from atari.learning.options import FAST_RAM, TrainingOptions, members, parse
 from atari.learning.run import RunFolder
 from atari.learning.training import Training
 from atari.task import Task
@@ -64,6 +66,11 @@ def train(
     except (TypeError, ValueError, FileNotFoundError, FileExistsError, gymnasium.error.NameNotFound) as error:
         parser.error(str(error))
     show_task(args, options.task)
+    memory = training.agent.memory
+    if memory is not None and not args.json:
+        print(
+            f"{folder / 'memory.replay'} takes {memory.nbytes / 1e9:,.2g} GB until the training is complete", flush=True
+        )
     _run(training)
     return folder
 
@@ -87,20 +94,28 @@ def _options(agent: Any, args: argparse.Namespace) -> Any:
     return kind.of(game, **{**measured, **named, **fields_of_task, **own})
 
 
-def resume(folder: Path, as_json: bool = False) -> None:
-    """Continue a training. Without `as_json`, the first printed line is a summary of its task."""
-    training = Training.resume(folder)
-    if not as_json:
-        print(summary(training.options.task), flush=True)
-    _run(training)
+def resume(path: Path, as_json: bool = False) -> None:
+    """Continue a training that is not complete. Without `as_json`, the first printed line is a summary of its task."""
+    with RunFolder.open(path, lock=True) as folder:  # its end removes a memory that a kill has left
+        ended = folder.config.get("ended")
+        if not as_json:
+            print(summary(folder.task), flush=True)
+    if ended is None:
+        _run(Training.resume(path))
+    elif not as_json:
+        print(f"the training in {path} is complete ({_REASONS.get(ended, ended)}); only its games are played again")
 
 
-def finish_run(folder: Path, episodes: int) -> Any:
+_REASONS = {"steps": "all steps are done", "score": "the score was reached"}
+
+
+def finish_run(path: Path, episodes: int) -> Any:
     """Evaluate a policy and write its report; see `atari.learning.report`."""
     from atari.learning.report import finish
 
-    with tqdm(total=episodes, unit=" games", disable=None, desc="evaluation") as bar:
-        return finish(RunFolder.open(folder), episodes, lambda done, total: bar.update(done - bar.n))
+    with RunFolder.open(path, lock=True) as folder, tqdm(total=episodes, unit=" games", disable=None) as bar:
+        bar.set_description("evaluation")
+        return finish(folder, episodes, lambda done, total: bar.update(done - bar.n))
 
 
 def main(agent: str) -> None:
@@ -111,22 +126,46 @@ def main(agent: str) -> None:
 
 
 def _run(training: Training) -> None:
-    """Train with a progress bar.
+    """Train with a progress bar, or, if stderr is no terminal, with a line a minute.
 
     Raises:
         KeyboardInterrupt: after Ctrl-C, when the training is saved.
     """
     agent, options, folder = training.agent, training.options, training.folder.path
     bar = tqdm(total=options.total_steps, initial=agent.steps, unit="step", unit_scale=True, disable=None)
+    lines = Lines(agent.steps, options.total_steps)
 
     def show(steps: int, score: float) -> None:
-        bar.set_postfix_str("no whole game yet" if math.isnan(score) else f"score {score:.1f}", refresh=False)
+        text = "no whole game yet" if math.isnan(score) else f"score {score:.1f}"
+        bar.set_postfix_str(text, refresh=False)
         bar.update(steps)
+        if bar.disable:
+            lines.show(agent.steps, text)
 
     with closing(training), bar, ctrl_c_as_event() as stop:
         reason = training.run(stop, show)
     if reason == "stop":
         raise KeyboardInterrupt(f"at step {agent.steps:,}; go on with `atari train --resume {folder}`")
+
+
+class Lines:
+    """Progress for a log file: a line a minute on stderr."""
+
+    def __init__(self, step: int, total: int, seconds: float = 60.0) -> None:
+        self._first, self._total, self._seconds = step, total, seconds
+        self._start = self._shown = time.monotonic()
+
+    def show(self, step: int, text: str) -> None:
+        """Print a line if a minute has passed since the last one."""
+        now = time.monotonic()
+        if now - self._shown < self._seconds:
+            return
+        self._shown = now
+        speed = (step - self._first) / (now - self._start)
+        left = timedelta(seconds=round(max(0, self._total - step) / speed)) if speed else "unknown time"
+        print(
+            f"step {step:,} of {self._total:,}, {text}, {speed:,.0f} steps/s, {left} left", file=sys.stderr, flush=True
+        )
 
 
 def _parser(agent: Any, prog: str, output: argparse.ArgumentParser | None) -> argparse.ArgumentParser:
@@ -154,8 +193,10 @@ def _parser(agent: Any, prog: str, output: argparse.ArgumentParser | None) -> ar
             flag = f"--{field.name.replace('_', '-')}"
             default = "" if field.default is None else f" (default: {_shown(field.default)})"
             text = f"{texts[field.name]}{default}".replace("%", "%%")
-            type_ = _option_type(kind, field.name)
-            parser.add_argument(flag, type=type_, default=argparse.SUPPRESS, metavar="X", help=text)
+            own: dict[str, Any] = {"type": _option_type(kind, field.name), "default": argparse.SUPPRESS, "metavar": "X"}
+            if members(kind, field.name)[0] is bool:
+                own |= {"nargs": "?", "const": True}
+            parser.add_argument(flag, help=text, **own)
     add_task(parser, leave_out=_ALONE)
     add_former(parser, _OLD_FLAGS)
     parser.epilog = "--fast: " + ", ".join(f"{name} {_shown(value)}" for name, value in agent.fast.items())

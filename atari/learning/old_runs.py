@@ -44,6 +44,14 @@ def with_stacks_in_task(config: Mapping[str, Any]) -> dict[str, Any]:
     return {**config, "task": {**config["task"], **own}, "options": options}
 
 
+def with_flush(content: Any) -> Any:
+    """The content of a checkpoint with the flush of the memory beside the state, which formats 1 and 2 had in it."""
+    if not isinstance(content, dict) or content.keys() != {"agent", "scores", "games", "seconds"}:
+        return content
+    flush = content["agent"].get("memory")
+    return {"step": content["agent"]["steps"], "state": content, "flush": flush if isinstance(flush, int) else None}
+
+
 def _game(game: str) -> dict[str, Any]:
     """The keys of a game, which is an id or the path of a game file."""
     return {"game": Path(game).stem, "file": game} if game.endswith(".toml") else {"game": game}

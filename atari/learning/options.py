@@ -1,6 +1,7 @@
 """The options that all agents have: the task, the length of the training, the network, and the machine's resources."""
 
 import dataclasses
+import math
 import types
 import typing
 from collections.abc import Mapping
@@ -144,11 +145,13 @@ class TrainingOptions:
     def __post_init__(self) -> None:
         if not isinstance(self.task, Task):
             raise TypeError(f"task must be an atari.Task, got {self.task!r}; {type(self).__name__}.of(GAME) makes one")
+        for field in dataclasses.fields(self):
+            if field.name != "task":
+                _check_kind(field.name, getattr(self, field.name), members(type(self), field.name))
         check_task(self.task)
         check_integer("seed", self.seed, 0, SEEDS - 1)
-        for name in ("total_steps", "num_envs", "workers"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be 1 or more, got {getattr(self, name)}")
+        for name, most in (("total_steps", 10**15), ("num_envs", 2**16), ("workers", 1024)):
+            check_integer(name, getattr(self, name), 1, most)
         if self.num_envs % self.workers:
             raise ValueError(f"num_envs must be a multiple of workers, got {self.num_envs} and {self.workers}")
         if self.from_ram != (self.network in ("mlp", "bits")):
@@ -160,10 +163,6 @@ class TrainingOptions:
             raise ValueError(f"device must be cpu, cuda or cuda:N, got {self.device!r}")
         if not 0 < self.gamma <= 1:
             raise ValueError(f"gamma must be above 0 and at most 1, got {self.gamma}")
-        for field in dataclasses.fields(self):
-            kind = members(type(self), field.name)[0]
-            if typing.get_origin(kind) is Literal:
-                check_choice(field.name, getattr(self, field.name), typing.get_args(kind))
 
     @property
     def from_ram(self) -> bool:
@@ -226,6 +225,31 @@ def check_task(task: Task) -> None:
         raise ValueError(f"an agent plays alone, and the task has players={task.players}; use players=1")
     if task.sound_obs:
         raise ValueError("an agent has no place for sound, and the task has sound_obs=True; leave it out")
+
+
+_FROM_ZERO = ("seed", "learning_starts")
+"""Options that are whole numbers and can be 0."""
+
+
+def _check_kind(name: str, value: Any, kinds: tuple[Any, ...]) -> None:
+    """Check that the value of an option is of one of its types; numbers must be finite and not negative.
+
+    Raises:
+        TypeError, ValueError: it is not.
+    """
+    kind = kinds[0]
+    if value is None and type(None) in kinds:
+        return
+    if typing.get_origin(kind) is Literal:
+        check_choice(name, value, typing.get_args(kind))
+    elif kind in (int, float):
+        if isinstance(value, bool) or not isinstance(value, (int, float) if kind is float else int):
+            raise TypeError(f"{name} must be {'a number' if kind is float else 'a whole number'}, got {value!r:.60}")
+        least = 0 if kind is float or name in _FROM_ZERO else 1
+        if not math.isfinite(value) or (not least <= value < 2**63 and name != "stop_score"):
+            raise ValueError(f"{name} must be within {least}..2**63-1, got {value!r:.60}")
+    elif not isinstance(value, kind):
+        raise TypeError(f"{name} must be {'true or false' if kind is bool else 'a text'}, got {value!r:.60}")
 
 
 def check_choice(name: str, value: Any, choices: tuple[Any, ...]) -> None:

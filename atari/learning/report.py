@@ -8,11 +8,12 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
+from atari.files import durable
 from atari.learning.evaluation.evaluate import evaluate, record_games
 from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result
 from atari.learning.policies import load_policy
-from atari.learning.run import RunFolder, replacing
+from atari.learning.run import RunFolder
 from atari.learning.run_policy import training_protocol
 from atari.learning.training import WINDOW
 from atari.recording import Replay
@@ -49,6 +50,8 @@ def write_report(folder: RunFolder, result: Result) -> Path:
     rows, config, task = folder.rows(), folder.config, folder.task
     game, kind = task.definition, "RAM" if task.obs_type == "ram" else "pixels"
     played = result.games[0]
+    if not rows:
+        raise ValueError(f"{folder.path / 'log.csv'} has no rows: the training was stopped before its first update")
     last = rows[-1]
     video = '<video controls loop src="best.mp4#t=3"></video>' if (folder.path / "best.mp4").exists() else ""
     page = Template(_PAGE).substitute(
@@ -68,8 +71,7 @@ def write_report(folder: RunFolder, result: Result) -> Path:
         options=_table(config["options"]),
         versions=_table(config["versions"]),
     )
-    with replacing(folder.path / "report.html") as file:
-        file.write(page.encode())
+    durable.write_file(folder.path / "report.html", page.encode())
     return folder.path / "report.html"
 
 

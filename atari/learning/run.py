@@ -1,111 +1,167 @@
-"""`RunFolder`: the files of a training, in one folder."""
+"""`RunFolder`: the files of a training, in one folder, of which a kill or a loss of power loses nothing."""
 
-import csv
-import dataclasses
-import io
 import json
-import os
 import platform
-import warnings
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from types import TracebackType
+from typing import Any, BinaryIO
 
-import numpy as np
 import torch
 
+from atari.files import durable, json_text
 from atari.learning.evaluation.results import versions
-from atari.learning.old_runs import migrated, with_stacks_in_task
-from atari.learning.options import TrainingOptions
+from atari.learning.memory import ReplayMemory
+from atari.learning.old_runs import migrated, with_flush, with_stacks_in_task
+from atari.learning.run_log import RunLog, read_rows
+from atari.learning.sealed import load_sealed, sealed
 from atari.task import Task
 
-FORMAT = 2
-"""Version of the run folder. A newer one is refused; `migrated` turns the configuration of an older one into this."""
+FORMAT = 3
+"""Version of the run folder. A newer one is refused; from 3 on, `checkpoint.pt` and `policy.pt` have checksums."""
+
+_KEYS: Mapping[str, Any] = {"format": int, "agent": str, "task": dict, "options": dict, "versions": dict}
 
 
 class RunFolder:
-    """The folder of a training.
+    """The folder of a training, for the agents of this package and for a loop of your own.
 
-    - `config.json`: agent, task, options, versions;
-    - `log.csv`: a row for each update, and TensorBoard's event files;
-    - `checkpoint.pt`: the newest state of the training, with environments and generators (contains pickles);
+    - `config.json`: agent, task, options, versions, and the reason of the end;
+    - `log.csv`: a row for each call of `log`, and TensorBoard's event files;
+    - `checkpoint.pt`: the newest state of the training (contains pickles);
     - `policy.pt`: the newest weights (contains none);
+    - `memory.replay`: the `ReplayMemory` of the training, if it has one;
+    - `lock`: an empty file, locked while a training writes into the folder;
     - `best.a26`, `best.mp4`, `evaluation.json`, `report.html`: see `atari.learning.report`.
 
-    A file is replaced only when its successor is complete. If a disk is full, rows of the log are kept in memory and
-    written when the disk has room again.
+    **A training that is killed at any time, also by a loss of power, goes on from its last checkpoint or the one
+    before.** A file is replaced only when its successor is complete and on the disk; a checkpoint and the state of the
+    memory that it names become valid together. Files are not written through symbolic links. If a disk is full, rows of
+    the log are kept in memory and written when the disk has room again.
 
     Attributes:
         path: the path of the folder.
         config: the contents of `config.json`, converted from older formats.
+        state: after `resume`, the state of the last checkpoint; None if there is none yet.
+        memory: after `resume`, the memory as it was then; otherwise None.
+
+    Example:
+        >>> import atari, torch
+        >>> from atari.learning import RunFolder
+        >>> network = torch.nn.Linear(128, 6)
+        >>> with RunFolder.begin("runs/mine", "mine", atari.Task.of("Pong-ram-v4"), {"rate": 0.1}) as run:
+        ...     run.log({"step": 100, "score": -21.0})
+        ...     run.checkpoint(100, {"network": network.state_dict()}, network.state_dict())
+        >>> with RunFolder.resume("runs/mine") as run:
+        ...     list(run.state), run.task.game, run.config["options"], run.rows()
+        (['network'], 'pong', {'rate': 0.1}, [{'step': 100.0, 'score': -21.0}])
     """
 
-    def __init__(self, path: Path, config: dict[str, Any]) -> None:
+    def __init__(self, path: Path, config: dict[str, Any], lock: BinaryIO | None = None) -> None:
         self.path = path
         self.config = config
-        self._rows: list[dict[str, Any]] = []
-        self._columns: list[str] = []
-        self._board: Any = None
+        self.state: dict[str, Any] | None = None
+        self.memory: ReplayMemory | None = None
+        self._lock, self._log = lock, RunLog(path)
 
     @classmethod
-    def create(cls, path: Path) -> "RunFolder":
-        """Make a new folder.
+    def begin(cls, path: str | Path, agent: str, task: Task, options: Mapping[str, Any]) -> "RunFolder":
+        """Make a new folder, and lock it.
+
+        Args:
+            path: the folder, which must not exist or be empty.
+            agent: the name of the agent.
+            task: what the agent plays.
+            options: further options, of JSON's types.
 
         Raises:
             FileExistsError: the folder has files.
+            BlockingIOError: another training has just begun in it.
+            ValueError: the task has a game without a file, or an option is not of JSON's types.
         """
-        if path.exists() and any(path.iterdir()):
-            raise FileExistsError(f"{path} is not empty; give another folder, or continue with --resume {path}")
-        path.mkdir(parents=True, exist_ok=True)
-        return cls(path, {})
-
-    def configure(self, agent: str, options: TrainingOptions) -> None:
-        """Write `config.json`.
-
-        Raises:
-            ValueError: the task has a game without a file.
-        """
-        names = (field.name for field in dataclasses.fields(options) if field.name != "task")
-        self.config = {
+        path = Path(path)
+        config = {
             "format": FORMAT,
             "agent": agent,
-            "task": json.loads(options.task.to_json()),
-            "options": {name: getattr(options, name) for name in names},
+            "task": json.loads(task.to_json()),
+            "options": dict(options),
             "versions": {
                 **versions(),
                 "python": platform.python_version(),
                 "machine": f"{platform.system()} {platform.machine()}",
             },
         }
-        with replacing(self.path / "config.json") as file:
-            file.write(json.dumps(self.config, indent=2).encode())
+        try:
+            json.dumps(config, allow_nan=False)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"the options of a run must be of JSON's types: {error}") from None
+        _check_empty(path)
+        path.mkdir(parents=True, exist_ok=True)
+        run = cls(path, config, _locked(path))
+        try:
+            _check_empty(path)  # another training may have begun and ended meanwhile
+            run._write_config()
+        except BaseException:
+            run.close()
+            raise
+        return run
 
     @classmethod
-    def open(cls, path: Path) -> "RunFolder":
-        """Open the folder of a training.
+    def open(cls, path: str | Path, *, lock: bool = False) -> "RunFolder":
+        """Open a folder for reading, also while a training writes into it.
+
+        Args:
+            path: the folder.
+            lock: lock it, to write files into it.
 
         Raises:
             FileNotFoundError, ValueError: the folder is no run folder, damaged, or of another version.
+            BlockingIOError: with `lock`, a training writes into the folder.
         """
+        path = Path(path)
         file = path / "config.json"
         if not file.is_file():
             raise FileNotFoundError(f"{path} is no run folder: it has no config.json; `atari train` makes one")
-        try:
-            config = json.loads(file.read_text(encoding="utf-8"))
-            version = config.get("format", 1)
-        except (ValueError, AttributeError) as error:
-            raise ValueError(f"{file} is damaged: {error!r}") from None
-        if isinstance(version, bool) or version not in range(1, FORMAT + 1):
+        config = json_text.read(file)
+        version = config.get("format", 1) if isinstance(config, dict) else None
+        if type(version) is not int or version not in range(1, FORMAT + 1):
             raise ValueError(
-                f"{file} has format {version!r}, and this atari-envs reads 1 to {FORMAT}; install a newer release"
+                f"{file} has format {version!r:.60}, and this atari-envs reads 1 to {FORMAT}; install a newer release"
             )
         try:
-            config = migrated(config) if version == 1 else with_stacks_in_task(config)
-            config["agent"], config["task"], config["options"].items(), config["versions"]
+            if version == 1:
+                config = migrated(config)
+            elif version == 2:
+                config = with_stacks_in_task(config)
+            json_text.check_table(config, "the configuration", _KEYS, {"ended": str, "keep_memory": bool})
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise ValueError(f"{file} is damaged: {error!r}") from None
-        return cls(path, config)
+        return cls(path, config, _locked(path) if lock else None)
+
+    @classmethod
+    def resume(cls, path: str | Path, *, num_threads: int = 1) -> "RunFolder":
+        """Open a folder to go on with its training, and lock it. `state` and `memory` are then as they were.
+
+        If the training was stopped before its first checkpoint, `state` is None: it begins again.
+
+        The pickles of the checkpoint are executed: resume only folders that you trust.
+
+        Args:
+            path: the folder.
+            num_threads: see `ReplayMemory`.
+
+        Raises:
+            FileNotFoundError, ValueError: the folder is no run folder, damaged, or of another version.
+            BlockingIOError: a training writes into the folder.
+        """
+        run = cls.open(path, lock=True)
+        try:
+            run._restore(num_threads)
+        except BaseException:
+            run.close()
+            raise
+        return run
 
     @property
     def task(self) -> Task:
@@ -120,83 +176,65 @@ class RunFolder:
             raise ValueError(f"{self.path / 'config.json'}: {error}") from None
 
     def log(self, row: Mapping[str, float]) -> None:
-        """Add a row to `log.csv` and TensorBoard. The first row names the columns."""
-        self._rows.append(dict(row))
-        file = self.path / "log.csv"
-        try:
-            if not self._columns:
-                self._columns = _header(file) or list(row)
-            text = io.StringIO()
-            writer = csv.DictWriter(text, self._columns, extrasaction="ignore", lineterminator="\n")
-            if not file.exists() or not file.stat().st_size:
-                writer.writeheader()
-            writer.writerows(self._rows)
-            append(file, text.getvalue().encode())
-            self._rows.clear()
-            self._log_to_board(row)
-        except OSError as error:
-            warnings.warn(f"the log is kept in memory until there is room: {error}", RuntimeWarning, stacklevel=2)
+        """Add a row to `log.csv` and to TensorBoard.
 
-    def _log_to_board(self, row: Mapping[str, float]) -> None:
-        if self._board is None:
-            try:
-                from torch.utils.tensorboard import SummaryWriter  # tensorboard takes a second to import
-            except ImportError:
-                self._board = False
-            else:
-                self._board = SummaryWriter(str(self.path), purge_step=int(row["step"]))
-        if self._board:
-            for name, value in row.items():
-                if name != "step" and np.isfinite(value):
-                    self._board.add_scalar(name, value, int(row["step"]))
+        Args:
+            row: numbers by the name of their column, `step` among them. All rows have the columns of the first.
+
+        Raises:
+            ValueError: the row has no `step`, or other columns than the first row.
+        """
+        if "step" not in row:
+            raise ValueError(f"a row of the log needs the column step, got {', '.join(row)}")
+        self._log.add(row)
 
     def rows(self) -> list[dict[str, float]]:
-        """The rows of `log.csv`."""
-        file = self.path / "log.csv"
-        if not file.is_file():
-            return []
-        with file.open(newline="", encoding="utf-8") as text:
+        """The rows of `log.csv`. A damaged row and those after it are left out with a warning."""
+        return read_rows(self.path / "log.csv")
+
+    def checkpoint(
+        self,
+        step: int,
+        state: Mapping[str, Any],
+        weights: Mapping[str, torch.Tensor],
+        memory: ReplayMemory | None = None,
+    ) -> None:
+        """Replace `checkpoint.pt` and `policy.pt`, and flush the memory, which together are what `resume` reads.
+
+        Args:
+            step: the step of the training; `resume` forgets the rows of the log after it.
+            state: all that the training needs to go on: numbers, tensors, and what can be pickled.
+            weights: the weights of the policy, as `state_dict` returns them.
+            memory: the memory in the file `memory.replay` of the folder, made with `autoflush=False`.
+
+        Raises:
+            OSError: the disk is full, for example. The last checkpoint and the memory's flush that it names stay valid.
+        """
+        self._check_locked()
+        content = {"step": step, "state": dict(state), "flush": None if memory is None else memory.flushes + 1}
+        file = self.path / "checkpoint.pt"
+        self._log.sync()
+        durable.write_part(file, sealed(content))  # first: without it, the folder looks as if it was lost
+        durable.write_file(self.path / "policy.pt", sealed(dict(weights)))
+        if memory is not None:
             try:
-                return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(text)]
-            except (TypeError, ValueError) as error:
-                raise ValueError(f"{file} is damaged: {error}") from None
+                memory.flush()
+            except OSError:
+                if memory.flushes != content["flush"]:  # the checkpoint before names the memory's last flush
+                    durable.remove(durable.part_of(file))
+                    raise
+        durable.publish(file)
 
-    def forget_rows_after(self, step: int) -> None:
-        """Remove the rows of steps after `step`, which a resumed training plays again."""
-        rows = [row for row in self.rows() if row["step"] <= step]
-        with replacing(self.path / "log.csv") as file:
-            if rows:
-                text = io.StringIO()
-                writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-                writer.writeheader()
-                writer.writerows(rows)
-                file.write(text.getvalue().encode())
+    def end(self, reason: str, *, keep_memory: bool = False) -> None:
+        """Enter into `config.json` that the training is complete. The memory's file is removed by `close`.
 
-    def save_checkpoint(self, state: dict[str, Any], network: torch.nn.Module, commit: Callable[[], None]) -> None:
-        """Replace `checkpoint.pt` and `policy.pt`.
-
-        `commit` is called when the new checkpoint is complete, and before it takes the place of the old one.
-
-        Raises:
-            OSError: the disk is full, for example; the files are unchanged.
+        Args:
+            reason: why it ended, such as "steps".
+            keep_memory: keep `memory.replay`, which a training needs that goes on from here.
         """
-        with replacing(self.path / "checkpoint.pt", commit) as file:
-            torch.save(state, file)
-        with replacing(self.path / "policy.pt") as file:
-            torch.save(network.state_dict(), file)
-
-    def load_checkpoints(self) -> list[dict[str, Any]]:
-        """The state in `checkpoint.pt`, and the state that was about to replace it if the training was killed.
-
-        Their pickles are executed: open only folders that you trust.
-
-        Raises:
-            FileNotFoundError, ValueError: the file does not exist, or is damaged.
-        """
-        states = [dict(_load(self.path / "checkpoint.pt", weights_only=False))]
-        with suppress(ValueError, FileNotFoundError):
-            states.append(dict(_load(self.path / "checkpoint.pt.part", weights_only=False)))
-        return states
+        self._check_locked()
+        self.config = {**self.config, "ended": reason, "keep_memory": keep_memory}
+        self._write_config()
 
     def load_weights(self) -> dict[str, torch.Tensor]:
         """The weights in `policy.pt`; nothing in the file is executed.
@@ -204,59 +242,89 @@ class RunFolder:
         Raises:
             FileNotFoundError, ValueError: the file does not exist, or is damaged.
         """
-        return dict(_load(self.path / "policy.pt", weights_only=True))
+        file = self.path / "policy.pt"
+        if not file.is_file():
+            raise FileNotFoundError(f"{file} does not exist: the training was stopped before its first checkpoint")
+        weights = load_sealed(file, weights_only=True, must_be_sealed=self.config["format"] >= 3)
+        if not isinstance(weights, dict) or not all(isinstance(value, torch.Tensor) for value in weights.values()):
+            raise ValueError(f"{file} is damaged: it has no weights")
+        return weights
 
     def close(self) -> None:
-        """Write the rest of TensorBoard's events."""
-        if self._board:
-            self._board.close()
+        """Close the log, and unlock the folder. A memory must be closed before."""
+        self._log.close()
+        if self._lock is None:
+            return
+        if self.memory is not None:
+            self.memory.close()
+        if self.config.get("ended") and not self.config.get("keep_memory"):
+            with suppress(OSError):
+                durable.remove(self.path / "memory.replay")
+        durable.unlock(self._lock)
+        self._lock.close()
+        self._lock = None
+
+    def __enter__(self) -> "RunFolder":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _check_locked(self) -> None:
+        if self._lock is None:
+            raise ValueError(f"{self.path} is open for reading; RunFolder.resume opens it for a training")
+
+    def _write_config(self) -> None:
+        durable.write_file(self.path / "config.json", json.dumps(self.config, indent=2).encode())
+
+    def _restore(self, num_threads: int) -> None:
+        """Read the newest checkpoint whose flush the memory has: the one that was being written, or the last one."""
+        file = self.path / "checkpoint.pt"
+        part = durable.part_of(file)
+        errors = []
+        for found in (part, file):
+            if not found.is_file():
+                continue
+            try:
+                self._adopt(found, num_threads)
+            except ValueError as error:  # it was not complete, or the memory was not flushed any more
+                errors.append(str(error))
+                continue
+            if found == part:
+                durable.publish(file)
+            durable.remove(part)
+            return
+        if file.exists():
+            raise ValueError("; and ".join(reversed(errors)))
+        if (self.path / "policy.pt").exists() and not part.exists():
+            raise FileNotFoundError(f"{file} is missing; put it there again")
+        durable.remove(self.path / "memory.replay")
+        self._log.forget_after(-1)
+
+    def _adopt(self, file: Path, num_threads: int) -> None:
+        """Take the state of a checkpoint, open the memory that it names, and forget the rows of later steps."""
+        content = load_sealed(file, weights_only=False, must_be_sealed=self.config["format"] >= 3)
+        content = with_flush(content)
+        if not isinstance(content, dict) or content.keys() != {"step", "state", "flush"}:
+            raise ValueError(f"{file} is damaged: it is no checkpoint of a training")
+        memory, flush = self.path / "memory.replay", content["flush"]
+        if flush is not None:
+            if not memory.exists():
+                raise ValueError(
+                    f"{memory} is missing, and {file.name} goes on from its flush {flush}; put it there again. A "
+                    "completed training keeps it with --keep-memory alone"
+                )
+            self.memory = ReplayMemory.open(memory, flush=flush, num_threads=num_threads, autoflush=False)
+        self.state = content["state"]
+        self._log.forget_after(content["step"])
 
 
-@contextmanager
-def replacing(path: Path, commit: Callable[[], None] = lambda: None) -> Iterator[Any]:
-    """A binary file that takes the place of `path` when the block ends without an error, after `commit`."""
-    part = path.with_name(path.name + ".part")
-    try:
-        with part.open("wb") as file:
-            yield file
-            file.flush()
-            os.fsync(file.fileno())
-        commit()
-        os.replace(part, path)
-    except BaseException:
-        part.unlink(missing_ok=True)
-        raise
+def _check_empty(path: Path) -> None:
+    if path.exists() and any(file.name not in ("lock", "config.json.part") for file in path.iterdir()):
+        raise FileExistsError(f"{path} is not empty; give another folder, or continue with --resume {path}")
 
 
-def append(path: Path, data: bytes) -> None:
-    """Add all of `data` to a file, or nothing.
-
-    Raises:
-        OSError: the disk is full, for example; the file is unchanged.
-    """
-    with path.open("ab", buffering=0) as file:
-        size = file.seek(0, os.SEEK_END)
-        try:
-            if file.write(data) != len(data):
-                raise OSError(f"no room for {len(data)} bytes in {path}")
-        except OSError:
-            file.truncate(size)
-            raise
-
-
-def _load(path: Path, weights_only: bool) -> Any:
-    if not path.is_file():
-        raise FileNotFoundError(f"{path} does not exist: the training was stopped before its first checkpoint")
-    try:
-        return torch.load(path, map_location="cpu", weights_only=weights_only)
-    except OSError:
-        raise
-    except Exception as error:  # torch.load raises whatever a damaged file makes of its parsers
-        raise ValueError(f"{path} is damaged: {error}") from None
-
-
-def _header(file: Path) -> list[str]:
-    if not file.is_file():
-        return []
-    with file.open(encoding="utf-8") as text:
-        return [name for name in text.readline().strip().split(",") if name]
+def _locked(path: Path) -> BinaryIO:
+    return durable.lock_file(path / "lock", f"a training writes into {path}; wait for its end, or stop it")

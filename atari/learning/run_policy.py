@@ -1,5 +1,6 @@
 """The policy of a run folder."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -29,15 +30,21 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
     agent, task = find_agent(folder.config["agent"]), options.task
     rows, columns = task.definition.screen.shape
     size = (128,) if options.from_ram else (task.img_height or rows, task.img_width or columns)
-    network = agent.make_network(options, (task.stack_num or 1, *size), len(task.action_set))
-    try:
-        network.load_state_dict(weights)
-    except RuntimeError as error:
-        raise ValueError(f"{path / 'policy.pt'} has weights of another network: {error}") from None
-    log = folder.rows()
+    with torch.device("meta"):  # no memory is taken before the weights are known to fit
+        network = agent.make_network(options, (task.stack_num or 1, *size), len(task.action_set))
+    expected = network.state_dict()
+    for name in sorted(expected.keys() | weights.keys()):
+        one, other = (
+            f"{found[name].dtype} {tuple(found[name].shape)}" if name in found else "nothing"
+            for found in (weights, expected)
+        )
+        if one != other:
+            raise ValueError(f"{path / 'policy.pt'} has weights of another network: {name} is {one}, not {other}")
+    network.load_state_dict(weights, assign=True)
+    frames = (folder.rows() or [{}])[-1].get("frames", math.nan)
     facts: dict[str, Any] = {
         "name": f"{folder.config['agent']} ({path.name})",
-        "training_frames": int(log[-1]["frames"]) if log else None,
+        "training_frames": int(frames) if math.isfinite(frames) else None,
         "task": task,
         "sample": sample or agent.sample,
         "game": task.game,

@@ -1,5 +1,6 @@
 """The loop around an agent: updates, log, checkpoints, and an end that loses nothing."""
 
+import dataclasses
 import math
 import time
 import warnings
@@ -33,10 +34,9 @@ class Training:
         self.agent = agent
         self.options = options
         self.scores: deque[float] = deque(maxlen=WINDOW)
-        self.frames: int = 0
         self.games = 0
         self.seconds = 0.0
-        self._saved_at, self._saved_step = time.monotonic(), 0
+        self._saved_at, self._saved_step = time.monotonic(), -1
 
     @classmethod
     def begin(cls, name: str, options: TrainingOptions, path: Path) -> "Training":
@@ -44,14 +44,18 @@ class Training:
 
         Raises:
             FileExistsError: the folder is not empty.
+            BlockingIOError: another training has just begun in it.
             ValueError: an option is wrong.
         """
         torch.set_num_threads(1)
         TrainingEnvironments(options, 1).close()  # errors are raised before a folder is made
-        folder = RunFolder.create(path)
-        agent = find_agent(name)(options, path)
-        folder.configure(name, options)
-        return cls(folder, agent, options)
+        names = [field.name for field in dataclasses.fields(options) if field.name != "task"]
+        folder = RunFolder.begin(path, name, options.task, {name: getattr(options, name) for name in names})
+        try:
+            return cls(folder, find_agent(name)(options, folder), options)
+        except BaseException:
+            folder.close()
+            raise
 
     @classmethod
     def resume(cls, path: Path) -> "Training":
@@ -59,21 +63,24 @@ class Training:
 
         Raises:
             FileNotFoundError, ValueError: the folder is no run folder, damaged, or of another version.
+            BlockingIOError: a training writes into the folder.
         """
         torch.set_num_threads(1)
-        folder = RunFolder.open(path)
-        options = read_options(folder)
-        states = folder.load_checkpoints()
-        agent = find_agent(folder.config["agent"])(options, path)
-        training = cls(folder, agent, options)
+        options = read_options(RunFolder.open(path))
+        folder = RunFolder.resume(path, num_threads=options.workers)
+        agent = None
         try:
-            state = next(state for state in states if agent.fits(state["agent"]))
-            agent.restore(state["agent"])
-            training._restore(state)
-        except (KeyError, TypeError, ValueError, RuntimeError, StopIteration) as error:
-            agent.close()
-            raise ValueError(f"{path / 'checkpoint.pt'} is damaged or of another version: {error}") from None
-        folder.forget_rows_after(agent.steps)
+            agent = find_agent(folder.config["agent"])(options, folder)
+            training = cls(folder, agent, options)
+            if folder.state is not None:
+                training._restore(folder.state)
+        except BaseException as error:
+            if agent is not None:
+                agent.close()
+            folder.close()
+            if isinstance(error, (KeyError, TypeError, ValueError, RuntimeError)):
+                raise ValueError(f"{path / 'checkpoint.pt'} is damaged or of another version: {error!r}") from None
+            raise
         return training
 
     def run(self, stop: Event | None = None, progress: Callable[[int, float], None] = lambda steps, score: None) -> str:
@@ -85,27 +92,29 @@ class Training:
 
         Raises:
             FloatingPointError: the loss is not finite. The last checkpoint is kept.
+            OSError: the disk has no room for a checkpoint at the end, or for one that the replay memory needs to go
+                on. The last checkpoint is kept.
         """
-        options, agent = self.options, self.agent
+        agent = self.agent
         reason = self._reason(stop)
         while not reason:
             before, start = agent.steps, time.perf_counter()
             metrics = agent.update()
             self.seconds += time.perf_counter() - start
-            if not math.isfinite(metrics["loss"]):
-                raise FloatingPointError(
-                    f"the loss is {metrics['loss']} at step {agent.steps:,}; the last checkpoint in {self.folder.path} "
-                    "is good; try a smaller learning rate"
-                )
             self._count_games()
             score = sum(self.scores) / len(self.scores) if self.scores else math.nan
-            self.folder.log({**self._facts(score), **metrics})
-            if agent.must_save or time.monotonic() - self._saved_at >= 60 * options.checkpoint_minutes:
-                self.save()
+            if metrics is None:
+                self._save_for_memory()
+            else:
+                self._check_finite(metrics["loss"])
+                self.folder.log({**self._facts(score), **metrics})
+                self._save_when_due()
             progress(agent.steps - before, score)
-            reason = self._reason(stop)
+            reason = "" if metrics is None else self._reason(stop)
         if self._saved_step != agent.steps:
             self.save()
+        if reason != "stop":
+            self.folder.end(reason, keep_memory=getattr(self.options, "keep_memory", False))
         return reason
 
     def _reason(self, stop: Event | None) -> str:
@@ -122,6 +131,16 @@ class Training:
                 self.scores.append(score)
                 self.games += 1
 
+    def _check_finite(self, loss: float) -> None:
+        if math.isfinite(loss):
+            return
+        saved = self._saved_step >= 0
+        last = f"the last checkpoint in {self.folder.path} is good" if saved else "there is no checkpoint yet"
+        raise FloatingPointError(
+            f"the loss is {loss} at step {self.agent.steps:,}; {last}; try a smaller learning rate, "
+            f"{self.options.learning_rate / 4:g} for example"
+        )
+
     def _facts(self, score: float) -> dict[str, float]:
         low, high = self.options.task.frames
         return {
@@ -132,24 +151,47 @@ class Training:
             "score": score,
         }
 
+    def _save_when_due(self) -> None:
+        """Write a checkpoint if its time has come. If that fails, the last checkpoint is kept, with a warning."""
+        if time.monotonic() - self._saved_at < 60 * self.options.checkpoint_minutes:
+            return
+        try:
+            self.save()
+        except OSError as error:
+            self._saved_at = time.monotonic()
+            text = f"no checkpoint at step {self.agent.steps:,}, the one before stays: {error}"
+            warnings.warn(text, RuntimeWarning, stacklevel=3)
+
+    def _save_for_memory(self) -> None:
+        try:
+            self.save()
+        except OSError as error:
+            text = (
+                f"{error.strerror}: the replay memory needs a checkpoint at step {self.agent.steps:,}, and the last "
+                f"one is kept; make room, and go on with `atari train --resume {self.folder.path}`"
+            )
+            raise OSError(error.errno, text) from None
+
     def save(self) -> None:
-        """Write a checkpoint. If that fails, the last checkpoint is kept, and a warning is given."""
-        self._saved_at, self._saved_step = time.monotonic(), self.agent.steps
+        """Write a checkpoint.
+
+        Raises:
+            OSError: the disk is full, for example; the last checkpoint is kept.
+        """
         state = {
             "agent": self.agent.state(),
             "scores": list(self.scores),
             "games": self.games,
             "seconds": self.seconds,
         }
-        try:
-            self.folder.save_checkpoint(state, self.agent.network, self.agent.commit)
-        except (OSError, RuntimeError) as error:  # torch raises RuntimeError for a full disk
-            text = f"no checkpoint at step {self.agent.steps:,}, the one before stays: {error}"
-            warnings.warn(text, RuntimeWarning, stacklevel=2)
+        self.folder.checkpoint(self.agent.steps, state, self.agent.network.state_dict(), self.agent.memory)
+        self._saved_at, self._saved_step = time.monotonic(), self.agent.steps
 
     def _restore(self, state: Mapping[str, Any]) -> None:
+        self.agent.restore(state["agent"])
         self.scores.extend(state["scores"])
         self.games, self.seconds = state["games"], state["seconds"]
+        self._saved_step = self.agent.steps
 
     def close(self) -> None:
         """Release environments, threads and files."""

@@ -1,6 +1,8 @@
 """Run folders: the files that are written, and the folders that are refused."""
 
 import json
+import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,7 +17,11 @@ torch = pytest.importorskip("torch")
 
 from small_trainings import SUPPORT, make_options  # noqa: E402
 
+import atari  # noqa: E402
+from atari.cli import main  # noqa: E402
+from atari.files import durable  # noqa: E402
 from atari.learning import load_policy, record_games  # noqa: E402
+from atari.learning.command import Lines  # noqa: E402
 from atari.learning.report import draw_levels, finish  # noqa: E402
 from atari.learning.run import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
@@ -142,12 +148,10 @@ def test_report(run: RunFolder) -> None:
         ("policy.pt", b"PK rubbish", "policy.pt is damaged"),
         ("policy.pt", None, "before its first checkpoint"),
         ("checkpoint.pt", b"rubbish", "checkpoint.pt is damaged"),
-        ("checkpoint.pt", None, "before its first checkpoint"),
+        ("checkpoint.pt", None, "checkpoint.pt is missing"),
     ],
 )
 def test_damaged_folders(run: RunFolder, tmp_path: Path, file: str, content: bytes | None, text: str) -> None:
-    import shutil
-
     copy = tmp_path / "copy"
     shutil.copytree(run.path, copy)
     if content is None:
@@ -161,13 +165,11 @@ def test_damaged_folders(run: RunFolder, tmp_path: Path, file: str, content: byt
 
 def test_other_versions_are_refused(run: RunFolder, tmp_path: Path) -> None:
     (tmp_path / "config.json").write_text(json.dumps({**run.config, "format": 99}))
-    with pytest.raises(ValueError, match="has format 99, and this atari-envs reads 1 to 2; install a newer release"):
+    with pytest.raises(ValueError, match="has format 99, and this atari-envs reads 1 to 3; install a newer release"):
         RunFolder.open(tmp_path)
 
 
 def test_a_folder_of_format_1_opens_and_goes_on(run: RunFolder, tmp_path: Path) -> None:
-    import shutil
-
     copy = tmp_path / "copy"
     shutil.copytree(run.path, copy)
     options = {
@@ -192,19 +194,23 @@ def test_a_folder_of_format_1_opens_and_goes_on(run: RunFolder, tmp_path: Path) 
 
 def test_a_folder_with_the_stack_of_ram_in_its_options_opens(tmp_path: Path) -> None:
     run = make_run(tmp_path / "run", obs_type="ram", stack_num=3, steps=64)
-    config = json.loads(json.dumps(run.config))
+    config = {**json.loads(json.dumps(run.config)), "format": 2}
     old = {name: config["task"].pop(name) for name in ("stack_num", "padding")}
     config["options"] |= {"ram_stack": old["stack_num"], "ram_padding": old["padding"]}
     (run.path / "config.json").write_text(json.dumps(config))
     assert (old["stack_num"], RunFolder.open(run.path).task) == (3, run.task)
     Training.resume(run.path).close()
-    of_images = {**run.config, "options": {**run.config["options"], "ram_stack": None, "ram_padding": None}}
+    of_images = {
+        **run.config,
+        "format": 2,
+        "options": {**run.config["options"], "ram_stack": None, "ram_padding": None},
+    }
     (run.path / "config.json").write_text(json.dumps(of_images))
     assert RunFolder.open(run.path).task == run.task
 
 
 def test_a_folder_has_the_task(run: RunFolder) -> None:
-    assert run.config["format"] == 2
+    assert run.config["format"] == 3
     assert run.config["task"] == json.loads(make_options("ppo").task.to_json())
     policy: Any = load_policy(run.path)
     assert (policy.task, policy.protocol.task, policy.game) == (run.task, run.task, "pong")
@@ -235,16 +241,18 @@ from atari.learning.training import Training
 training = Training.begin("ppo", make_options("ppo", total_steps=256, checkpoint_minutes=0.0), Path(sys.argv[1]))
 training.save()
 resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
-training.run()
-print(training.agent.steps)
+try:
+    training.run()
+except OSError as error:
+    print(training.agent.steps, error)
 """
 
 
-def test_a_full_disk_does_not_end_the_training(tmp_path: Path) -> None:
+def test_a_full_disk_ends_a_training_at_its_end_alone(tmp_path: Path) -> None:
     program = f"import sys; sys.path.insert(0, {SUPPORT!r}){FULL}"
     command = [sys.executable, "-c", program, str(tmp_path / "run")]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert result.stdout == "256\n", result.stderr
+    assert result.stdout.startswith("256 [Errno 27] File too large"), result.stderr
     assert "no checkpoint at step 64, the one before stays" in result.stderr
     assert "the log is kept in memory until there is room" in result.stderr
     resumed = Training.resume(tmp_path / "run")
@@ -252,22 +260,173 @@ def test_a_full_disk_does_not_end_the_training(tmp_path: Path) -> None:
     resumed.close()
 
 
+def begin(path: Path) -> RunFolder:
+    return RunFolder.begin(path, "mine", atari.Task.of("pong"), {"rate": 0.5})
+
+
 def test_rows_kept_in_memory_are_written_later(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from atari.learning import run as module
+    with begin(tmp_path / "run") as folder:
 
-    folder = RunFolder.create(tmp_path / "run")
-    append = module.append
+        def full(path: Path, data: bytes) -> None:
+            raise OSError("no room")
 
-    def full(path: Path, data: bytes) -> None:
-        raise OSError("no room")
-
-    monkeypatch.setattr(module, "append", full)
-    with pytest.warns(RuntimeWarning, match="kept in memory until there is room: no room"):
-        folder.log({"step": 1, "score": 2})
-    monkeypatch.setattr(module, "append", append)
-    folder.log({"step": 2, "score": 3})
-    folder.close()
+        with monkeypatch.context() as patch:
+            patch.setattr(durable, "append", full)
+            with pytest.warns(RuntimeWarning, match="kept in memory until there is room: no room"):
+                folder.log({"step": 1, "score": 2})
+        folder.log({"step": 2, "score": 3})
     assert folder.rows() == [{"step": 1, "score": 2}, {"step": 2, "score": 3}]
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ({"score": 2.0}, "needs the column step, got score"),
+        ({"step": 1.0}, "must have the columns step, score, got step"),
+        ({"step": 1.0, "score": 2.0, "loss": 3.0}, "must have the columns step, score, got step, score, loss"),
+    ],
+)
+def test_rows_of_other_columns_are_refused(tmp_path: Path, row: dict[str, float], message: str) -> None:
+    with begin(tmp_path / "run") as folder:
+        folder.log({"step": 0, "score": 1})
+        with pytest.raises(ValueError, match=message):
+            folder.log(row)
+    assert len(folder.rows()) == 1
+
+
+@pytest.mark.parametrize("end", ["192,768,0.", "192,7", "\0" * 500, "192,,,\n"])
+def test_a_damaged_end_of_the_log_blocks_nothing(run: RunFolder, tmp_path: Path, end: str) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(run.path, copy)
+    with (copy / "log.csv").open("a") as file:
+        file.write(end)
+    with pytest.warns(RuntimeWarning, match="log.csv is damaged: line 6 and those after it are left out"):
+        load_policy(copy)
+    with pytest.warns(RuntimeWarning, match="log.csv is damaged"):
+        RunFolder.resume(copy).close()
+    assert [row["step"] for row in RunFolder.open(copy).rows()] == [64, 128, 192, 256]
+
+
+def test_a_folder_has_one_training_at_a_time(tmp_path: Path) -> None:
+    with begin(tmp_path / "run") as folder:
+        folder.checkpoint(0, {}, {})
+        for call in (RunFolder.resume, lambda path: RunFolder.open(path, lock=True)):
+            with pytest.raises(BlockingIOError, match=r"a training writes into .*run; wait for its end, or stop it"):
+                call(tmp_path / "run")
+        assert RunFolder.open(tmp_path / "run").config["agent"] == "mine"
+    with pytest.raises(ValueError, match="is open for reading"):
+        RunFolder.open(tmp_path / "run").checkpoint(1, {}, {})
+    RunFolder.resume(tmp_path / "run").close()
+
+
+def test_a_flipped_bit_is_found(run: RunFolder, tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(run.path, copy)
+    generator = random.Random(0)
+    for name, load in (("policy.pt", load_policy), ("checkpoint.pt", RunFolder.resume)):
+        good = (copy / name).read_bytes()
+        for _ in range(100):
+            bad = bytearray(good)
+            bad[generator.randrange(len(bad))] ^= 1 << generator.randrange(8)
+            (copy / name).write_bytes(bad)
+            with pytest.raises(ValueError, match=f"{name} is damaged"):
+                load(copy)
+        (copy / name).write_bytes(good)
+        torch.load(copy / name, weights_only=name == "policy.pt")  # as any other file of PyTorch
+
+
+def test_files_are_not_written_through_links(tmp_path: Path) -> None:
+    victim = tmp_path / "victim"
+    victim.write_text("mine")
+    with begin(tmp_path / "run") as folder:
+        for name in ("checkpoint.pt", "checkpoint.pt.part", "policy.pt.part", "config.json.part", "report.html"):
+            (folder.path / name).symlink_to(victim)
+        folder.checkpoint(0, {}, {})
+        folder.end("steps")
+        (folder.path / "log.csv").symlink_to(victim)
+        with pytest.warns(RuntimeWarning, match="symbolic link"):
+            folder.log({"step": 1})
+    assert victim.read_text() == "mine"
+    (folder.path / "lock").unlink()
+    (folder.path / "lock").symlink_to(victim)
+    with pytest.raises(OSError, match="symbolic link"):
+        RunFolder.open(folder.path, lock=True)
+
+
+HOSTILE: dict[str, Any] = {
+    "a large image": {"task": {"img_height": 1_000_000}},
+    "nothing": {"task": None},
+    "a number": {"options": 5},
+    "a list": {"options": {"network": ["nature"]}},
+    "null": {"options": {"num_envs": None}},
+    "a text": {"options": {"learning_rate": "1"}},
+    "many": {"options": {"num_envs": 10**12}},
+    "unknown": {"options": {"luck": 1}},
+    "an agent": {"agent": {}},
+    "another agent": {"agent": "mine"},
+    "an escape": {"agent": "\x1b[31m"},
+    "a key": {"more": 1},
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_hostile_configuration_is_refused(run: RunFolder, tmp_path: Path, name: str) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(run.path, copy)
+    config = dict(run.config)
+    for key, value in HOSTILE[name].items():
+        config[key] = {**config[key], **value} if isinstance(value, dict) and value else value
+    (copy / "config.json").write_text(json.dumps(config))
+    for load in (load_policy, Training.resume):
+        with pytest.raises(ValueError, match=r"config.json|must be one of ppo, pqn, dqn"):
+            load(copy)
+
+
+def test_a_nested_configuration_is_refused(run: RunFolder, tmp_path: Path) -> None:
+    (tmp_path / "config.json").write_text("[" * 100_000)
+    with pytest.raises(ValueError, match="nested more than 32 deep"):
+        load_policy(tmp_path)
+
+
+def test_weights_of_another_network_are_refused_before_it_is_made(run: RunFolder, tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(run.path, copy)
+    config = {**run.config, "task": {**run.config["task"], "img_height": 84, "img_width": 84}}
+    (copy / "config.json").write_text(json.dumps(config))
+    with pytest.raises(ValueError, match=r"policy.pt has weights of another network: encoder\S+ is \S+ \(.*\), not"):
+        load_policy(copy)
+
+
+def test_a_line_a_minute_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = Lines(100, 1100, seconds=0)
+    lines._start -= 10
+    lines.show(600, "score 1.0")
+    assert capsys.readouterr().err == "step 600 of 1,100, score 1.0, 50 steps/s, 0:00:10 left\n"
+    Lines(0, 10).show(5, "")
+    assert not capsys.readouterr().err
+
+
+def test_a_complete_run_is_not_trained_again(run: RunFolder, capsys: pytest.CaptureFixture[str]) -> None:
+    before = (run.path / "checkpoint.pt").read_bytes()
+    assert main(["train", "--resume", str(run.path), "--games", "0"]) == 0
+    assert "is complete (all steps are done)" in capsys.readouterr().out
+    assert (run.path / "checkpoint.pt").read_bytes() == before
+
+
+def test_the_memory_is_as_large_as_the_training_and_goes_with_it(tmp_path: Path) -> None:
+    options = make_options("dqn", total_steps=1200, memory=1_000_000, learning_starts=1000)
+    training = Training.begin("dqn", options, tmp_path / "run")
+    memory = tmp_path / "run" / "memory.replay"
+    assert memory.stat().st_size < 10e6
+    assert training.run() == "steps"
+    training.close()
+    assert not memory.exists()
+    with pytest.raises(ValueError, match=r"memory.replay is missing, .* --keep-memory alone"):
+        RunFolder.resume(tmp_path / "run")
+    kept = make_run(tmp_path / "kept", "dqn", steps=200, keep_memory=True)
+    with RunFolder.resume(kept.path) as folder:
+        assert folder.memory is not None
+        assert folder.memory.steps >= 200
 
 
 def test_ctrl_c_saves_and_says_how_to_go_on(tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ All options together are Rainbow (Hessel et al. 2018) without noisy layers and w
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -23,6 +22,7 @@ from atari.learning.memory import ReplayMemory
 from atari.learning.networks import Encoder, QNetwork
 from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
+from atari.learning.run import RunFolder
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +30,8 @@ class DQNOptions(TrainingOptions):
     """The options of DQN; the defaults are those of Mnih et al. 2015.
 
     Attributes:
-        memory: the capacity of the replay memory in steps.
+        memory: the capacity of the replay memory in steps; a shorter training has a smaller memory.
+        keep_memory: keep the memory's file when the training is complete.
         compress: compress the frames in the memory.
         learning_starts: steps before the first update.
         train_every: steps between two updates of the network.
@@ -52,6 +53,7 @@ class DQNOptions(TrainingOptions):
     total_steps: int = 50_000_000
     num_envs: int = 1
     memory: int = 1_000_000
+    keep_memory: bool = False
     compress: bool = False
     learning_starts: int = 50_000
     train_every: int = 4
@@ -110,18 +112,18 @@ class DQN(Agent):
     fast = FAST
     sample = False
 
-    def __init__(self, options: DQNOptions, folder: Path | None = None) -> None:
+    def __init__(self, options: DQNOptions, run: RunFolder | None = None) -> None:
         torch.manual_seed(options.seed)
         self.options = options
-        self.steps = self.updates = self._saved_at = 0
+        self.steps = self.updates = 0
+        self.losses: list[float] = []  # of the present update
+        self.values: list[float] = []
         self.generator = np.random.default_rng(options.seed)
         envs = TrainingEnvironments(options, options.num_envs, options.workers, stacked=False)
         self.envs, self.environments = envs, [envs]
-        self.file = None if folder is None else folder / "memory.replay"
-        self.memory = self._make_memory()
         first = envs.reset(options.environment_seeds(options.seed, options.num_envs))
-        if not self.memory.steps:
-            self.memory.reset(first)
+        self.in_folder = run is not None
+        self.memory = self._make_memory(run, first)
         stack = self.memory.observations().shape[1:]
         self.network = self.make_network(options, stack, len(envs.actions)).to(options.device)
         self.target = self.make_network(options, stack, len(envs.actions)).to(options.device)
@@ -130,12 +132,14 @@ class DQN(Agent):
         self.optimizer = self._make_optimizer()
         self.batch = self.memory.make_batch(options.batch, torch=True, pin_memory=options.device != "cpu")
 
-    def _make_memory(self) -> ReplayMemory:
-        options, file = self.options, self.file
-        if file is not None and file.exists():
-            return ReplayMemory.open(file, num_threads=options.workers)
-        return ReplayMemory(
-            options.memory,
+    def _make_memory(self, run: RunFolder | None, first: Any) -> ReplayMemory:
+        """The memory of a training that goes on, or a new one with the first observations."""
+        if run is not None and run.memory is not None:
+            return run.memory
+        options = self.options
+        steps = options.num_envs * (self._rows_of_update() + -(-options.total_steps // options.num_envs))
+        memory = ReplayMemory(
+            min(options.memory, steps),
             options.num_envs,
             self.envs.shape,
             stack_num=options.task.stack_num or 1,
@@ -145,9 +149,15 @@ class DQN(Agent):
             compress=options.compress,
             seed=options.seed,
             num_threads=options.workers,
-            path=file,
-            margin=None if file is None else options.memory // 8,
+            path=None if run is None else run.path / "memory.replay",
+            margin=None if run is None else options.memory // 8 if options.memory < steps else 0,
+            autoflush=False,
         )
+        memory.reset(first)
+        return memory
+
+    def _rows_of_update(self) -> int:
+        return max(1, _UPDATE // self.options.num_envs)
 
     def _make_optimizer(self) -> torch.optim.Optimizer:
         if self.options.optimizer == "adam":
@@ -162,22 +172,26 @@ class DQN(Agent):
         encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=options.bfloat16)
         return QNetwork(encoder, actions, dueling=options.dueling)
 
-    def update(self) -> dict[str, float]:
-        """Play some steps, and learn meanwhile. Returns the columns of the log."""
-        losses, values = [], []
-        for _ in range(max(1, _UPDATE // self.options.num_envs)):
+    def update(self) -> dict[str, float] | None:
+        """Play some steps, and learn meanwhile. Returns the columns of the log; see `Agent.update`."""
+        while True:
             observations = self.memory.observations()
             if self.options.normalize and self.steps < 100_000:  # then they are fixed, as the memory has older frames
                 self._normalize(observations)
             self._play(observations)
             while self._due():
                 loss, value = self._learn()
-                losses.append(loss)
-                values.append(value)
-        nothing = [0.0]
+                self.losses.append(loss)
+                self.values.append(value)
+            if self.steps // self.options.num_envs % self._rows_of_update() == 0:
+                break
+            if self.memory.must_flush:
+                return None
+        losses, values = self.losses or [0.0], self.values or [0.0]
+        self.losses, self.values = [], []
         return {
-            "loss": float(np.mean(losses or nothing)),
-            "value": float(np.mean(values or nothing)),
+            "loss": float(np.mean(losses)),
+            "value": float(np.mean(values)),
             "epsilon": self._epsilon(),
             "updates": self.updates,
         }
@@ -249,44 +263,32 @@ class DQN(Agent):
         self.network.encoder.observe(torch.from_numpy(observations).to(self.options.device))
         self.target.encoder.normalize.load_state_dict(self.network.encoder.normalize.state_dict())
 
-    @property
-    def must_save(self) -> bool:
-        """Whether another update might not fit into the memory's file before it is saved."""
-        return self.file is not None and self.steps - self._saved_at + 2 * _UPDATE > self.options.memory // 8
-
     def state(self) -> dict[str, Any]:
-        """Everything that the next update depends on, except the memory's file, which `commit` saves."""
+        """Everything that the next update depends on, except a memory in the folder of the training."""
         return {
             "steps": self.steps,
             "updates": self.updates,
+            "losses": self.losses,
+            "values": self.values,
             "network": self.network.state_dict(),
             "target": self.target.state_dict(),
             "optimizer": self.optimizer.state_dict(),
             "generator": self.generator.bit_generator.state,
             "environments": self.envs.state(),
-            "memory": self.memory.flushes + 1 if self.file is not None else self.memory.state(),
+            "memory": None if self.in_folder else self.memory.state(),
         }
-
-    def commit(self) -> None:
-        """Save the memory's file."""
-        if self.file is not None:
-            self.memory.flush()
-            self._saved_at = self.steps
-
-    def fits(self, state: Mapping[str, Any]) -> bool:
-        """Whether the memory's file was saved with this state."""
-        return self.file is None or bool(state["memory"] == self.memory.flushes)
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Continue from a state of `state`."""
-        self.steps = self._saved_at = state["steps"]
+        self.steps = state["steps"]
         self.updates = state["updates"]
+        self.losses, self.values = list(state.get("losses", [])), list(state.get("values", []))
         self.network.load_state_dict(state["network"])
         self.target.load_state_dict(state["target"])
         self.optimizer.load_state_dict(state["optimizer"])
         self.generator.bit_generator.state = state["generator"]
         self.envs.restore(state["environments"])
-        if self.file is None:
+        if not self.in_folder:
             self.memory.restore(state["memory"])
 
     def close(self) -> None:

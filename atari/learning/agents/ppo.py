@@ -8,7 +8,6 @@ computes the gradients of its share of each minibatch. Each step of the optimise
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +21,7 @@ from atari.learning.environments import TrainingEnvironments
 from atari.learning.networks import ActorCritic, Encoder
 from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
+from atari.learning.run import RunFolder
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,7 +181,7 @@ class PPO(Agent):
     fast = FAST
     sample = True
 
-    def __init__(self, options: PPOOptions, folder: Path | None = None) -> None:
+    def __init__(self, options: PPOOptions, run: RunFolder | None = None) -> None:
         torch.manual_seed(options.seed)
         self.options = options
         self.steps = 0

@@ -8,7 +8,6 @@ environments are played for some steps, from which the network then learns. Targ
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from atari.learning.environments import TrainingEnvironments
 from atari.learning.networks import Encoder, QNetwork
 from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
+from atari.learning.run import RunFolder
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +51,8 @@ class PQNOptions(TrainingOptions):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if not self.exploration > 0:
+            raise ValueError(f"exploration must be above 0, got {self.exploration}")
         if self.minibatch % self.workers or self.num_envs * self.horizon % self.minibatch:
             raise ValueError(
                 f"num_envs * horizon must be a multiple of minibatch, and minibatch of workers; got "
@@ -135,7 +137,7 @@ class PQN(Agent):
     fast = FAST
     sample = False
 
-    def __init__(self, options: PQNOptions, folder: Path | None = None) -> None:
+    def __init__(self, options: PQNOptions, run: RunFolder | None = None) -> None:
         torch.manual_seed(options.seed)
         self.options = options
         self.steps = 0

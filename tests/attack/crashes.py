@@ -1,0 +1,90 @@
+"""Trainings that are killed, lose power or have a full disk, at any durable operation, once or twice."""
+
+import errno
+import random
+import sys
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+
+from crash_model import Disk
+from crash_trainings import Outcome, assert_goes_on, go_on, outcome, train
+
+KINDS: tuple[tuple[str, dict[str, Any]], ...] = (
+    ("ppo", {}),
+    ("pqn", {}),
+    ("dqn", {}),
+    ("dqn", {"priority": 0.5, "n_step": 3}),
+    ("dqn", {"compress": True, "num_envs": 8}),
+    ("dqn", {"checkpoint_minutes": 60.0, "total_steps": 800}),  # only the memory demands checkpoints
+    ("dqn", {"checkpoint_minutes": 60.0, "obs_type": "ram", "keep_memory": True, "total_steps": 800}),
+)
+
+
+class FullDisk(Disk):
+    """A disk without room for some operations."""
+
+    def __init__(self, folder: Path, full: range) -> None:
+        super().__init__(folder, -1)
+        self.full = full
+
+    def before(self, name: str, arguments: tuple[Any, ...]) -> None:
+        super().before(name, arguments)
+        if name == "write" and self.count in self.full:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+
+@cache
+def whole(kind: int) -> tuple[Disk, Outcome]:
+    """The disk and the outcome of a training that nothing stops."""
+    agent, options = KINDS[kind]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "run")
+        disk = Disk(path, -1)
+        assert train(agent, path, disk, **options)
+        return disk, outcome(path)
+
+
+def attack(seed: int) -> None:
+    """One training of one kind."""
+    source = random.Random(seed)
+    kind = source.randrange(len(KINDS))
+    disk, expected = whole(kind)
+    with tempfile.TemporaryDirectory() as folder:
+        if source.random() < 0.2:
+            fill(source, Path(folder), kind, disk, expected)
+        else:
+            crash(source, Path(folder), kind, disk, expected)
+
+
+def crash(source: random.Random, folder: Path, kind: int, disk: Disk, expected: Outcome) -> None:
+    """Stop a training, and perhaps the one that goes on from there."""
+    agent, options = KINDS[kind]
+    path, image, number = folder / "run", folder / "image", source.randrange(disk.count)
+    lost = random.Random(source.random()) if source.random() < 0.6 else None
+    assert not train(agent, path, Disk(path, number, image, lost), **options)
+    certain = disk.first_config is not None and number >= disk.first_config
+    where = f"{KINDS[kind]}, {'power' if lost else 'kill'} before operation {number}, {disk.names[number]}"
+    if certain and source.random() < 0.4:
+        second, again = source.randrange(60), folder / "again"
+        if not go_on(image, Disk(image, second, again, lost)):
+            image, where = again, f"{where}, then before operation {second}"
+    assert_goes_on(image, expected, certain, where)
+
+
+def fill(source: random.Random, folder: Path, kind: int, disk: Disk, expected: Outcome) -> None:
+    """Let the disk be full for a while. The training ends as ever, or says so and goes on later."""
+    agent, options = KINDS[kind]
+    path, first = folder / "run", source.randrange(disk.count)
+    full = range(first, first + source.choice((1, 5, 1000)))
+    try:
+        assert train(agent, path, FullDisk(path, full), **options)
+    except OSError:
+        certain = disk.first_config is not None and first >= disk.first_config
+        assert_goes_on(path, expected, certain, f"{KINDS[kind]}, full at {full}")
+        return
+    weights, _ = outcome(path)
+    assert all(weights[name].equal(value) for name, value in expected[0].items()), f"{KINDS[kind]}, full at {full}"

@@ -1,0 +1,37 @@
+"""A training that is killed, or loses power, at any durable operation goes on and ends as one that was not."""
+
+import random
+from pathlib import Path
+
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from crash_model import Disk  # noqa: E402
+from crash_trainings import TINY, Outcome, assert_goes_on, outcome, train  # noqa: E402
+
+IMAGES = 12
+"""Images of each agent and kind; the attacker `crashes` makes as many as its time allows."""
+
+
+@pytest.fixture(scope="module", params=TINY)
+def whole(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Disk, Outcome]:
+    """An agent, the disk of its whole training, and the training's outcome."""
+    path = tmp_path_factory.mktemp("whole") / "run"
+    disk = Disk(path, stop_at=-1)
+    assert train(request.param, path, disk)
+    assert not (path / "memory.replay").exists()
+    return request.param, disk, outcome(path)
+
+
+@pytest.mark.parametrize("power", [False, True], ids=["kill", "power"])
+def test_a_crash_loses_nothing(whole: tuple[str, Disk, Outcome], tmp_path: Path, power: bool) -> None:
+    agent, disk, expected = whole
+    needed = {"write", "sync", "replace", "sync_folder"} | ({"sync_map"} if agent == "dqn" else set())
+    assert needed <= set(disk.names)
+    generator = random.Random(f"{agent} {power}")
+    for number in sorted(generator.sample(range(disk.count), IMAGES)):
+        path, image = tmp_path / f"run-{number}", tmp_path / f"image-{number}"
+        assert not train(agent, path, Disk(path, number, image, generator if power else None))
+        has_config = disk.first_config is not None and number >= disk.first_config
+        assert_goes_on(image, expected, has_config, f"{agent} before operation {number}, {disk.names[number]}")
