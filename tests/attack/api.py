@@ -66,7 +66,7 @@ def targets(source: random.Random) -> list[Any]:
     for made in (env, vector):
         if source.random() < 0.8:
             made.reset(seed=source.randrange(100))
-    return [env, env.core, env.ale, vector, vector._engine if hasattr(vector, "_engine") else vector]
+    return [env, env.core, env.ale, env.driver, vector, vector._engine if hasattr(vector, "_engine") else vector]
 
 
 def attack(seed: int) -> None:
