@@ -23,7 +23,7 @@ ORDER = """
     driver env_state env restorable wrappers
     vector multiplayer making registration
     atari
-    policy policy_needs testing
+    policy testing
     recording lab learning
     classic integrations sb3
     play cli __main__
