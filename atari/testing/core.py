@@ -6,7 +6,7 @@ import numpy as np
 
 from atari.cores import Core
 from atari.games.game import Game
-from atari.games.players import rules_of
+from atari.games.players import choices
 from atari.testing.contract import broken_by, check_maker, refuses, require, require_same
 from atari.testing.core_play import (
     ARRAYS,
@@ -187,9 +187,9 @@ def _check_memory(make: MakeCore) -> None:
 
 def _check_choices(make: MakeCore) -> None:
     """Check modes and difficulties."""
-    for name in ("mode", "difficulty"):
+    core = made(make)
+    for name, numbers in choices(core.game, players_of(core)).items():
         core = made(make)
-        numbers = _choices(core, name)
         for number in numbers[:3]:
             seen = getattr(made(make, **{name: number}), name)
             require(seen == number, f"{name} of a core made with {name}={number} must be {number}, got {seen!r}")
@@ -206,15 +206,6 @@ def _check_choices(make: MakeCore) -> None:
                 getattr(core, f"set_{name}")(wrong)
             with refuses(f"make({name}={wrong!r})", TypeError, ValueError):
                 make(**{name: wrong})
-
-
-def _choices(core: Core, name: str) -> tuple[int, ...]:
-    """The numbers that `set_mode` or `set_difficulty` must accept."""
-    game, players = core.game, players_of(core)
-    if players == 1:
-        return game.modes if name == "mode" else game.difficulties
-    rules = rules_of(game)
-    return rules.modes[players] if name == "mode" else rules.difficulties
 
 
 def _check_players(make: MakeCore) -> None:
