@@ -6,10 +6,8 @@
 
 #include <cstdint>
 
-#include "console_config.hpp"
-#include "inputs.hpp"
+#include "machine/inputs.hpp"
 #include "tia_renderer.hpp"
-#include "tia_state.hpp"
 
 namespace atari {
 
