@@ -1,0 +1,180 @@
+"""Files that a kill or a loss of power leaves whole, and that are never written through a symbolic link.
+
+Everything that must survive is written by the operations at the top of this module, each one call of the system: a
+test stops a program before each of them.
+"""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import BinaryIO
+
+_NEW = os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
+
+
+def write(file: int, data: bytes | memoryview) -> int:
+    """Write to a descriptor; returns the number of bytes."""
+    return os.write(file, data)
+
+
+def sync(file: int) -> None:
+    """Wait until a file's bytes are on the disk."""
+    os.fsync(file)
+
+
+def replace(source: Path, target: Path) -> None:
+    """Give a file the name of another one, whose name is lost."""
+    os.replace(source, target)
+
+
+def remove(path: Path) -> None:
+    """Remove a name, if it is there."""
+    with suppress(FileNotFoundError):
+        os.unlink(path)
+
+
+def truncate(file: int, size: int) -> None:
+    """Cut a file."""
+    os.ftruncate(file, size)
+
+
+def sync_folder(folder: Path) -> None:
+    """Wait until the names in a folder are on the disk; without effect where a system cannot (Windows)."""
+    if os.name != "posix":
+        return
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def part_of(path: Path) -> Path:
+    """The name under which a successor of `path` is written."""
+    return path.with_name(path.name + ".part")
+
+
+def write_part(path: Path, data: bytes) -> Path:
+    """Write the successor of `path`, and wait until it is on the disk. `publish` gives it its name.
+
+    Raises:
+        OSError: the disk is full, for example; `path` is as it was.
+    """
+    part = part_of(path)
+    try:
+        remove(part)  # a link too: its target stays as it is
+        file = os.open(part, os.O_WRONLY | _NEW, 0o666)
+        try:
+            left = memoryview(data)
+            while left:
+                left = left[write(file, left) :]
+            sync(file)
+        finally:
+            os.close(file)
+        sync_folder(path.parent)
+    except OSError:
+        with suppress(OSError):
+            remove(part)
+        raise
+    return part
+
+
+def publish(path: Path) -> None:
+    """Replace `path` by its successor, and wait until that is on the disk.
+
+    Raises:
+        OSError: the name cannot be given; `path` is as it was, and the successor is removed.
+    """
+    try:
+        replace(part_of(path), path)
+    except OSError:
+        with suppress(OSError):
+            remove(part_of(path))
+        raise
+    sync_folder(path.parent)
+
+
+def write_file(path: Path, data: bytes) -> None:
+    """Replace `path` by a file with `data`, or leave it as it was.
+
+    Raises:
+        OSError: the disk is full, for example; `path` is as it was.
+    """
+    write_part(path, data)
+    publish(path)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """The name for a file that a library writes; the file replaces `path` when the block ends without an error."""
+    part = part_of(path)
+    remove(part)
+    try:
+        yield part
+        file = os.open(part, os.O_RDWR | getattr(os, "O_NOFOLLOW", 0))
+        try:
+            sync(file)
+        finally:
+            os.close(file)
+        publish(path)
+    except Exception:
+        with suppress(OSError):
+            remove(part)
+        raise
+
+
+def append(path: Path, data: bytes) -> None:
+    """Add all of `data` to a file, or nothing. After a loss of power a part of the end may be missing.
+
+    Raises:
+        OSError: the disk is full, for example, or the file is a symbolic link; the file is unchanged.
+    """
+    flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
+    file = os.open(path, flags, 0o666)
+    try:
+        size = os.fstat(file).st_size
+        try:
+            if write(file, data) != len(data):
+                raise OSError(f"no room for {len(data)} bytes in {path}")
+        except OSError:
+            truncate(file, size)
+            raise
+    finally:
+        os.close(file)
+
+
+def lock(file: BinaryIO, in_use: str) -> None:
+    """Lock an open file until `unlock`, its closing or the end of the process, however it ends.
+
+    Raises:
+        BlockingIOError: it is locked already, by this process or another; `in_use` is the message.
+    """
+    try:
+        import fcntl
+    except ImportError:
+        return _lock_on_windows(file, in_use)
+    try:
+        fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        raise BlockingIOError(error.errno, in_use) from None
+
+
+def _lock_on_windows(file: BinaryIO, in_use: str) -> None:
+    import msvcrt  # type: ignore[import-not-found,unused-ignore]
+
+    file.seek(2**40)  # a byte after the end: a locked byte can not be read by others
+    try:
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)  # type: ignore[attr-defined,unused-ignore]
+    except OSError as error:
+        raise BlockingIOError(error.errno, in_use) from None
+    finally:
+        file.seek(0)
+
+
+def unlock(file: BinaryIO) -> None:
+    """Unlock a file before it is closed: its mapping into memory would hold the lock."""
+    with suppress(ImportError, OSError):
+        import fcntl
+
+        fcntl.flock(file.fileno(), fcntl.LOCK_UN)
