@@ -54,6 +54,7 @@ void clock_dpc_random(CartridgeState& cart) { cart.random = kRandom[cart.random]
 
 uint8_t read_dpc(CartridgeState& cart, const uint8_t* image, unsigned offset, uint32_t cycles) {
     const unsigned i = offset & 7, counter = cart.counter[i];
+    // The data are read before the stores below, or handlers would save a register for `image`.
     const uint8_t data = image[8192 + 2047 - counter], low = counter & 0xff;
     clock_dpc_random(cart);
     if (low == cart.top[i]) cart.flag[i] = 0xff;
