@@ -520,12 +520,13 @@ class ArrayLender:
         Whether a loan exists: an array made of one, or a view or tensor of that.
         """
 
-class VectorLock:
+class CallLock:
     """
-    The lock of a vector environment, for `with`. RuntimeError in a forked process.
+    The lock of an object in Python, for `with`. Its thread may enter again. RuntimeError in a forked
+    process.
     """
 
-    def __init__(self) -> None: ...
+    def __init__(self, object: str) -> None: ...
     def __enter__(self) -> None: ...
     def __exit__(self, type: object | None, value: object | None, traceback: object | None) -> None: ...
 
@@ -726,7 +727,9 @@ class ReplayMemory:
         """
 
     def next_place(self) -> int:
-        """The place of the next row's frames, in 0 .. places-1."""
+        """
+        The place of the next row's frames, in 0 .. places-1. BufferError if a save is due.
+        """
 
     def places(self, part: int) -> tuple[int, int]:
         """
@@ -764,14 +767,31 @@ class ReplayMemory:
     def update_priorities(
         self, indices: numpy.typing.NDArray[numpy.int64], priorities: numpy.typing.NDArray[numpy.float64]
     ) -> None: ...
-    def save(self) -> None:
-        """Make the present state the one that `load` finds."""
-
-    def load(self, verify: bool) -> None:
+    @property
+    def must_save(self) -> bool:
         """
-        Read the last saved state; ValueError says what is damaged. `verify` reads all frames.
+        Whether the next `add` or `reset` may raise BufferError, because it would overwrite the last saved state.
         """
 
+    def begin_save(self) -> None:
+        """
+        The first of the three phases of a save, which makes the present state the one that `load` finds. After
+        each, the block must reach the disk. `end_save` counts the save.
+        """
+
+    def write_save(self) -> None: ...
+    def complete_save(self) -> None: ...
+    def end_save(self) -> None: ...
+    def save_copy(self, block: numpy.typing.NDArray[numpy.uint8]) -> None:
+        """Save the present state in a copy of the block."""
+
+    def load(self, verify: bool, save: int | None) -> None:
+        """
+        Read the last saved state, or that of the save with this number; ValueError says what is damaged.
+        `verify` reads all frames. Then the block must reach the disk, and `resume` ends the work.
+        """
+
+    def resume(self) -> None: ...
     @property
     def numbers(self) -> tuple[bool, int, int, int]:
         """

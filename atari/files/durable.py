@@ -4,6 +4,7 @@ Everything that must survive is written by the operations at the top of this mod
 test stops a program before each of them.
 """
 
+import mmap
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -21,6 +22,11 @@ def write(file: int, data: bytes | memoryview) -> int:
 def sync(file: int) -> None:
     """Wait until a file's bytes are on the disk."""
     os.fsync(file)
+
+
+def sync_map(data: mmap.mmap) -> None:
+    """Wait until all bytes of a mapped file are on the disk."""
+    data.flush()
 
 
 def replace(source: Path, target: Path) -> None:

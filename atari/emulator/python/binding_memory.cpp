@@ -59,13 +59,6 @@ class Arrays {
     std::vector<nb::object> held_;
 };
 
-void check_process(uint32_t made_in) {
-    if (made_in != process_generation)
-        throw std::runtime_error(
-            "this replay memory was made before the process was forked; make or open it in the "
-            "process that uses it");
-}
-
 // The memory that Python threads share. The block is an object that Python releases.
 class BoundMemory : Exclusive {
   public:
@@ -77,7 +70,7 @@ class BoundMemory : Exclusive {
     template <typename Work>
     auto use(Work&& work) {
         return locked([&] {
-            check_process(process_);
+            check_process(process_, "replay memory");
             return work(*memory_);
         });
     }
@@ -85,7 +78,7 @@ class BoundMemory : Exclusive {
     template <typename Work>
     auto use_briefly(Work&& work) {
         return briefly([&] {
-            check_process(process_);
+            check_process(process_, "replay memory");
             return work(*memory_);
         });
     }
@@ -210,7 +203,7 @@ void add(BoundMemory& bound, nb::object actions, nb::object rewards, nb::object 
 }
 
 // Does the same as `add` for the arrays that environments usually return, and checks them faster than Python. For other
-// arrays, and for ends in SAME_STEP, changes nothing and returns false.
+// arrays, for ends in SAME_STEP, and for a memory with a file, changes nothing and returns false.
 bool try_add(BoundMemory& bound, nb::handle actions, nb::handle rewards, nb::handle terminated, nb::handle truncated) {
     const Geometry& geometry = bound.geometry();
     const auto lanes = static_cast<size_t>(geometry.lanes);
@@ -275,6 +268,12 @@ void sample(BoundMemory& bound, BoundTarget& target, int64_t reach, double disco
     });
 }
 
+void save_copy(BoundMemory& bound, nb::object block) {
+    Arrays arrays;
+    auto* const bytes = arrays.writable<uint8_t>(block, memory::Layout(bound.geometry()).bytes, "the block");
+    bound.use([&](memory::ReplayMemory& memory) { memory.save_copy(bytes); });
+}
+
 void update_priorities(BoundMemory& bound, nb::object indices, nb::object priorities) {
     Arrays arrays;
     Values<const int64_t> given;
@@ -292,6 +291,13 @@ void update_priorities(BoundMemory& bound, nb::object indices, nb::object priori
 #define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
 
 void register_memory(nb::module_& m) {
+    nb::register_exception_translator([](const std::exception_ptr& error, void*) {
+        try {
+            std::rethrow_exception(error);
+        } catch (const memory::Overwrites& overwrites) {
+            PyErr_SetString(PyExc_BufferError, overwrites.what());
+        }
+    });
     nb::class_<Geometry>(m, "ReplayGeometry", "The sizes of a replay memory. ValueError if a number is out of range.")
         .def("__init__", &make_geometry, nb::kw_only(), "lanes"_a, "rows"_a, "margin"_a, "finals"_a, "parts"_a,
              "action_bytes"_a, "autoreset"_a, "repeat_first"_a, "exponent"_a.none(), "saved"_a, "packed_bytes"_a.none(),
@@ -319,9 +325,12 @@ void register_memory(nb::module_& m) {
         .def(
             "next_place",
             [](BoundMemory& bound) {
-                return bound.use_briefly([](memory::ReplayMemory& memory) { return memory.next_place(); });
+                return bound.use_briefly([](memory::ReplayMemory& memory) {
+                    memory.check_row();
+                    return memory.next_place();
+                });
             },
-            "The place of the next row's frames, in 0 .. places-1.")
+            "The place of the next row's frames, in 0 .. places-1. BufferError if a save is due.")
         .def(
             "places",
             [](BoundMemory& bound, size_t part) {
@@ -360,15 +369,34 @@ void register_memory(nb::module_& m) {
         .def("update_priorities", &update_priorities, "indices"_a, "priorities"_a,
              nb::sig(
                  "def update_priorities(self, indices: " ARRAY("int64") ", priorities: " ARRAY("float64") ") -> None"))
+        .def_prop_ro(
+            "must_save",
+            [](BoundMemory& bound) {
+                return bound.use_briefly([](memory::ReplayMemory& memory) { return memory.must_save(); });
+            },
+            "Whether the next `add` or `reset` may raise BufferError, because it would overwrite the last saved state.")
         .def(
-            "save", [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.save(); }); },
-            "Make the present state the one that `load` finds.")
+            "begin_save",
+            [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.begin_save(); }); },
+            "The first of the three phases of a save, which makes the present state the one that `load` finds. After\n"
+            "each, the block must reach the disk. `end_save` counts the save.")
+        .def("write_save",
+             [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.write_save(); }); })
+        .def("complete_save",
+             [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.complete_save(); }); })
+        .def("end_save",
+             [](BoundMemory& bound) { bound.use_briefly([](memory::ReplayMemory& memory) { memory.end_save(); }); })
+        .def("save_copy", &save_copy, "block"_a, nb::sig("def save_copy(self, block: " ARRAY("uint8") ") -> None"),
+             "Save the present state in a copy of the block.")
         .def(
             "load",
-            [](BoundMemory& bound, bool verify) {
-                bound.use([&](memory::ReplayMemory& memory) { memory.load(verify); });
+            [](BoundMemory& bound, bool verify, std::optional<uint64_t> save) {
+                bound.use([&](memory::ReplayMemory& memory) { memory.load(verify, save); });
             },
-            "verify"_a, "Read the last saved state; ValueError says what is damaged. `verify` reads all frames.")
+            "verify"_a, "save"_a.none(),
+            "Read the last saved state, or that of the save with this number; ValueError says what is damaged.\n"
+            "`verify` reads all frames. Then the block must reach the disk, and `resume` ends the work.")
+        .def("resume", [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.resume(); }); })
         .def_prop_ro(
             "numbers",
             [](BoundMemory& bound) {

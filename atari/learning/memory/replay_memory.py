@@ -1,10 +1,12 @@
 """`ReplayMemory` stores the experience of vector environments, each frame once."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from functools import wraps
 from os import PathLike
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 import gymnasium
 import numpy as np
@@ -21,6 +23,21 @@ from atari.learning.memory.options import MemoryOptions, Part, as_numpy, check_m
 from atari.validation import check_integer
 
 _SEQUENCE_MOST = 2**20
+_Arguments = ParamSpec("_Arguments")
+_Result = TypeVar("_Result")
+
+
+def _atomic(
+    method: "Callable[Concatenate[ReplayMemory, _Arguments], _Result]",
+) -> "Callable[Concatenate[ReplayMemory, _Arguments], _Result]":
+    """A method that runs while no other thread is in one."""
+
+    @wraps(method)
+    def locked(self: "ReplayMemory", *arguments: _Arguments.args, **named: _Arguments.kwargs) -> _Result:
+        with self._lock:
+            return method(self, *arguments, **named)
+
+    return locked
 
 
 class ReplayMemory:
@@ -43,7 +60,10 @@ class ReplayMemory:
     episode are 0, or with padding="reset" copies of the first.
 
     The ignored step after the end of an episode in NEXT_STEP is no transition. The last observation of an episode is
-    the real one in all autoreset modes. Threads may share a memory; one call runs at a time.
+    the real one in all autoreset modes.
+
+    Threads may share a memory: each call is atomic, and one runs at a time. A step that is written to `frames` takes
+    two calls, so several threads add steps by `add(..., observations=...)`.
 
     Args:
         capacity: the number of latest steps that are kept, of all environments together, ignored steps included.
@@ -65,6 +85,8 @@ class ReplayMemory:
         path: a new file that holds the memory, as large as the memory can get; `open` continues it.
         margin: with a file, the number of further steps that are kept, after which `flush` is needed, see there. None
             is a 64th of the capacity.
+        autoflush: with a file, flush before a step that would overwrite the state of the last flush. With False such a
+            step raises BufferError, and `must_flush` says when one may come.
 
     Raises:
         TypeError, ValueError: an option is of the wrong kind or out of range.
@@ -108,6 +130,7 @@ class ReplayMemory:
         num_threads: int = 1,
         path: str | PathLike[str] | None = None,
         margin: int | None = None,
+        autoflush: bool = True,
     ) -> None:
         options = MemoryOptions.check(
             capacity=capacity,
@@ -128,14 +151,26 @@ class ReplayMemory:
         words = np.random.SeedSequence(None if seed is None else check_integer("seed", seed, 0, SEED_LIMIT - 1))
         threads = check_integer("num_threads", num_threads, 1, 1024)
         file = None if path is None else storage.BlockFile.create(Path(os.fspath(path)), options)
-        self._begin(options, threads, file, storage.allocate(options) if file is None else file.block)
-        self._core.seed(int(words.generate_state(1, np.uint64)[0]))
-        if file is not None:
-            self._core.save()
+        try:
+            block = storage.allocate(options) if file is None else file.block
+            self._begin(options, threads, file, block, autoflush)
+            self._core.seed(int(words.generate_state(1, np.uint64)[0]))
+            self.flush()
+        except BaseException:
+            if file is not None:
+                file.discard()
+            raise
 
     def _begin(
-        self, options: MemoryOptions, threads: int, file: storage.BlockFile | None, block: storage.Block
+        self,
+        options: MemoryOptions,
+        threads: int,
+        file: storage.BlockFile | None,
+        block: storage.Block,
+        autoflush: bool,
     ) -> None:
+        self._lock = _emulator.CallLock("replay memory")
+        self._autoflush = bool(autoflush) and file is not None
         self._options, self._threads, self._file = options, threads, file
         self._parts: tuple[Part, ...] = options.parts
         self._named = [part.name for part in self._parts] != [""]
@@ -173,27 +208,42 @@ class ReplayMemory:
         return cls(capacity, **{**options_for(envs, num_envs), **options})
 
     @classmethod
-    def open(cls, path: str | PathLike[str], *, num_threads: int = 1, verify: bool = True) -> "ReplayMemory":
-        """Continue the memory in a file from its last `flush`, also if the process that wrote it was killed.
+    def open(
+        cls,
+        path: str | PathLike[str],
+        *,
+        flush: int | None = None,
+        num_threads: int = 1,
+        autoflush: bool = True,
+        verify: bool = True,
+    ) -> "ReplayMemory":
+        """Continue the memory in a file from its last `flush`, also after a kill or a loss of power.
 
         Args:
             path: the file.
-            num_threads: see `ReplayMemory`.
+            flush: the number of the flush to continue from, see `flushes`: the last, or the one before while no later
+                step has overwritten it. The file then forgets a later flush. None is the last.
+            num_threads, autoflush: see `ReplayMemory`.
             verify: read the whole file and compare its checksums. With False, damaged frames stay unnoticed.
 
         Raises:
-            FileNotFoundError: the file does not exist.
+            FileNotFoundError, IsADirectoryError: the file does not exist, or is a folder.
             BlockingIOError: it is open, in this process or another.
-            ValueError: the file holds no replay memory, or is damaged; the message says where.
+            ValueError: the file holds no replay memory, or is damaged; the message says where. Or it has no such flush;
+                the message says which it has. Or it is a symbolic link, a pipe or a device.
         """
         threads = check_integer("num_threads", num_threads, 1, 1024)
+        number = None if flush is None else check_integer("flush", flush, 1, 2**62)
         where = Path(os.fspath(path))
         file = storage.BlockFile.open(where)
         try:
             memory = cls.__new__(cls)
-            memory._begin(file.options, threads, file, file.block)
+            memory._begin(file.options, threads, file, file.block, autoflush)
             with storage.naming(where):
-                memory._core.load(bool(verify))
+                memory._core.load(bool(verify), number)
+            if number is not None:
+                file.sync()  # a later flush is forgotten before its rows are overwritten
+            memory._core.resume()
         except BaseException:
             file.close()
             raise
@@ -203,19 +253,32 @@ class ReplayMemory:
     def _core(self) -> _emulator.ReplayMemory:
         if self._closed_core is None:
             raise ValueError("this replay memory is closed")
+        if self._file is not None:
+            self._file.check_size()
         return self._closed_core
 
+    @_atomic
     def frames(self) -> Any:
         """The array for the observations of the next step, which `AtariVectorEnv.step` takes as `out`.
 
         uint8 (num_envs, *observation_shape), or a dict of such arrays. Call this method again for every step: the array
         is memory of the ring, which is written again after `capacity` steps.
+
+        Raises:
+            BufferError: with autoflush=False, these frames would overwrite the state of the last flush.
         """
-        place = self._core.next_place()
+        core = self._core
+        self._make_space(core)
+        place = core.next_place()
         if not self._named:
             return self._rings[""][place]
         return {name: ring[place] for name, ring in self._rings.items()}
 
+    def _make_space(self, core: _emulator.ReplayMemory) -> None:
+        if self._autoflush and core.must_save:
+            self.flush()
+
+    @_atomic
     def reset(self, observations: Any, mask: Any = None) -> None:
         """Begin new episodes with the observations that a reset returned. Episodes that had not ended are truncated.
 
@@ -226,6 +289,7 @@ class ReplayMemory:
 
         Raises:
             TypeError, ValueError: an array does not fit; nothing has changed.
+            BufferError: with autoflush=False, the state of the last flush would be overwritten; nothing has changed.
         """
         arrays = self._checked_frames("observations", observations)
         if mask is None:
@@ -235,8 +299,11 @@ class ReplayMemory:
         chosen = as_numpy("mask", mask)
         if chosen.dtype != np.bool_ or chosen.shape != self._lane_shape:
             raise ValueError(f"mask must be bool {self._lane_shape}, got {chosen.dtype} {chosen.shape}")
-        self._core.reset(np.ascontiguousarray(chosen), [np.ascontiguousarray(array) for array in arrays])
+        core = self._core
+        self._make_space(core)
+        core.reset(np.ascontiguousarray(chosen), [np.ascontiguousarray(array) for array in arrays])
 
+    @_atomic
     def add(
         self,
         actions: Any,
@@ -250,8 +317,8 @@ class ReplayMemory:
         """Complete a step of all environments with the results of `step(actions)`.
 
         Args:
-            actions: (num_envs, *action_shape).
-            rewards: finite numbers (num_envs,), stored as float32.
+            actions: (num_envs, *action_shape), of values that `action_dtype` can store; floats are rounded.
+            rewards: numbers (num_envs,), stored as float32.
             terminations, truncations: bool (num_envs,).
             info: in SAME_STEP, with `final_obs` of the environments that ended.
             observations: uint8 (num_envs, *observation_shape), or a dict of these, which are copied to `frames`. None
@@ -259,8 +326,9 @@ class ReplayMemory:
 
         Raises:
             gymnasium.error.ResetNeeded: before the first `reset`.
-            TypeError, ValueError: an array does not fit, a reward is not finite, or a final observation is missing;
-                nothing has changed.
+            TypeError, ValueError: an array does not fit, an action or a stored reward is not finite, or a final
+                observation is missing; nothing has changed.
+            BufferError: with autoflush=False, the state of the last flush would be overwritten; nothing has changed.
         """
         core = self._core
         if observations is None and self._usual_actions and core.try_add(actions, rewards, terminations, truncations):
@@ -275,6 +343,7 @@ class ReplayMemory:
         if not self._started and not core.numbers[0]:
             raise gymnasium.error.ResetNeeded("call reset(observations) before the first add")
         self._started = True
+        self._make_space(core)
         if observations is not None:
             self._write_frames(self._checked_frames("observations", observations))
         core.add(actions, rewards, terminations, truncations, finals)
@@ -289,7 +358,14 @@ class ReplayMemory:
         array = as_numpy("rewards", values)
         if array.dtype.kind not in "iufb" or array.shape != self._lane_shape:
             raise ValueError(f"rewards must be numbers {self._lane_shape}, got {array.dtype} {array.shape}")
-        return np.ascontiguousarray(array, np.float32)
+        try:
+            with np.errstate(over="raise"):
+                return np.ascontiguousarray(array, np.float32)
+        except FloatingPointError:
+            lane = int(np.argmax(np.abs(array)))
+            raise ValueError(
+                f"the reward of environment {lane} is {array[lane]}; rewards are stored as float32, at most 3.4e38"
+            ) from None
 
     def _checked_actions(self, values: Any) -> npt.NDArray[np.uint8]:
         array = as_numpy("actions", values)
@@ -298,7 +374,21 @@ class ReplayMemory:
             raise TypeError(f"actions must be {self._action_dtype} {shape}, got {array.dtype}")
         if array.shape != shape:
             raise ValueError(f"actions must have the shape {shape}, got {array.shape}")
-        return np.ascontiguousarray(array, self._action_dtype).reshape(-1).view(np.uint8)
+        with np.errstate(over="ignore"):
+            stored = np.ascontiguousarray(array, self._action_dtype)
+        if self._action_dtype.kind == "f":
+            self._refuse_actions(array, np.isfinite(stored))
+        elif array.dtype != self._action_dtype:
+            self._refuse_actions(array, stored == array)
+        return stored.reshape(-1).view(np.uint8)
+
+    def _refuse_actions(self, actions: npt.NDArray[Any], good: npt.NDArray[np.bool_]) -> None:
+        if not good.all():
+            place = tuple(int(i) for i in np.argwhere(~good)[0])
+            raise ValueError(
+                f"the action of environment {place[0]} is {actions[place]}, and action_dtype {self._action_dtype} "
+                "stores finite numbers in its range; make the memory with another action_dtype"
+            )
 
     def _checked_frames(self, name: str, observations: Any) -> list[npt.NDArray[np.uint8]]:
         if self._named and not (isinstance(observations, Mapping) and set(observations) >= set(self.stack_nums)):
@@ -316,6 +406,7 @@ class ReplayMemory:
         for part, array in zip(self._parts, arrays, strict=True):
             np.copyto(to[part.name] if self._named else to, array)
 
+    @_atomic
     def observations(self, *, stack_num: int | Mapping[str, int] | None = None, out: Any = None) -> Any:
         """The present observations of all environments, for the choice of actions.
 
@@ -386,6 +477,7 @@ class ReplayMemory:
         size, length = check_size(batch_size), check_integer("length", length, 1, _SEQUENCE_MOST)
         return cast(Sequences, make_batch(self._options, size, length, stacks, array_maker(torch, pin_memory)))
 
+    @_atomic
     def sample(
         self,
         batch_size: int,
@@ -445,6 +537,7 @@ class ReplayMemory:
             raise ValueError("out has a number of frames; leave stack_num out")
         return out, target_of(out, core, self._options, size, length)
 
+    @_atomic
     def sample_sequences(
         self,
         batch_size: int,
@@ -482,14 +575,16 @@ class ReplayMemory:
         core.sample(target, length, 1.0, None, self._threads)
         return cast(Sequences, batch)
 
+    @_atomic
     def update_priorities(self, indices: Any, priorities: Any) -> None:
         """Set the priorities of sampled steps, before the exponent: commonly the magnitude of their TD errors.
 
-        New steps have the greatest priority so far, 1 at first. Steps that have been overwritten are left out.
+        New steps have the greatest priority that was given to a step of the rows that are still stored, 1 if none was.
+        Steps that have been overwritten are left out.
 
         Args:
             indices: int64 (batch,), as `sample` returned them.
-            priorities: numbers (batch,), finite and not negative.
+            priorities: numbers (batch,) within 0..1e100, whose powers by `priority_exponent` are, too.
 
         Raises:
             TypeError, ValueError: the memory has no priorities, or an array does not fit; nothing has changed.
@@ -501,20 +596,24 @@ class ReplayMemory:
             raise ValueError(f"indices and priorities must be (batch,), got {steps.shape} and {values.shape}")
         self._core.update_priorities(np.ascontiguousarray(steps, np.int64), np.ascontiguousarray(values, np.float64))
 
+    @_atomic
     def __len__(self) -> int:
         """Steps that `sample` can draw with n=1."""
         return self._core.count(1)
 
+    @_atomic
     def count(self, n: int = 1) -> int:
         """Steps that `sample` can draw with this n."""
         return self._core.count(check_integer("n", n, 1, 2**40))
 
     @property
+    @_atomic
     def steps(self) -> int:
         """Steps ever added, of all environments together, ignored steps included."""
         return self._core.numbers[1]
 
     @property
+    @_atomic
     def nbytes(self) -> int:
         """Bytes of memory, or of the file, and of the index; with compressed frames the bytes in use up to now."""
         return self._core.numbers[3]
@@ -535,58 +634,96 @@ class ReplayMemory:
         return dict(self._options.stack_num)
 
     @property
+    @_atomic
     def flushes(self) -> int:
-        """The number of times that the state was saved, by `flush` or by the memory itself."""
+        """The number of the last flush, which `open` takes: flushes are counted from the first, of a new file."""
         return self._core.numbers[2]
 
-    def flush(self, *, sync: bool = False) -> None:
-        """Save the present state, which `open` then finds.
+    @property
+    @_atomic
+    def must_flush(self) -> bool:
+        """Whether the next `add` or `reset` might overwrite the state of the last flush.
 
-        After `margin` more steps the memory flushes by itself, because these steps overwrite the frames of the saved
-        state. A saved state survives the end of the process, however it ends. Without a file nothing happens.
+        This reckons with the end of all episodes, and with frames that cannot be compressed. After a flush there is
+        space for at least one step, and for more by `margin`, `final_frames` and `compressed_bytes`. Without a file it
+        is always False.
+        """
+        return self._core.must_save
 
-        Args:
-            sync: wait until the state is on the disk, so that it also survives a loss of power.
+    @_atomic
+    def flush(self) -> None:
+        """Save the present state, which `open` then finds, and wait until it is on the disk.
+
+        After `margin` more steps, or as many final observations as `final_frames` has space for, the next step would
+        overwrite the saved state: then the memory flushes by itself, or with autoflush=False raises BufferError. If all
+        space for final or compressed frames is in use, a flush forgets the oldest steps, up to a sixteenth of them.
+
+        A saved state survives the end of the process and a loss of power; these leave the last complete flush at every
+        moment. The call takes as long as the disk needs for the frames since the last flush: milliseconds for a few
+        megabytes. Without a file nothing happens.
 
         Raises:
-            OSError: the disk reports an error; only with `sync`.
+            OSError: the disk reports an error. The flush before is still complete, and a later flush tries again.
         """
+        core = self._core
         if self._file is None:
             return
-        if sync:
+        for phase in (core.begin_save, core.write_save, core.complete_save):
+            phase()
             self._file.sync()
-        self._core.save()
-        if sync:
-            self._file.sync()
+        core.end_save()
 
+    @_atomic
     def state(self) -> dict[str, Any]:
-        """A copy of the whole memory, for checkpoints without a file. It is as large as the memory."""
-        self._core.save()
-        return storage.copy_of(self._options, self._block)
+        """A copy of the whole memory, for checkpoints without a file. It is as large as the memory.
 
+        A file stays as it is: `open` finds its last flush.
+        """
+        core, block = self._core, self._block.copy()
+        core.save_copy(block)
+        return {"options": asdict(self._options), "block": block}
+
+    @_atomic
     def restore(self, state: Mapping[str, Any]) -> None:
         """Return to a state of this memory, or of another one with the same options.
 
+        A memory with a file writes a new file, which then replaces it: after a kill or a loss of power there is one of
+        them, with the flushes of the state or those before.
+
         Raises:
             ValueError: the state is of a memory with other options, or damaged; nothing has changed.
+            OSError: the disk has no space for the new file; nothing has changed.
         """
+        core, geometry = self._core, self._options.geometry()
         with storage.naming("the state"):
-            options = storage.options_of(state["options"])
-            if options != self._options:
+            if not isinstance(state, Mapping) or set(state) != {"options", "block"}:
+                raise ValueError("it must be a dict with options and block, a result of state()")
+            if storage.options_of(state["options"]) != self._options:
                 raise ValueError("it is of a replay memory with other options")
-            block = storage.allocate(options)
             given = np.asarray(state["block"])
-            if given.dtype != np.uint8 or given.shape != block.shape:
-                raise ValueError(f"its block must be uint8 {block.shape}, got {given.dtype} {given.shape}")
-            block[:] = given
-            core = _emulator.ReplayMemory(options.geometry(), block)
-            core.load(True)
-        if self._file is None:
-            self._use(core, block)
-        else:
-            self._block[:] = block
-            self._core.load(True)
+            if given.dtype != np.uint8 or given.shape != (geometry.block_bytes,):
+                raise ValueError(f"its block must be uint8 {(geometry.block_bytes,)}, got {given.dtype} {given.shape}")
+            old = self._file
+            file = None if old is None else old.successor()
+            try:
+                block = storage.allocate(self._options) if file is None else file.block
+                block[:] = given
+                core = _emulator.ReplayMemory(geometry, block)
+                core.load(True, None)
+                core.resume()
+                if file is not None and old is not None:
+                    file.replace(old)
+            except BaseException:
+                if file is not None:
+                    file.discard()
+                raise
+        self._file = file
+        self._use(core, block)
+        if file is not None and old is not None:
+            old.close()
+            file.sync_name()
 
+    @_atomic
     def close(self) -> None:
         """Release the memory and the file, without a flush."""
         self._closed_core = None
