@@ -1,4 +1,4 @@
-// The greatest of many values, each of which may change.
+// The maximum of many values, each of which may change.
 #pragma once
 
 #include <algorithm>

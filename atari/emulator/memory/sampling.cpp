@@ -214,7 +214,7 @@ std::vector<int64_t> ReplayMemory::draw_by_priority(const Choice& choice, const 
         exact[i] = tree_->get(indices[i]);
         indices[i] = index(indices[i]);
     }
-    // A weight is (count * probability) ** -beta, divided by the greatest weight: that of the least priority.
+    // A weight is (count * probability) ** -beta, divided by the greatest weight, which the least priority has.
     const double least = *std::min_element(exact.begin(), exact.end());
     for (size_t i = 0; weights && i < exact.size(); ++i)
         weights[i] = static_cast<float>(std::pow(least / exact[i], *choice.beta));

@@ -46,7 +46,7 @@ class Part:
 
     @property
     def pitch(self) -> int:
-        """Bytes from a pixel to the one below it."""
+        """Bytes from a pixel to the pixel below it."""
         return math.prod(self.frame[1:]) if len(self.frame) >= 2 else self.size
 
     def stacked(self, stack: int) -> Shape:

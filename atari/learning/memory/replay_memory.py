@@ -1,12 +1,11 @@
 """`ReplayMemory` stores the experience of vector environments, each frame once."""
 
 import os
-from collections.abc import Callable, Mapping
-from dataclasses import asdict
-from functools import wraps
+from collections.abc import Mapping
+from contextlib import nullcontext
 from os import PathLike
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec, TypeVar, cast
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
@@ -16,28 +15,16 @@ from atari import _emulator
 from atari._gymnasium import AutoresetMode
 from atari.cores.options import SEED_LIMIT
 from atari.learning.memory import storage
+from atari.learning.memory.atomic import atomic
 from atari.learning.memory.batch_pool import BatchPool
 from atari.learning.memory.batches import Batch, Sequences, array_maker, check_size, check_stacks, make_batch, target_of
 from atari.learning.memory.final_frames import final_observations
 from atari.learning.memory.options import MemoryOptions, Part, as_numpy, check_mode
+from atari.learning.memory.step_arrays import StepArrays
+from atari.task.fields import check_bool
 from atari.validation import check_integer
 
 _SEQUENCE_MOST = 2**20
-_Arguments = ParamSpec("_Arguments")
-_Result = TypeVar("_Result")
-
-
-def _atomic(
-    method: "Callable[Concatenate[ReplayMemory, _Arguments], _Result]",
-) -> "Callable[Concatenate[ReplayMemory, _Arguments], _Result]":
-    """A method that runs while no other thread is in one."""
-
-    @wraps(method)
-    def locked(self: "ReplayMemory", *arguments: _Arguments.args, **named: _Arguments.kwargs) -> _Result:
-        with self._lock:
-            return method(self, *arguments, **named)
-
-    return locked
 
 
 class ReplayMemory:
@@ -150,6 +137,7 @@ class ReplayMemory:
         )
         words = np.random.SeedSequence(None if seed is None else check_integer("seed", seed, 0, SEED_LIMIT - 1))
         threads = check_integer("num_threads", num_threads, 1, 1024)
+        autoflush = check_bool("autoflush", autoflush)
         file = None if path is None else storage.BlockFile.create(Path(os.fspath(path)), options)
         try:
             block = storage.allocate(options) if file is None else file.block
@@ -169,33 +157,30 @@ class ReplayMemory:
         block: storage.Block,
         autoflush: bool,
     ) -> None:
-        self._lock = _emulator.CallLock("replay memory")
-        self._autoflush = bool(autoflush) and file is not None
+        self._process, self._lock = os.getpid(), _emulator.CallLock("replay memory")
+        self._autoflush = autoflush and file is not None
         self._options, self._threads, self._file = options, threads, file
         self._parts: tuple[Part, ...] = options.parts
         self._named = [part.name for part in self._parts] != [""]
-        self._lanes = options.num_envs
-        self._lane_shape = (self._lanes,)
-        self._action_shape, self._action_dtype = tuple(options.action_shape), np.dtype(options.action_dtype)
+        self._lanes, self._arrays = options.num_envs, StepArrays(options)
         self._usual_actions = not options.action_shape and options.action_dtype == np.dtype(np.int64).str
         self._started = False  # whether an `add` has found that a reset came first
         self._mode = check_mode(options.autoreset_mode)
-        self._frame_shapes = [(self._lanes, *part.shape) for part in self._parts]
         self._use(_emulator.ReplayMemory(options.geometry(), block), block)
 
     def _use(self, core: _emulator.ReplayMemory, block: storage.Block) -> None:
         self._closed_core: _emulator.ReplayMemory | None = core
         self._block, self._rings, self._pool = block, {}, BatchPool(self._options)
-        for index, (part, shape) in enumerate(zip(self._parts, self._frame_shapes, strict=True)):
+        for index, (name, shape) in enumerate(self._arrays.frame_shapes.items()):
             offset, places = core.places(index)
-            self._rings[part.name] = np.ndarray((places, *shape), np.uint8, block, offset)
+            self._rings[name] = np.ndarray((places, *shape), np.uint8, block, offset)
 
     @classmethod
     def for_env(cls, envs: Any, capacity: int, num_envs: int | None = None, **options: Any) -> "ReplayMemory":
         """A memory with the shapes and the autoreset mode of a vector environment.
 
         An `AtariVectorEnv` must be made with `stack_num=1`; the memory also takes its padding. Images get stacks of 4,
-        RAM stacks of 1; `stack_num` chooses others. The other options are those of `ReplayMemory`.
+        RAM stacks of 1; `stack_num` chooses others. `ReplayMemory` has the other options.
 
         Instead of `envs`, a user may give a game as `AtariVectorEnv` takes it, with `num_envs`. The memory then makes
         the stacks of the game's task, for environments of this task with `stack_num=1`.
@@ -233,6 +218,7 @@ class ReplayMemory:
                 the message says which it has. Or it is a symbolic link, a pipe or a device.
         """
         threads = check_integer("num_threads", num_threads, 1, 1024)
+        autoflush, verify = check_bool("autoflush", autoflush), check_bool("verify", verify)
         number = None if flush is None else check_integer("flush", flush, 1, 2**62)
         where = Path(os.fspath(path))
         file = storage.BlockFile.open(where)
@@ -240,7 +226,7 @@ class ReplayMemory:
             memory = cls.__new__(cls)
             memory._begin(file.options, threads, file, file.block, autoflush)
             with storage.naming(where):
-                memory._core.load(bool(verify), number)
+                memory._core.load(verify, number)
             if number is not None:
                 file.sync()  # a later flush is forgotten before its rows are overwritten
             memory._core.resume()
@@ -257,7 +243,7 @@ class ReplayMemory:
             self._file.check_size()
         return self._closed_core
 
-    @_atomic
+    @atomic
     def frames(self) -> Any:
         """The array for the observations of the next step, which `AtariVectorEnv.step` takes as `out`.
 
@@ -278,7 +264,7 @@ class ReplayMemory:
         if self._autoflush and core.must_save:
             self.flush()
 
-    @_atomic
+    @atomic
     def reset(self, observations: Any, mask: Any = None) -> None:
         """Begin new episodes with the observations that a reset returned. Episodes that had not ended are truncated.
 
@@ -291,19 +277,17 @@ class ReplayMemory:
             TypeError, ValueError: an array does not fit; nothing has changed.
             BufferError: with autoflush=False, the state of the last flush would be overwritten; nothing has changed.
         """
-        arrays = self._checked_frames("observations", observations)
+        arrays = self._arrays.frames("observations", observations)
         if mask is None:
             self._write_frames(arrays)
             self._core.reset(None, [])
             return
-        chosen = as_numpy("mask", mask)
-        if chosen.dtype != np.bool_ or chosen.shape != self._lane_shape:
-            raise ValueError(f"mask must be bool {self._lane_shape}, got {chosen.dtype} {chosen.shape}")
+        chosen = self._arrays.flags("mask", mask)
         core = self._core
         self._make_space(core)
-        core.reset(np.ascontiguousarray(chosen), [np.ascontiguousarray(array) for array in arrays])
+        core.reset(chosen, [np.ascontiguousarray(array) for array in arrays])
 
-    @_atomic
+    @atomic
     def add(
         self,
         actions: Any,
@@ -333,10 +317,10 @@ class ReplayMemory:
         core = self._core
         if observations is None and self._usual_actions and core.try_add(actions, rewards, terminations, truncations):
             return
-        terminations = self._checked_flags("terminations", terminations)
-        truncations = self._checked_flags("truncations", truncations)
-        rewards = self._checked_rewards(rewards)
-        actions = self._checked_actions(actions)
+        terminations = self._arrays.flags("terminations", terminations)
+        truncations = self._arrays.flags("truncations", truncations)
+        rewards = self._arrays.rewards(rewards)
+        actions = self._arrays.actions(actions)
         finals: list[Any] = []
         if self._mode == AutoresetMode.SAME_STEP and (terminations.any() or truncations.any()):
             finals = final_observations(info, terminations | truncations, self._parts, self._named)
@@ -345,68 +329,15 @@ class ReplayMemory:
         self._started = True
         self._make_space(core)
         if observations is not None:
-            self._write_frames(self._checked_frames("observations", observations))
+            self._write_frames(self._arrays.frames("observations", observations))
         core.add(actions, rewards, terminations, truncations, finals)
-
-    def _checked_flags(self, name: str, values: Any) -> npt.NDArray[np.bool_]:
-        array = as_numpy(name, values)
-        if array.dtype != np.bool_ or array.shape != self._lane_shape:
-            raise ValueError(f"{name} must be bool {self._lane_shape}, got {array.dtype} {array.shape}")
-        return np.ascontiguousarray(array)
-
-    def _checked_rewards(self, values: Any) -> npt.NDArray[np.float32]:
-        array = as_numpy("rewards", values)
-        if array.dtype.kind not in "iufb" or array.shape != self._lane_shape:
-            raise ValueError(f"rewards must be numbers {self._lane_shape}, got {array.dtype} {array.shape}")
-        try:
-            with np.errstate(over="raise"):
-                return np.ascontiguousarray(array, np.float32)
-        except FloatingPointError:
-            lane = int(np.argmax(np.abs(array)))
-            raise ValueError(
-                f"the reward of environment {lane} is {array[lane]}; rewards are stored as float32, at most 3.4e38"
-            ) from None
-
-    def _checked_actions(self, values: Any) -> npt.NDArray[np.uint8]:
-        array = as_numpy("actions", values)
-        shape = (self._lanes, *self._action_shape)
-        if array.dtype != self._action_dtype and not np.can_cast(array.dtype, self._action_dtype, "same_kind"):
-            raise TypeError(f"actions must be {self._action_dtype} {shape}, got {array.dtype}")
-        if array.shape != shape:
-            raise ValueError(f"actions must have the shape {shape}, got {array.shape}")
-        with np.errstate(over="ignore"):
-            stored = np.ascontiguousarray(array, self._action_dtype)
-        if self._action_dtype.kind == "f":
-            self._refuse_actions(array, np.isfinite(stored))
-        elif array.dtype != self._action_dtype:
-            self._refuse_actions(array, stored == array)
-        return stored.reshape(-1).view(np.uint8)
-
-    def _refuse_actions(self, actions: npt.NDArray[Any], good: npt.NDArray[np.bool_]) -> None:
-        if not good.all():
-            place = tuple(int(i) for i in np.argwhere(~good)[0])
-            raise ValueError(
-                f"the action of environment {place[0]} is {actions[place]}, and action_dtype {self._action_dtype} "
-                "stores finite numbers in its range; make the memory with another action_dtype"
-            )
-
-    def _checked_frames(self, name: str, observations: Any) -> list[npt.NDArray[np.uint8]]:
-        if self._named and not (isinstance(observations, Mapping) and set(observations) >= set(self.stack_nums)):
-            raise TypeError(f"{name} must be a dict with the keys {', '.join(self.stack_nums)}")
-        result = []
-        for part, shape in zip(self._parts, self._frame_shapes, strict=True):
-            array = as_numpy(name, observations[part.name] if self._named else observations)
-            if array.dtype != np.uint8 or array.shape != shape:
-                raise ValueError(f"{name} must be uint8 {shape}, got {array.dtype} {array.shape}")
-            result.append(array)
-        return result
 
     def _write_frames(self, arrays: list[npt.NDArray[np.uint8]]) -> None:
         to = self.frames()
         for part, array in zip(self._parts, arrays, strict=True):
             np.copyto(to[part.name] if self._named else to, array)
 
-    @_atomic
+    @atomic
     def observations(self, *, stack_num: int | Mapping[str, int] | None = None, out: Any = None) -> Any:
         """The present observations of all environments, for the choice of actions.
 
@@ -477,7 +408,7 @@ class ReplayMemory:
         size, length = check_size(batch_size), check_integer("length", length, 1, _SEQUENCE_MOST)
         return cast(Sequences, make_batch(self._options, size, length, stacks, array_maker(torch, pin_memory)))
 
-    @_atomic
+    @atomic
     def sample(
         self,
         batch_size: int,
@@ -530,14 +461,14 @@ class ReplayMemory:
     def _batch(
         self, core: _emulator.ReplayMemory, size: int, length: int, stack_num: Any, out: Batch | Sequences | None
     ) -> tuple[Batch | Sequences, _emulator.ReplayTarget]:
-        """The batch to write to, `out` or a new one, and its target; a length other than 0 is that of sequences."""
+        """The batch to write to, `out` or a new one, and its target; with a length other than 0, of sequences."""
         if out is None:
             return self._pool.take(core, size, length, check_stacks(self._options, stack_num))
         if stack_num is not None:
             raise ValueError("out has a number of frames; leave stack_num out")
         return out, target_of(out, core, self._options, size, length)
 
-    @_atomic
+    @atomic
     def sample_sequences(
         self,
         batch_size: int,
@@ -575,7 +506,7 @@ class ReplayMemory:
         core.sample(target, length, 1.0, None, self._threads)
         return cast(Sequences, batch)
 
-    @_atomic
+    @atomic
     def update_priorities(self, indices: Any, priorities: Any) -> None:
         """Set the priorities of sampled steps, before the exponent: commonly the magnitude of their TD errors.
 
@@ -596,24 +527,24 @@ class ReplayMemory:
             raise ValueError(f"indices and priorities must be (batch,), got {steps.shape} and {values.shape}")
         self._core.update_priorities(np.ascontiguousarray(steps, np.int64), np.ascontiguousarray(values, np.float64))
 
-    @_atomic
+    @atomic
     def __len__(self) -> int:
         """Steps that `sample` can draw with n=1."""
         return self._core.count(1)
 
-    @_atomic
+    @atomic
     def count(self, n: int = 1) -> int:
         """Steps that `sample` can draw with this n."""
         return self._core.count(check_integer("n", n, 1, 2**40))
 
     @property
-    @_atomic
+    @atomic
     def steps(self) -> int:
         """Steps ever added, of all environments together, ignored steps included."""
         return self._core.numbers[1]
 
     @property
-    @_atomic
+    @atomic
     def nbytes(self) -> int:
         """Bytes of memory, or of the file, and of the index; with compressed frames the bytes in use up to now."""
         return self._core.numbers[3]
@@ -634,13 +565,13 @@ class ReplayMemory:
         return dict(self._options.stack_num)
 
     @property
-    @_atomic
+    @atomic
     def flushes(self) -> int:
         """The number of the last flush, which `open` takes: flushes are counted from the first, of a new file."""
         return self._core.numbers[2]
 
     @property
-    @_atomic
+    @atomic
     def must_flush(self) -> bool:
         """Whether the next `add` or `reset` might overwrite the state of the last flush.
 
@@ -650,7 +581,7 @@ class ReplayMemory:
         """
         return self._core.must_save
 
-    @_atomic
+    @atomic
     def flush(self) -> None:
         """Save the present state, which `open` then finds, and wait until it is on the disk.
 
@@ -673,7 +604,7 @@ class ReplayMemory:
             self._file.sync()
         core.end_save()
 
-    @_atomic
+    @atomic
     def state(self) -> dict[str, Any]:
         """A copy of the whole memory, for checkpoints without a file. It is as large as the memory.
 
@@ -681,9 +612,9 @@ class ReplayMemory:
         """
         core, block = self._core, self._block.copy()
         core.save_copy(block)
-        return {"options": asdict(self._options), "block": block}
+        return storage.state_of(self._options, block)
 
-    @_atomic
+    @atomic
     def restore(self, state: Mapping[str, Any]) -> None:
         """Return to a state of this memory, or of another one with the same options.
 
@@ -694,21 +625,14 @@ class ReplayMemory:
             ValueError: the state is of a memory with other options, or damaged; nothing has changed.
             OSError: the disk has no space for the new file; nothing has changed.
         """
-        core, geometry = self._core, self._options.geometry()
+        core, old = self._core, self._file
         with storage.naming("the state"):
-            if not isinstance(state, Mapping) or set(state) != {"options", "block"}:
-                raise ValueError("it must be a dict with options and block, a result of state()")
-            if storage.options_of(state["options"]) != self._options:
-                raise ValueError("it is of a replay memory with other options")
-            given = np.asarray(state["block"])
-            if given.dtype != np.uint8 or given.shape != (geometry.block_bytes,):
-                raise ValueError(f"its block must be uint8 {(geometry.block_bytes,)}, got {given.dtype} {given.shape}")
-            old = self._file
+            given = storage.block_of(state, self._options)
             file = None if old is None else old.successor()
             try:
                 block = storage.allocate(self._options) if file is None else file.block
                 block[:] = given
-                core = _emulator.ReplayMemory(geometry, block)
+                core = _emulator.ReplayMemory(self._options.geometry(), block)
                 core.load(True, None)
                 core.resume()
                 if file is not None and old is not None:
@@ -723,12 +647,13 @@ class ReplayMemory:
             old.close()
             file.sync_name()
 
-    @_atomic
     def close(self) -> None:
         """Release the memory and the file, without a flush."""
-        self._closed_core = None
-        if self._file is not None:
-            self._file.close()
+        # In a forked process, a thread that no longer exists may hold the lock.
+        with self._lock if self._process == os.getpid() else nullcontext():
+            self._closed_core = None
+            if self._file is not None:
+                self._file.close()
 
     def __enter__(self) -> "ReplayMemory":
         return self

@@ -12,7 +12,7 @@ import re
 import struct
 import sys
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -190,6 +190,27 @@ class BlockFile:
     def __del__(self) -> None:
         if hasattr(self, "_file"):
             self.close()
+
+
+def state_of(options: MemoryOptions, block: Block) -> dict[str, Any]:
+    """A memory as a dict that can be pickled."""
+    return {"options": asdict(options), "block": block}
+
+
+def block_of(state: Any, options: MemoryOptions) -> Block:
+    """The block in a result of `state_of`.
+
+    Raises:
+        ValueError: it is no such result, or a memory with other options.
+    """
+    if not isinstance(state, Mapping) or set(state) != {"options", "block"}:
+        raise ValueError("it must be a dict of options and block, as state() returns it")
+    if options_of(state["options"]) != options:
+        raise ValueError("it is a replay memory with other options")
+    block, shape = np.asarray(state["block"]), (options.geometry().block_bytes,)
+    if block.dtype != np.uint8 or block.shape != shape:
+        raise ValueError(f"its block must be uint8 {shape}, got {block.dtype} {block.shape}")
+    return block
 
 
 def options_of(values: Any) -> MemoryOptions:
