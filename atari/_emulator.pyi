@@ -771,7 +771,7 @@ class ReplayMemory:
 
     def try_add(self, actions: object, rewards: object, terminated: object, truncated: object) -> bool:
         """
-        Call `add` if the arrays are int64, int32 and bool with one axis; returns whether they are.
+        Call `add` if the arrays are int64, int32 or float64, and bool with one axis; returns whether they are.
         """
 
     def observe(self, stacks: Sequence[int], to: Sequence[numpy.typing.NDArray[numpy.uint8]]) -> None: ...

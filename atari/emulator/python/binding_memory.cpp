@@ -9,6 +9,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -202,21 +203,29 @@ void add(BoundMemory& bound, nb::object actions, nb::object rewards, nb::object 
     else bound.use_briefly(work);
 }
 
+// Copies rewards of type T as floats. Returns false if they have another type or shape, or one is not finite as a float.
+template <typename T>
+bool get_rewards(nb::handle rewards, size_t lanes, std::vector<float>& values) {
+    Values<const T> given;
+    if (!nb::try_cast(rewards, given, false) || given.ndim() != 1 || given.size() != lanes) return false;
+    values.assign(given.data(), given.data() + lanes);
+    return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
+}
+
 // Does the same as `add` for the arrays that environments usually return, and checks them faster than Python. For other
 // arrays, for ends in SAME_STEP, and for a memory with a file, changes nothing and returns false.
 bool try_add(BoundMemory& bound, nb::handle actions, nb::handle rewards, nb::handle terminated, nb::handle truncated) {
     const Geometry& geometry = bound.geometry();
     const auto lanes = static_cast<size_t>(geometry.lanes);
     Values<const int64_t> indices;
-    Values<const int32_t> whole;
     Values<const bool> flags[2];
+    std::vector<float> values;
     if (geometry.action_bytes != sizeof(int64_t) || geometry.saved || geometry.compressed ||
         !nb::try_cast(actions, indices, false) || indices.ndim() != 1 || indices.size() != lanes ||
-        !nb::try_cast(rewards, whole, false) || whole.ndim() != 1 || whole.size() != lanes ||
+        !(get_rewards<int32_t>(rewards, lanes, values) || get_rewards<double>(rewards, lanes, values)) ||
         !nb::try_cast(terminated, flags[0], false) || flags[0].ndim() != 1 || flags[0].size() != lanes ||
         !nb::try_cast(truncated, flags[1], false) || flags[1].ndim() != 1 || flags[1].size() != lanes)
         return false;
-    const std::vector<float> values(whole.data(), whole.data() + lanes);
     const auto* const ends = reinterpret_cast<const uint8_t*>(flags[0].data());
     const auto* const cuts = reinterpret_cast<const uint8_t*>(flags[1].data());
     const auto ended = [&](const uint8_t* all) { return std::find(all, all + lanes, uint8_t{1}) != all + lanes; };
@@ -356,7 +365,7 @@ void register_memory(nb::module_& m) {
         .def("try_add", &try_add, "actions"_a, "rewards"_a, "terminated"_a, "truncated"_a,
              nb::sig("def try_add(self, actions: object, rewards: object, terminated: object, truncated: object) "
                      "-> bool"),
-             "Call `add` if the arrays are int64, int32 and bool with one axis; returns whether they are.")
+             "Call `add` if the arrays are int64, int32 or float64, and bool with one axis; returns whether they are.")
         .def("observe", &observe, "stacks"_a, "to"_a,
              nb::sig("def observe(self, stacks: Sequence[int], to: Sequence[" ARRAY("uint8") "]) -> None"))
         .def(

@@ -315,7 +315,9 @@ class ReplayMemory:
             BufferError: with autoflush=False, the state of the last flush would be overwritten; nothing has changed.
         """
         core = self._core
-        if observations is None and self._usual_actions and core.try_add(actions, rewards, terminations, truncations):
+        if observations is not None:  # nothing reads them before the step is complete
+            self._write_frames(self._arrays.frames("observations", observations))
+        if self._usual_actions and core.try_add(actions, rewards, terminations, truncations):
             return
         terminations = self._arrays.flags("terminations", terminations)
         truncations = self._arrays.flags("truncations", truncations)
@@ -328,8 +330,6 @@ class ReplayMemory:
             raise gymnasium.error.ResetNeeded("call reset(observations) before the first add")
         self._started = True
         self._make_space(core)
-        if observations is not None:
-            self._write_frames(self._arrays.frames("observations", observations))
         core.add(actions, rewards, terminations, truncations, finals)
 
     def _write_frames(self, arrays: list[npt.NDArray[np.uint8]]) -> None:

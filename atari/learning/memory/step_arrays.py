@@ -36,6 +36,8 @@ class StepArrays:
         array = as_numpy("rewards", values)
         if array.dtype.kind not in "iufb" or array.shape != self.shape:
             raise ValueError(f"rewards must be numbers {self.shape}, got {array.dtype} {array.shape}")
+        if array.dtype.kind != "f" or array.dtype.itemsize <= 4:
+            return np.ascontiguousarray(array, np.float32)
         try:
             with np.errstate(over="raise"):
                 return np.ascontiguousarray(array, np.float32)
@@ -52,8 +54,11 @@ class StepArrays:
             raise TypeError(f"actions must be {dtype} {shape}, got {array.dtype}")
         if array.shape != shape:
             raise ValueError(f"actions must have the shape {shape}, got {array.shape}")
-        with np.errstate(over="ignore"):
-            stored = np.ascontiguousarray(array, dtype)
+        if array.dtype == dtype:
+            stored = np.ascontiguousarray(array)
+        else:
+            with np.errstate(over="ignore"):
+                stored = np.ascontiguousarray(array, dtype)
         if dtype.kind == "f" or array.dtype != dtype:
             good = np.isfinite(stored) if dtype.kind == "f" else stored == array
             if not good.all():
