@@ -528,12 +528,13 @@ class ArrayLender:
         Whether a loan exists: an array made from it, or a view or a tensor of such an array.
         """
 
-class VectorLock:
+class CallLock:
     """
-    The lock of a vector environment, for `with`. RuntimeError in a forked process.
+    The lock of an object in Python, for `with`. Its thread may enter again. RuntimeError in a forked
+    process.
     """
 
-    def __init__(self) -> None: ...
+    def __init__(self, object: str) -> None: ...
     def __enter__(self) -> None: ...
     def __exit__(self, type: object | None, value: object | None, traceback: object | None) -> None: ...
 
@@ -739,7 +740,9 @@ class ReplayMemory:
         """
 
     def next_place(self) -> int:
-        """The place of the next row's frames, in 0 .. places-1."""
+        """
+        The place of the next row's frames, in 0 .. places-1. BufferError if a save is due.
+        """
 
     def places(self, part: int) -> tuple[int, int]:
         """
@@ -768,7 +771,7 @@ class ReplayMemory:
 
     def try_add(self, actions: object, rewards: object, terminated: object, truncated: object) -> bool:
         """
-        Call `add` if the arrays are int64, int32 and bool with one axis; returns whether they are.
+        Call `add` if the arrays are int64, int32 or float64, and bool with one axis; returns whether they are.
         """
 
     def observe(self, stacks: Sequence[int], to: Sequence[numpy.typing.NDArray[numpy.uint8]]) -> None: ...
@@ -777,14 +780,31 @@ class ReplayMemory:
     def update_priorities(
         self, indices: numpy.typing.NDArray[numpy.int64], priorities: numpy.typing.NDArray[numpy.float64]
     ) -> None: ...
-    def save(self) -> None:
-        """Save the present state for `load`."""
-
-    def load(self, verify: bool) -> None:
+    @property
+    def must_save(self) -> bool:
         """
-        Read the last saved state; ValueError says what is damaged. `verify` reads all frames.
+        Whether the next `add` or `reset` may raise BufferError, because it would overwrite the last saved state.
         """
 
+    def begin_save(self) -> None:
+        """
+        The first of the three phases of a save, which makes the present state the one that `load` finds. After
+        each, the block must reach the disk. `end_save` counts the save.
+        """
+
+    def write_save(self) -> None: ...
+    def complete_save(self) -> None: ...
+    def end_save(self) -> None: ...
+    def save_copy(self, block: numpy.typing.NDArray[numpy.uint8]) -> None:
+        """Save the present state in a copy of the block."""
+
+    def load(self, verify: bool, save: int | None) -> None:
+        """
+        Read the last saved state, or the state of the save with this number; ValueError says what is damaged.
+        `verify` reads all frames. Then the block must reach the disk, and `resume` ends the work.
+        """
+
+    def resume(self) -> None: ...
     @property
     def numbers(self) -> tuple[bool, int, int, int]:
         """

@@ -24,9 +24,9 @@ def sync(file: int) -> None:
     os.fsync(file)
 
 
-def sync_map(map: mmap.mmap) -> None:
-    """Wait until the changed pages of a mapped file are on the disk."""
-    map.flush()
+def sync_map(data: mmap.mmap) -> None:
+    """Wait until all bytes of a mapped file are on the disk."""
+    data.flush()
 
 
 def replace(source: Path, target: Path) -> None:

@@ -129,7 +129,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         self._engine: _emulator.VectorEngine | None = options.make_engine()
         self._process = os.getpid()
         # Guards all attributes that change, and the engine between a send and its results.
-        self._lock = _emulator.VectorLock()
+        self._lock = _emulator.CallLock("vector environment")
         self._added = tuple(AddedWrites() for _ in self.games)
         self.single_action_space = options.action_space()
         self.single_observation_space = options.layout.space(options.observation_space())
@@ -395,7 +395,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         if self._process != os.getpid() or sys.is_finalizing():
             self._release()
             # In a forked process, a thread that no longer exists may hold the lock.
-            self._process, self._lock = os.getpid(), _emulator.VectorLock()
+            self._process, self._lock = os.getpid(), _emulator.CallLock("vector environment")
             return
         with self._lock:
             if self._engine is not None:

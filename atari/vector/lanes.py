@@ -55,7 +55,7 @@ class Lane:
     def __init__(self, envs: Any, index: int) -> None:  # an AtariVectorEnv, whose module imports this one
         self._envs, self.index = envs, index
         self._engine: Callable[[], _emulator.VectorEngine] = envs._open
-        self._lock: _emulator.VectorLock = envs._lock
+        self._lock: _emulator.CallLock = envs._lock
         self.game: Game = envs.games[index]
         self.added: AddedWrites = envs._added[index]
 

@@ -45,14 +45,24 @@ class Stream:
             self.waiting = ended
         if self.mode == "disabled":
             self.waiting |= ended
-            mask = self.waiting & (random.random(lanes) < 0.7)
-            if random.random() < 0.05:
-                mask |= random.random(lanes) < 0.3
-            if mask.any():
+        if self.mode != "next_step":
+            for mask in self.masks():
                 frames = self.frames()
                 memory.reset(frames, mask)
                 naive.reset(frames, mask)
                 self.waiting &= ~mask
+
+    def masks(self) -> list[np.ndarray]:
+        """The resets before the next step, in any order of lanes: after ends, and of lanes that have not ended."""
+        random, lanes = self.random, self.lanes
+        chosen = self.waiting & (random.random(lanes) < 0.7)
+        if random.random() < 0.1:
+            chosen |= random.random(lanes) < 0.4
+        order = random.permutation(np.flatnonzero(chosen))
+        groups = np.split(order, np.sort(random.integers(0, len(order) + 1, random.integers(0, 3))))
+        if random.random() < 0.1 and len(order):
+            groups.append(order[:1])  # a lane that was reset already
+        return [np.isin(np.arange(lanes), group) for group in groups if len(group)]
 
 
 def everything(memory: ReplayMemory, **options: Any) -> dict[int, dict[str, Any]]:

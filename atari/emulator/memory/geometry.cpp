@@ -72,7 +72,7 @@ Layout::Layout(const Geometry& geometry) {
     const auto lanes = static_cast<size_t>(geometry.lanes), slots = static_cast<size_t>(geometry.slots());
     const auto cells = lanes * slots, final_slots = static_cast<size_t>(geometry.finals);
     section_bytes = sizeof(SectionHeader) + sizeof(State) + 2 * lanes + lanes * geometry.frame_bytes() +
-                    (geometry.prioritised ? cells * sizeof(double) : 0);
+                    (geometry.prioritised ? (cells + slots) * sizeof(double) : 0);
     for (size_t& section : sections) section = place(section_bytes);
     actions = place(cells * geometry.action_bytes);
     rewards = place(cells * sizeof(float));

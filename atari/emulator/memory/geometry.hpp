@@ -13,7 +13,7 @@ enum class Autoreset { kNextStep, kSameStep, kDisabled };
 // One part of an observation: the image, or the RAM.
 struct Part {
     size_t bytes;  // bytes of a frame
-    size_t pitch;  // bytes from a pixel to the one below it
+    size_t pitch;  // bytes from a pixel to the pixel below it
     int stack;     // the most frames in an observation
 };
 

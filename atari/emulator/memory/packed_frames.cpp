@@ -34,6 +34,12 @@ PackedFrames::PackedFrames(const Geometry& geometry, uint8_t* bytes)
     finish_entering();
 }
 
+int64_t PackedFrames::oldest_with_space(bool more) const {
+    const size_t wanted = 2 * chunks_of_row_ + (more ? chunks_ / 16 : 0);
+    if (free_.size() >= wanted) return 0;
+    return used_[std::min(wanted - free_.size(), used_.size()) - 1].newest + 1;
+}
+
 void PackedFrames::release(int64_t oldest) {
     while (!used_.empty() && used_.front().newest < oldest) {
         free_.push(used_.front().index);

@@ -14,10 +14,10 @@ class PackedFrames {
   public:
     PackedFrames(const Geometry& geometry, uint8_t* bytes);
 
-    // Returns whether a row with a final observation in each lane fits.
-    bool has_space() const { return free_.size() >= chunks_of_row_; }
-    // The newest row in the chunk that becomes free next; -1 if no chunk is in use.
-    int64_t next_release() const { return used_.empty() ? -1 : used_.front().newest; }
+    // Returns whether n rows with a final observation in each lane fit.
+    bool has_space(size_t n = 1) const { return free_.size() >= n * chunks_of_row_; }
+    // The row from which rows may be kept, so that two rows fit after `release`; with `more`, a sixteenth of the space.
+    int64_t oldest_with_space(bool more) const;
     // Frees the chunks that have no row from `oldest` on.
     void release(int64_t oldest);
     // Stores the code of a frame. `row` must not decrease, and `has_space` must have been true for the row.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 
@@ -16,7 +17,9 @@ ReplayMemory::ReplayMemory(const Geometry& geometry, uint8_t* block)
       waiting_(static_cast<size_t>(geometry_.lanes)), frames_(geometry_, layout_, block), valid_(geometry_.cells()) {
     state_.greatest = 1;
     state_.generator.seed(0);
-    if (geometry_.prioritised) tree_.emplace(geometry_.cells());
+    if (!geometry_.prioritised) return;
+    tree_.emplace(geometry_.cells());
+    greatest_.emplace(slots_);
 }
 
 uint8_t* ReplayMemory::lane_frames(size_t part, int64_t row, int64_t lane) const {
@@ -29,6 +32,7 @@ void ReplayMemory::reset() {
         std::fill_n(flags_, geometry_.lanes, uint8_t{kFirst});
         return;
     }
+    check_row();
     make_space(0);
     frames_.store(state_.head);
     for (int64_t lane = 0; lane < geometry_.lanes; ++lane) {
@@ -43,15 +47,18 @@ void ReplayMemory::reset(const uint8_t* mask, const std::vector<const uint8_t*>&
     if (!state_.started) throw std::invalid_argument("the first reset must be of all environments, without a mask");
     if (geometry_.autoreset == Autoreset::kNextStep)
         throw std::invalid_argument("a reset of some environments needs autoreset_mode 'disabled' or 'same_step'");
-    make_space(std::count_if(mask, mask + geometry_.lanes, [](uint8_t chosen) { return chosen != 0; }));
     const int64_t before = state_.head - 1;
+    const auto follows_step = [&](int64_t lane) {
+        return before >= state_.tail && !(flags(before, lane) & kNoStep) && !(flags(state_.head, lane) & kFirst);
+    };
+    int64_t finals = 0;
+    for (int64_t lane = 0; lane < geometry_.lanes; ++lane) finals += mask[lane] && follows_step(lane);
+    make_space(finals);
     for (int64_t lane = 0; lane < geometry_.lanes; ++lane) {
         if (!mask[lane]) continue;
         std::vector<const uint8_t*> last;
         for (size_t part = 0; part < frames.size(); ++part) last.push_back(lane_frames(part, state_.head, 0));
-        const bool follows_step =
-            before >= state_.tail && !(flags(before, lane) & kNoStep) && !(flags(state_.head, lane) & kFirst);
-        if (follows_step) push_final(before, lane, last, lane);
+        if (follows_step(lane)) push_final(before, lane, last, lane);
         for (size_t part = 0; part < frames.size(); ++part) {
             const size_t bytes = geometry_.parts[part].bytes;
             std::memcpy(lane_frames(part, state_.head, lane), frames[part] + static_cast<size_t>(lane) * bytes, bytes);
@@ -66,7 +73,8 @@ void ReplayMemory::check_results(const StepResults& results) const {
     const bool needs_finals = geometry_.autoreset == Autoreset::kSameStep && results.finals.empty();
     for (int64_t lane = 0; lane < geometry_.lanes; ++lane) {
         if (!std::isfinite(results.rewards[lane]))
-            throw std::invalid_argument("the reward of environment " + std::to_string(lane) + " is not finite");
+            throw std::invalid_argument("the reward of environment " + std::to_string(lane) + " is " +
+                                        std::to_string(results.rewards[lane]) + "; rewards must be finite");
         if (needs_finals && (results.terminated[lane] || results.truncated[lane]))
             throw std::invalid_argument("the episode of environment " + std::to_string(lane) +
                                         " has ended, and info has no final_obs; autoreset_mode is 'same_step' here");
@@ -80,6 +88,7 @@ void ReplayMemory::add(const StepResults& results) {
     int64_t finals = 0;
     for (int64_t lane = 0; same_step && lane < geometry_.lanes; ++lane)
         finals += results.terminated[lane] || results.truncated[lane];
+    check_row();
     make_space(finals);
     const int64_t head = state_.head;
     std::memcpy(actions_ + static_cast<size_t>(cell(head, 0)) * geometry_.action_bytes, results.actions,
@@ -114,8 +123,7 @@ void ReplayMemory::complete_row() {
     ++state_.head;
     state_.steps += geometry_.lanes;
     while (state_.head - state_.tail > geometry_.rows) forget_oldest();
-    // The row that is written next must not take the slot of a row of the saved state.
-    if (saving_ && state_.head + 1 - slots_ >= saved_.tail - geometry_.history()) save();
+    if (frames_.packed()) release_chunks();
 }
 
 void ReplayMemory::forget_oldest() {
@@ -125,24 +133,51 @@ void ReplayMemory::forget_oldest() {
         valid_.set(here, false);
         if (tree_) tree_->set(here, 0);
     }
+    if (greatest_) set_greatest(state_.tail, 0);
     ++state_.tail;
-    while (state_.first_final < state_.finals &&
-           final_owners_[state_.first_final % geometry_.finals] / geometry_.lanes < state_.tail)
+    while (state_.first_final < state_.finals && owner(state_.first_final) / geometry_.lanes < state_.tail)
         ++state_.first_final;
 }
 
-// Makes space for the pending row and `finals` final observations: forgets the oldest rows, and saves the state if the
-// last saved state would otherwise be overwritten.
+bool ReplayMemory::must_save() const {
+    if (!saving_) return false;
+    const int64_t finals = geometry_.autoreset == Autoreset::kNextStep ? 0 : geometry_.lanes;
+    // An `add` and the resets of a mask after it take space for a row each, and together final observations for one.
+    return !row_fits() || !finals_fit(finals) || (frames_.packed() && !frames_.packed()->has_space(2));
+}
+
+void ReplayMemory::check_row() const {
+    if (saving_ && !row_fits())
+        throw Overwrites("the next step would overwrite rows of flush " + std::to_string(saves_) +
+                         "; call flush() first; must_flush says when");
+}
+
+// Makes space for the frames of the pending row and `finals` final observations: forgets the oldest rows.
 void ReplayMemory::make_space(int64_t finals) {
-    const int64_t overwritten = state_.finals + finals - geometry_.finals;  // earlier entries lose their slot
-    while (state_.first_final < overwritten) forget_oldest();
-    if (saving_ && saved_.first_final < overwritten) save();
-    if (PackedFrames* const packed = frames_.packed()) {
-        for (release_chunks(); !packed->has_space(); release_chunks()) {
-            if (packed->next_release() < state_.tail - geometry_.history()) save();
-            else forget_oldest();
-        }
+    PackedFrames* const packed = frames_.packed();
+    if (saving_ && (!finals_fit(finals) || (packed && !packed->has_space())))
+        throw Overwrites("the next step would overwrite frames of flush " + std::to_string(saves_) +
+                         "; call flush() first; must_flush says when");
+    while (state_.first_final < state_.finals + finals - geometry_.finals) forget_oldest();
+    while (packed && !packed->has_space()) {
+        forget_oldest();
+        release_chunks();
     }
+}
+
+// Forgets the oldest rows, if a save of all rows would leave no space for the next one: more of them than needed, so
+// that not every step needs a save.
+void ReplayMemory::make_runway() {
+    const int64_t needed = geometry_.autoreset == Autoreset::kNextStep ? 0 : geometry_.lanes;
+    if (state_.finals + needed - geometry_.finals > state_.first_final) {
+        const int64_t kept = state_.finals + std::max(needed, geometry_.finals / 16) - geometry_.finals;
+        while (state_.first_final < kept) forget_oldest();
+    }
+    if (!frames_.packed()) return;
+    const int64_t oldest = frames_.packed()->oldest_with_space(false);
+    if (oldest == 0 || oldest <= state_.tail - geometry_.history()) return;
+    const int64_t kept = std::min(frames_.packed()->oldest_with_space(true) + geometry_.history(), state_.head);
+    while (state_.tail < kept) forget_oldest();
 }
 
 void ReplayMemory::release_chunks() { frames_.packed()->release(kept_tail() - geometry_.history()); }
@@ -157,16 +192,25 @@ void ReplayMemory::push_final(int64_t row, int64_t lane, const std::vector<const
     ++state_.finals;
 }
 
-// Returns the entry of the final observation after a step, or -1.
+// Returns the entry of the final observation after a step, or -1. Rows ascend; the entries of a row have any order.
 int64_t ReplayMemory::find_final(int64_t row, int64_t lane) const {
-    const int64_t owner = row * geometry_.lanes + lane;
+    const int64_t wanted = row * geometry_.lanes;
     int64_t low = state_.first_final, high = state_.finals;
     while (low < high) {
         const int64_t middle = low + (high - low) / 2;
-        if (final_owners_[middle % geometry_.finals] < owner) low = middle + 1;
+        if (owner(middle) < wanted) low = middle + 1;
         else high = middle;
     }
-    return low < state_.finals && final_owners_[low % geometry_.finals] == owner ? low : -1;
+    for (; low < state_.finals && owner(low) < wanted + geometry_.lanes; ++low)
+        if (owner(low) == wanted + lane) return low;
+    return -1;
+}
+
+// Sets the greatest priority that was given to a step of a row.
+void ReplayMemory::set_greatest(int64_t row, double priority) {
+    if (greatest_->get(row % slots_) == priority) return;
+    greatest_->set(row % slots_, priority);
+    state_.greatest = greatest_of_new();
 }
 
 void ReplayMemory::update_priorities(const int64_t* indices, const double* priorities, int64_t count) {
@@ -174,8 +218,12 @@ void ReplayMemory::update_priorities(const int64_t* indices, const double* prior
     std::vector<double> powers;
     for (int64_t i = 0; i < count; ++i) {
         powers.push_back(std::pow(priorities[i], geometry_.exponent));
-        if (!(priorities[i] >= 0) || !std::isfinite(powers.back()))
-            throw std::invalid_argument("priority " + std::to_string(i) + " must be finite and not negative");
+        if (!(priorities[i] >= 0 && priorities[i] <= kMostPriority && powers.back() <= kMostPriority)) {
+            char text[160];
+            std::snprintf(text, sizeof text, "priority %lld must be within 0..1e100, and its power by %g too, got %g",
+                          static_cast<long long>(i), geometry_.exponent, priorities[i]);
+            throw std::invalid_argument(text);
+        }
         if (indices[i] < 0 || indices[i] / geometry_.lanes >= state_.head)
             throw std::invalid_argument("index " + std::to_string(indices[i]) + " is of no step of this memory");
     }
@@ -184,9 +232,10 @@ void ReplayMemory::update_priorities(const int64_t* indices, const double* prior
     for (int64_t i = 0; i < count; ++i) {
         const int64_t row = indices[i] / geometry_.lanes, here = cell(row, indices[i] % geometry_.lanes);
         if (row < state_.tail || !valid_.get(here)) continue;
-        state_.greatest = std::max(state_.greatest, powers[static_cast<size_t>(i)]);
+        const double power = powers[static_cast<size_t>(i)];
+        if (power > greatest_->get(row % slots_)) set_greatest(row, power);
         cells.push_back(here);
-        values.push_back(powers[static_cast<size_t>(i)]);
+        values.push_back(power);
     }
     tree_->set(cells, values);
 }

@@ -8,11 +8,13 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "frames.hpp"
 #include "geometry.hpp"
+#include "max_tree.hpp"
 #include "state.hpp"
 #include "sum_tree.hpp"
 #include "valid_steps.hpp"
@@ -53,6 +55,11 @@ struct Target {
     float* weights;
 };
 
+// A call would overwrite what the last saved state needs; `save` first.
+struct Overwrites : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
 class ReplayMemory {
   public:
     // `block` has `Layout(geometry).bytes` bytes: zeros, or the block of an earlier memory of this geometry.
@@ -69,7 +76,13 @@ class ReplayMemory {
     int64_t places() const { return frames_.places(); }
     // The place of the next row's frames. Nothing reads them before `add`.
     int64_t next_place() const { return frames_.place(state_.started ? state_.head + 1 : 0); }
-    // Begins new episodes in all lanes, with the next row's frames. Episodes that have not ended are cut.
+    // Whether the next `reset` or `add` might overwrite rows, or final observations, of the last saved state: its row
+    // needs their place, or does if all episodes end and no frame can be compressed. `save` makes space for one.
+    bool must_save() const;
+    // Throws `Overwrites` if the next row has no place.
+    void check_row() const;
+    // Begins new episodes in all lanes, with the next row's frames. Episodes that have not ended are cut. This and the
+    // next two functions throw `Overwrites` before they change anything, if `must_save` was true and came true.
     void reset();
     // Begins new episodes in some lanes. Their frames replace the frames of the pending row.
     void reset(const uint8_t* mask, const std::vector<const uint8_t*>& frames);
@@ -85,11 +98,19 @@ class ReplayMemory {
     // Sets the priorities of steps. The last of equal indices counts; overwritten steps are left out.
     void update_priorities(const int64_t* indices, const double* priorities, int64_t count);
 
-    // Saves the present state, which `load` then reads.
-    void save();
-    // Reads the last saved state. Throws std::invalid_argument, which names the damaged place. `verify` reads all
-    // frames.
-    void load(bool verify);
+    // Save the present state, which `load` then reads, in three phases: see saving.cpp. A save without `end_save`, after
+    // an error of the disk, leaves the one before, and the next save has its number.
+    void begin_save();
+    void write_save();
+    void complete_save();
+    void end_save();
+    // Saves the present state in a copy of the block.
+    void save_copy(uint8_t* copy) const;
+    // Reads the last saved state, or the state of the save with this number, and forgets a later one. Throws
+    // std::invalid_argument, which names the damaged place. `verify` reads all frames.
+    void load(bool verify, std::optional<uint64_t> save);
+    // Restores the row that was pending. A later save that `load` forgot must be so on the disk: this overwrites its row.
+    void resume();
     int64_t saves() const { return static_cast<int64_t>(saves_); }
     size_t used_bytes() const;
 
@@ -105,12 +126,18 @@ class ReplayMemory {
     uint8_t* lane_frames(size_t part, int64_t row, int64_t lane) const;
     void check_results(const StepResults& results) const;
     void make_space(int64_t finals);
+    void make_runway();
+    bool finals_fit(int64_t finals) const { return state_.finals + finals - geometry_.finals <= saved_.first_final; }
+    bool row_fits() const { return state_.head + 1 - slots_ < saved_.tail - geometry_.history(); }
     void forget_oldest();
     void release_chunks();
+    double greatest_of_new() const { return greatest_->greatest() > 0 ? greatest_->greatest() : 1; }
+    void set_greatest(int64_t row, double priority);
     int64_t kept_tail() const { return saving_ ? std::min(saved_.tail, state_.tail) : state_.tail; }
     void begin_row(int64_t lane, uint8_t flag) { flags_[cell(state_.head + 1, lane)] = flag; }
     void complete_row();
     void push_final(int64_t row, int64_t lane, const std::vector<const uint8_t*>& frames, int64_t frame);
+    int64_t owner(int64_t entry) const { return final_owners_[entry % geometry_.finals]; }
     int64_t find_final(int64_t row, int64_t lane) const;
 
     // sampling.cpp
@@ -125,13 +152,21 @@ class ReplayMemory {
     void check_choice(const Choice& choice) const;
 
     // saving.cpp
-    uint8_t* section(int which) const { return block_ + layout_.sections[which]; }
+    uint8_t* section(uint64_t number) const { return block_ + layout_.sections[number % 2]; }
     uint64_t section_check(const uint8_t* section, uint64_t number) const;
-    int newest_section() const;
+    static void begin_section(uint8_t* section, uint64_t number);
+    void write_section(uint8_t* section) const;
+    void complete_section(uint8_t* section, uint64_t number) const;
+    uint64_t complete_number(uint64_t which) const;
+    bool may_follow(uint64_t which, uint64_t number) const;
+    uint64_t newest_save() const;
+    std::string complete_saves() const;
     void check_state(const State& state) const;
     void load_section(const uint8_t* section);
     void check_rows(bool verify) const;
-    void rebuild();
+    const uint8_t* pending_flags(const uint8_t* section) const;
+    size_t pending_bytes() const;
+    void rebuild(const uint8_t* pending);
     uint64_t row_check(int64_t row) const;
     uint64_t final_check(int64_t entry) const;
     std::string place(size_t offset) const;
@@ -152,8 +187,9 @@ class ReplayMemory {
     Frames frames_;
     ValidSteps valid_;
     std::optional<SumTree> tree_;
-    bool saving_ = false;  // whether the memory is a file with a saved state, which must stay readable
-    State saved_{};
+    std::optional<MaxTree> greatest_;  // by slot, the greatest priority that was given to a step of its row
+    bool saving_ = false;              // whether the memory is a file with a saved state, which must stay readable
+    State saved_{}, written_{};        // of the last save, and of the save that is not complete
     uint64_t saves_ = 0;
 };
 

@@ -205,18 +205,19 @@ class Hidden {
 std::vector<int64_t> ReplayMemory::draw_by_priority(const Choice& choice, const Span& span, float* weights) {
     const Hidden hidden(*tree_, span.excluded);
     const double total = tree_->total();
-    std::vector<double> exact(static_cast<size_t>(total > 0 ? choice.count : 0));
+    if (!(total > 0)) throw std::invalid_argument("the priorities of all steps are 0: no step can be sampled");
+    std::vector<double> exact(static_cast<size_t>(choice.count));
     for (size_t i = 0; i < exact.size(); ++i)
         exact[i] = (static_cast<double>(i) + state_.generator.fraction()) / static_cast<double>(choice.count) * total;
     std::vector<int64_t> indices = tree_->find(exact);
-    double greatest = 0;
     for (size_t i = 0; i < indices.size(); ++i) {
-        exact[i] = std::pow(static_cast<double>(span.count()) * (tree_->get(indices[i]) / total), -*choice.beta);
-        greatest = std::max(greatest, exact[i]);
+        exact[i] = tree_->get(indices[i]);
         indices[i] = index(indices[i]);
     }
-    if (!(total > 0)) throw std::invalid_argument("the priorities of all steps are 0: no step can be sampled");
-    for (size_t i = 0; weights && i < exact.size(); ++i) weights[i] = static_cast<float>(exact[i] / greatest);
+    // A weight is (count * probability) ** -beta, divided by the greatest weight, which the least priority has.
+    const double least = *std::min_element(exact.begin(), exact.end());
+    for (size_t i = 0; weights && i < exact.size(); ++i)
+        weights[i] = static_cast<float>(std::pow(least / exact[i], *choice.beta));
     return indices;
 }
 

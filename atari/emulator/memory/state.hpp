@@ -57,14 +57,17 @@ struct State {
     int64_t first_final;  // the oldest final observation of a step from `tail` on
     int64_t steps;        // steps ever added, of all lanes
     Generator generator;
-    double greatest;   // the greatest priority so far, which new steps get
+    double greatest;   // the greatest priority that was given to a stored step, 1 if none was; new steps get it
     uint64_t started;  // whether row 0 has its frames
 };
+
+// The greatest priority, and the greatest power of one by the exponent: their sums are finite.
+constexpr double kMostPriority = 1e100;
 
 // The header before a saved state. While the state is being written, `begun` is greater than `completed` by 2.
 struct SectionHeader {
     uint64_t begun, completed;  // numbers of saves; a section has every second one
-    uint64_t check;             // checksum of `completed` and the bytes after this header
+    uint64_t check;             // checksum of `begun` and the bytes after this header
 };
 
 }  // namespace atari::memory

@@ -51,8 +51,8 @@ class SumTree {
         }
     }
 
-    void load(const double* leaves, size_t count) {
-        std::copy_n(leaves, count, levels_[0].begin());
+    void load(const std::vector<double>& leaves) {
+        std::copy(leaves.begin(), leaves.end(), levels_[0].begin());
         for (size_t level = 1; level < levels_.size(); ++level)
             for (size_t i = 0; i < levels_[level - 1].size() / kFan; ++i)
                 levels_[level][i] = sum(&levels_[level - 1][i * kFan]);

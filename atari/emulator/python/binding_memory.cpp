@@ -9,6 +9,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -59,13 +60,6 @@ class Arrays {
     std::vector<nb::object> held_;
 };
 
-void check_process(uint32_t made_in) {
-    if (made_in != process_generation)
-        throw std::runtime_error(
-            "this replay memory was made before the process was forked; make or open it in the "
-            "process that uses it");
-}
-
 // The memory that Python threads share. The block is an object that Python releases.
 class BoundMemory : Exclusive {
   public:
@@ -77,7 +71,7 @@ class BoundMemory : Exclusive {
     template <typename Work>
     auto use(Work&& work) {
         return locked([&] {
-            check_process(process_);
+            check_process(process_, "replay memory");
             return work(*memory_);
         });
     }
@@ -85,7 +79,7 @@ class BoundMemory : Exclusive {
     template <typename Work>
     auto use_briefly(Work&& work) {
         return briefly([&] {
-            check_process(process_);
+            check_process(process_, "replay memory");
             return work(*memory_);
         });
     }
@@ -137,7 +131,7 @@ struct BoundTarget {
             const int stack = this->stacks[part];
             if (stack < 1 || stack > geometry.parts[part].stack)
                 throw nb::value_error(("stack_num must be within 1.." + std::to_string(geometry.parts[part].stack) +
-                                       ", that of the memory")
+                                       ", the stack_num of the memory")
                                           .c_str());
             const auto frames = static_cast<size_t>(stack + (length || has_next ? 0 : 1));
             const size_t size = shown * frames * geometry.parts[part].bytes;
@@ -209,21 +203,29 @@ void add(BoundMemory& bound, nb::object actions, nb::object rewards, nb::object 
     else bound.use_briefly(work);
 }
 
+// Copies rewards of type T as floats. Returns false if they have another type or shape, or one is not finite as a float.
+template <typename T>
+bool get_rewards(nb::handle rewards, size_t lanes, std::vector<float>& values) {
+    Values<const T> given;
+    if (!nb::try_cast(rewards, given, false) || given.ndim() != 1 || given.size() != lanes) return false;
+    values.assign(given.data(), given.data() + lanes);
+    return std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); });
+}
+
 // Does the same as `add` for the arrays that environments usually return, and checks them faster than Python. For other
-// arrays, and for ends in SAME_STEP, changes nothing and returns false.
+// arrays, for ends in SAME_STEP, and for a memory with a file, changes nothing and returns false.
 bool try_add(BoundMemory& bound, nb::handle actions, nb::handle rewards, nb::handle terminated, nb::handle truncated) {
     const Geometry& geometry = bound.geometry();
     const auto lanes = static_cast<size_t>(geometry.lanes);
     Values<const int64_t> indices;
-    Values<const int32_t> whole;
     Values<const bool> flags[2];
+    std::vector<float> values;
     if (geometry.action_bytes != sizeof(int64_t) || geometry.saved || geometry.compressed ||
         !nb::try_cast(actions, indices, false) || indices.ndim() != 1 || indices.size() != lanes ||
-        !nb::try_cast(rewards, whole, false) || whole.ndim() != 1 || whole.size() != lanes ||
+        !(get_rewards<int32_t>(rewards, lanes, values) || get_rewards<double>(rewards, lanes, values)) ||
         !nb::try_cast(terminated, flags[0], false) || flags[0].ndim() != 1 || flags[0].size() != lanes ||
         !nb::try_cast(truncated, flags[1], false) || flags[1].ndim() != 1 || flags[1].size() != lanes)
         return false;
-    const std::vector<float> values(whole.data(), whole.data() + lanes);
     const auto* const ends = reinterpret_cast<const uint8_t*>(flags[0].data());
     const auto* const cuts = reinterpret_cast<const uint8_t*>(flags[1].data());
     const auto ended = [&](const uint8_t* all) { return std::find(all, all + lanes, uint8_t{1}) != all + lanes; };
@@ -275,6 +277,12 @@ void sample(BoundMemory& bound, BoundTarget& target, int64_t reach, double disco
     });
 }
 
+void save_copy(BoundMemory& bound, nb::object block) {
+    Arrays arrays;
+    auto* const bytes = arrays.writable<uint8_t>(block, memory::Layout(bound.geometry()).bytes, "the block");
+    bound.use([&](memory::ReplayMemory& memory) { memory.save_copy(bytes); });
+}
+
 void update_priorities(BoundMemory& bound, nb::object indices, nb::object priorities) {
     Arrays arrays;
     Values<const int64_t> given;
@@ -292,6 +300,13 @@ void update_priorities(BoundMemory& bound, nb::object indices, nb::object priori
 #define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
 
 void register_memory(nb::module_& m) {
+    nb::register_exception_translator([](const std::exception_ptr& error, void*) {
+        try {
+            std::rethrow_exception(error);
+        } catch (const memory::Overwrites& overwrites) {
+            PyErr_SetString(PyExc_BufferError, overwrites.what());
+        }
+    });
     nb::class_<Geometry>(m, "ReplayGeometry", "The sizes of a replay memory. ValueError if a number is out of range.")
         .def("__init__", &make_geometry, nb::kw_only(), "lanes"_a, "rows"_a, "margin"_a, "finals"_a, "parts"_a,
              "action_bytes"_a, "autoreset"_a, "repeat_first"_a, "exponent"_a.none(), "saved"_a, "packed_bytes"_a.none(),
@@ -319,9 +334,12 @@ void register_memory(nb::module_& m) {
         .def(
             "next_place",
             [](BoundMemory& bound) {
-                return bound.use_briefly([](memory::ReplayMemory& memory) { return memory.next_place(); });
+                return bound.use_briefly([](memory::ReplayMemory& memory) {
+                    memory.check_row();
+                    return memory.next_place();
+                });
             },
-            "The place of the next row's frames, in 0 .. places-1.")
+            "The place of the next row's frames, in 0 .. places-1. BufferError if a save is due.")
         .def(
             "places",
             [](BoundMemory& bound, size_t part) {
@@ -347,7 +365,7 @@ void register_memory(nb::module_& m) {
         .def("try_add", &try_add, "actions"_a, "rewards"_a, "terminated"_a, "truncated"_a,
              nb::sig("def try_add(self, actions: object, rewards: object, terminated: object, truncated: object) "
                      "-> bool"),
-             "Call `add` if the arrays are int64, int32 and bool with one axis; returns whether they are.")
+             "Call `add` if the arrays are int64, int32 or float64, and bool with one axis; returns whether they are.")
         .def("observe", &observe, "stacks"_a, "to"_a,
              nb::sig("def observe(self, stacks: Sequence[int], to: Sequence[" ARRAY("uint8") "]) -> None"))
         .def(
@@ -360,15 +378,34 @@ void register_memory(nb::module_& m) {
         .def("update_priorities", &update_priorities, "indices"_a, "priorities"_a,
              nb::sig(
                  "def update_priorities(self, indices: " ARRAY("int64") ", priorities: " ARRAY("float64") ") -> None"))
+        .def_prop_ro(
+            "must_save",
+            [](BoundMemory& bound) {
+                return bound.use_briefly([](memory::ReplayMemory& memory) { return memory.must_save(); });
+            },
+            "Whether the next `add` or `reset` may raise BufferError, because it would overwrite the last saved state.")
         .def(
-            "save", [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.save(); }); },
-            "Save the present state for `load`.")
+            "begin_save",
+            [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.begin_save(); }); },
+            "The first of the three phases of a save, which makes the present state the one that `load` finds. After\n"
+            "each, the block must reach the disk. `end_save` counts the save.")
+        .def("write_save",
+             [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.write_save(); }); })
+        .def("complete_save",
+             [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.complete_save(); }); })
+        .def("end_save",
+             [](BoundMemory& bound) { bound.use_briefly([](memory::ReplayMemory& memory) { memory.end_save(); }); })
+        .def("save_copy", &save_copy, "block"_a, nb::sig("def save_copy(self, block: " ARRAY("uint8") ") -> None"),
+             "Save the present state in a copy of the block.")
         .def(
             "load",
-            [](BoundMemory& bound, bool verify) {
-                bound.use([&](memory::ReplayMemory& memory) { memory.load(verify); });
+            [](BoundMemory& bound, bool verify, std::optional<uint64_t> save) {
+                bound.use([&](memory::ReplayMemory& memory) { memory.load(verify, save); });
             },
-            "verify"_a, "Read the last saved state; ValueError says what is damaged. `verify` reads all frames.")
+            "verify"_a, "save"_a.none(),
+            "Read the last saved state, or the state of the save with this number; ValueError says what is damaged.\n"
+            "`verify` reads all frames. Then the block must reach the disk, and `resume` ends the work.")
+        .def("resume", [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.resume(); }); })
         .def_prop_ro(
             "numbers",
             [](BoundMemory& bound) {

@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "bound_engine.hpp"
+#include "call_lock.hpp"
 #include "state.hpp"
 #include "threads.hpp"
-#include "vector_lock.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -184,12 +184,14 @@ void register_vector(nb::module_& m) {
         .def("lend", &ArrayLender::lend)
         .def_prop_ro("lent", &ArrayLender::lent,
                      "Whether a loan exists: an array made from it, or a view or a tensor of such an array.");
-    nb::class_<VectorLock>(m, "VectorLock",
-                           "The lock of a vector environment, for `with`. RuntimeError in a forked process.")
-        .def(nb::init<>())
-        .def("__enter__", &VectorLock::enter)
+    nb::class_<CallLock>(
+        m, "CallLock",
+        "The lock of an object in Python, for `with`. Its thread may enter again. RuntimeError in a forked\n"
+        "process.")
+        .def(nb::init<std::string>(), "object"_a)
+        .def("__enter__", &CallLock::enter)
         .def(
-            "__exit__", [](VectorLock& lock, nb::handle, nb::handle, nb::handle) { lock.exit(); }, "type"_a.none(),
+            "__exit__", [](CallLock& lock, nb::handle, nb::handle, nb::handle) { lock.exit(); }, "type"_a.none(),
             "value"_a.none(), "traceback"_a.none());
     EngineClass engine(m, "VectorEngine",
                        "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.");

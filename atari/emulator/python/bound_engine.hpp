@@ -20,7 +20,6 @@
 #include "state.hpp"
 #include "threads.hpp"
 #include "vector/lanes.hpp"
-#include "vector_lock.hpp"
 
 namespace atari {
 
@@ -85,7 +84,7 @@ class BoundEngine : Exclusive {
         if (strengths) std::copy_n(strengths->data(), factors.size(), factors.begin());
         const Batch* const target = checked(batch);
         locked([&] {
-            check_process(process_);
+            check_process(process_, "vector environment");
             begin(indices, factors, environments ? &numbers : nullptr, target, [&] { std::swap(current_, batch); });
         });
     }
@@ -105,7 +104,7 @@ class BoundEngine : Exclusive {
         }
         const Batch* const target = checked(batch);
         locked([&] {
-            check_process(process_);
+            check_process(process_, "vector environment");
             if (std::find(which.begin(), which.end(), false) != which.end()) check_unfailed();
             engine_->drain();
             std::swap(current_, batch);
@@ -120,7 +119,7 @@ class BoundEngine : Exclusive {
     bool receive(const BoundBatch& batch) {
         check_size(batch);
         return locked([&] {
-            check_process(process_);
+            check_process(process_, "vector environment");
             if (!sent_) throw std::runtime_error("no step has been started");
             if (target_ && target_ != &batch.batch) throw nb::value_error("the step was started with another batch");
             sent_ = ready_ = false;
@@ -160,7 +159,7 @@ class BoundEngine : Exclusive {
     // Waits for the step that a compiled function, or Python, has begun.
     void receive_natively(const Batch& out) {
         natively([&] {
-            check_process(process_);
+            check_process(process_, "vector environment");
             if (!sent_) throw std::runtime_error("nothing has been sent; call send or envs.reset_async first");
             if (!order_.empty() && order_.size() != rows())
                 throw std::runtime_error("a step of some environments was sent; receive it by envs.recv()");
@@ -337,7 +336,7 @@ class BoundEngine : Exclusive {
     }
 
     void check_ready() const {
-        check_process(process_);
+        check_process(process_, "vector environment");
         if (!ready_ && !sent_ && !failed_) throw std::runtime_error("call envs.reset() before the first step");
     }
 
@@ -407,7 +406,7 @@ class BoundEngine : Exclusive {
     }
 
     void check_received(const std::vector<int>& environments) const {
-        check_process(process_);
+        check_process(process_, "vector environment");
         if (sent_) throw std::runtime_error("environments are being played; call recv() first");
         for (int environment : environments)
             if (environment < 0 || environment >= engine_->size())

@@ -3,7 +3,7 @@
 // 1. No Python object is released without the GIL. So an object that threads own contains none: C++ objects that Python
 //    shares with them are bound as `Shared`, and arrays are held by objects that only Python releases.
 // 2. A thread with the GIL waits for no lock and joins no thread. It may try a lock.
-// 3. A thread with a lock does not wait for the GIL. `VectorLock`, a lock of Python code, is the exception.
+// 3. A thread with a lock does not wait for the GIL. `CallLock`, a lock of Python code, is the exception.
 // 4. Data read without the GIL are a copy, or immutable and owned: Python may change its objects meanwhile.
 #pragma once
 
@@ -15,6 +15,7 @@
 #include <memory>
 #include <mutex>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -57,6 +58,13 @@ inline void count_forks() {
 #if !defined(_WIN32)
     pthread_atfork(nullptr, nullptr, [] { ++process_generation; });
 #endif
+}
+
+inline void check_process(uint32_t made_in, const char* object) {
+    if (made_in != process_generation)
+        throw std::runtime_error("this " + std::string(object) +
+                                 " was made before the process was forked; make it in the new process, or start that "
+                                 "with the method 'spawn'");
 }
 
 // A mutex that throws in a forked child process where std::mutex would hang. If a thread that the child lacks held it

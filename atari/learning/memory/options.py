@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from atari import _emulator
 from atari._gymnasium import AutoresetMode
+from atari.files import json_text
 from atari.validation import check_integer
 
 Shape = tuple[int, ...]
@@ -45,7 +46,7 @@ class Part:
 
     @property
     def pitch(self) -> int:
-        """Bytes from a pixel to the one below it."""
+        """Bytes from a pixel to the pixel below it."""
         return math.prod(self.frame[1:]) if len(self.frame) >= 2 else self.size
 
     def stacked(self, stack: int) -> Shape:
@@ -200,6 +201,8 @@ def _check_shapes(shapes: Any) -> dict[str, Shape]:
     parts = dict(shapes) if isinstance(shapes, Mapping) else {"": shapes}
     if not 1 <= len(parts) <= 16 or not all(isinstance(name, str) for name in parts):
         raise ValueError(f"observation_shape must be a shape, or a dict of 1 to 16 shapes by name, got {shapes!r}")
+    for name in parts:
+        json_text.check_text(name, "the name of a part of observations")
     return {name: _check_shape("observation_shape", shape) for name, shape in parts.items()}
 
 

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping
+from contextlib import nullcontext
 from os import PathLike
 from pathlib import Path
 from typing import Any, cast
@@ -14,10 +15,13 @@ from atari import _emulator
 from atari._gymnasium import AutoresetMode
 from atari.cores.options import SEED_LIMIT
 from atari.learning.memory import storage
+from atari.learning.memory.atomic import atomic
 from atari.learning.memory.batch_pool import BatchPool
 from atari.learning.memory.batches import Batch, Sequences, array_maker, check_size, check_stacks, make_batch, target_of
 from atari.learning.memory.final_frames import final_observations
 from atari.learning.memory.options import MemoryOptions, Part, as_numpy, check_mode
+from atari.learning.memory.step_arrays import StepArrays
+from atari.task.fields import check_bool
 from atari.validation import check_integer
 
 _SEQUENCE_MOST = 2**20
@@ -43,7 +47,10 @@ class ReplayMemory:
     episode are 0, or with padding="reset" copies of the first.
 
     The ignored step after the end of an episode in NEXT_STEP is no transition. The last observation of an episode is
-    the real one in all autoreset modes. Threads may share a memory; one call runs at a time.
+    the real one in all autoreset modes.
+
+    Threads may share a memory: each call is atomic, and one runs at a time. A step that is written to `frames` takes
+    two calls, so several threads add steps by `add(..., observations=...)`.
 
     Args:
         capacity: the number of latest steps that are kept, of all environments together, ignored steps included.
@@ -65,6 +72,8 @@ class ReplayMemory:
         path: a new file that holds the memory, as large as the memory can get; `open` continues it.
         margin: with a file, the number of further steps that are kept, after which `flush` is needed, see there. None
             is a 64th of the capacity.
+        autoflush: with a file, flush before a step that would overwrite the state of the last flush. With False such a
+            step raises BufferError, and `must_flush` says when one may come.
 
     Raises:
         TypeError, ValueError: an option is of the wrong kind or out of range.
@@ -108,6 +117,7 @@ class ReplayMemory:
         num_threads: int = 1,
         path: str | PathLike[str] | None = None,
         margin: int | None = None,
+        autoflush: bool = True,
     ) -> None:
         options = MemoryOptions.check(
             capacity=capacity,
@@ -127,40 +137,50 @@ class ReplayMemory:
         )
         words = np.random.SeedSequence(None if seed is None else check_integer("seed", seed, 0, SEED_LIMIT - 1))
         threads = check_integer("num_threads", num_threads, 1, 1024)
+        autoflush = check_bool("autoflush", autoflush)
         file = None if path is None else storage.BlockFile.create(Path(os.fspath(path)), options)
-        self._begin(options, threads, file, storage.allocate(options) if file is None else file.block)
-        self._core.seed(int(words.generate_state(1, np.uint64)[0]))
-        if file is not None:
-            self._core.save()
+        try:
+            block = storage.allocate(options) if file is None else file.block
+            self._begin(options, threads, file, block, autoflush)
+            self._core.seed(int(words.generate_state(1, np.uint64)[0]))
+            self.flush()
+        except BaseException:
+            if file is not None:
+                file.discard()
+            raise
 
     def _begin(
-        self, options: MemoryOptions, threads: int, file: storage.BlockFile | None, block: storage.Block
+        self,
+        options: MemoryOptions,
+        threads: int,
+        file: storage.BlockFile | None,
+        block: storage.Block,
+        autoflush: bool,
     ) -> None:
+        self._process, self._lock = os.getpid(), _emulator.CallLock("replay memory")
+        self._autoflush = autoflush and file is not None
         self._options, self._threads, self._file = options, threads, file
         self._parts: tuple[Part, ...] = options.parts
         self._named = [part.name for part in self._parts] != [""]
-        self._lanes = options.num_envs
-        self._lane_shape = (self._lanes,)
-        self._action_shape, self._action_dtype = tuple(options.action_shape), np.dtype(options.action_dtype)
+        self._lanes, self._arrays = options.num_envs, StepArrays(options)
         self._usual_actions = not options.action_shape and options.action_dtype == np.dtype(np.int64).str
         self._started = False  # whether an `add` has found that a reset came first
         self._mode = check_mode(options.autoreset_mode)
-        self._frame_shapes = [(self._lanes, *part.shape) for part in self._parts]
         self._use(_emulator.ReplayMemory(options.geometry(), block), block)
 
     def _use(self, core: _emulator.ReplayMemory, block: storage.Block) -> None:
         self._closed_core: _emulator.ReplayMemory | None = core
         self._block, self._rings, self._pool = block, {}, BatchPool(self._options)
-        for index, (part, shape) in enumerate(zip(self._parts, self._frame_shapes, strict=True)):
+        for index, (name, shape) in enumerate(self._arrays.frame_shapes.items()):
             offset, places = core.places(index)
-            self._rings[part.name] = np.ndarray((places, *shape), np.uint8, block, offset)
+            self._rings[name] = np.ndarray((places, *shape), np.uint8, block, offset)
 
     @classmethod
     def for_env(cls, envs: Any, capacity: int, num_envs: int | None = None, **options: Any) -> "ReplayMemory":
         """A memory with the shapes and the autoreset mode of a vector environment.
 
         An `AtariVectorEnv` must be made with `stack_num=1`; the memory also takes its padding. Images get stacks of 4,
-        RAM stacks of 1; `stack_num` chooses others. The other options are those of `ReplayMemory`.
+        RAM stacks of 1; `stack_num` chooses others. `ReplayMemory` has the other options.
 
         Instead of `envs`, a user may give a game as `AtariVectorEnv` takes it, with `num_envs`. The memory then makes
         the stacks of the game's task, for environments of this task with `stack_num=1`.
@@ -173,27 +193,43 @@ class ReplayMemory:
         return cls(capacity, **{**options_for(envs, num_envs), **options})
 
     @classmethod
-    def open(cls, path: str | PathLike[str], *, num_threads: int = 1, verify: bool = True) -> "ReplayMemory":
-        """Continue the memory in a file from its last `flush`, also if the process that wrote it was killed.
+    def open(
+        cls,
+        path: str | PathLike[str],
+        *,
+        flush: int | None = None,
+        num_threads: int = 1,
+        autoflush: bool = True,
+        verify: bool = True,
+    ) -> "ReplayMemory":
+        """Continue the memory in a file from its last `flush`, also after a kill or a loss of power.
 
         Args:
             path: the file.
-            num_threads: see `ReplayMemory`.
+            flush: the number of the flush to continue from, see `flushes`: the last, or the one before while no later
+                step has overwritten it. The file then forgets a later flush. None is the last.
+            num_threads, autoflush: see `ReplayMemory`.
             verify: read the whole file and compare its checksums. With False, damaged frames stay unnoticed.
 
         Raises:
-            FileNotFoundError: the file does not exist.
+            FileNotFoundError, IsADirectoryError: the file does not exist, or is a folder.
             BlockingIOError: it is open, in this process or another.
-            ValueError: the file holds no replay memory, or is damaged; the message says where.
+            ValueError: the file holds no replay memory, or is damaged; the message says where. Or it has no such flush;
+                the message says which it has. Or it is a symbolic link, a pipe or a device.
         """
         threads = check_integer("num_threads", num_threads, 1, 1024)
+        autoflush, verify = check_bool("autoflush", autoflush), check_bool("verify", verify)
+        number = None if flush is None else check_integer("flush", flush, 1, 2**62)
         where = Path(os.fspath(path))
         file = storage.BlockFile.open(where)
         try:
             memory = cls.__new__(cls)
-            memory._begin(file.options, threads, file, file.block)
+            memory._begin(file.options, threads, file, file.block, autoflush)
             with storage.naming(where):
-                memory._core.load(bool(verify))
+                memory._core.load(verify, number)
+            if number is not None:
+                file.sync()  # a later flush is forgotten before its rows are overwritten
+            memory._core.resume()
         except BaseException:
             file.close()
             raise
@@ -203,19 +239,32 @@ class ReplayMemory:
     def _core(self) -> _emulator.ReplayMemory:
         if self._closed_core is None:
             raise ValueError("this replay memory is closed")
+        if self._file is not None:
+            self._file.check_size()
         return self._closed_core
 
+    @atomic
     def frames(self) -> Any:
         """The array for the observations of the next step, which `AtariVectorEnv.step` takes as `out`.
 
         uint8 (num_envs, *observation_shape), or a dict of such arrays. Call this method again for every step: the array
         is memory of the ring, which is written again after `capacity` steps.
+
+        Raises:
+            BufferError: with autoflush=False, these frames would overwrite the state of the last flush.
         """
-        place = self._core.next_place()
+        core = self._core
+        self._make_space(core)
+        place = core.next_place()
         if not self._named:
             return self._rings[""][place]
         return {name: ring[place] for name, ring in self._rings.items()}
 
+    def _make_space(self, core: _emulator.ReplayMemory) -> None:
+        if self._autoflush and core.must_save:
+            self.flush()
+
+    @atomic
     def reset(self, observations: Any, mask: Any = None) -> None:
         """Begin new episodes with the observations that a reset returned. Episodes that had not ended are truncated.
 
@@ -226,17 +275,19 @@ class ReplayMemory:
 
         Raises:
             TypeError, ValueError: an array does not fit; nothing has changed.
+            BufferError: with autoflush=False, the state of the last flush would be overwritten; nothing has changed.
         """
-        arrays = self._checked_frames("observations", observations)
+        arrays = self._arrays.frames("observations", observations)
         if mask is None:
             self._write_frames(arrays)
             self._core.reset(None, [])
             return
-        chosen = as_numpy("mask", mask)
-        if chosen.dtype != np.bool_ or chosen.shape != self._lane_shape:
-            raise ValueError(f"mask must be bool {self._lane_shape}, got {chosen.dtype} {chosen.shape}")
-        self._core.reset(np.ascontiguousarray(chosen), [np.ascontiguousarray(array) for array in arrays])
+        chosen = self._arrays.flags("mask", mask)
+        core = self._core
+        self._make_space(core)
+        core.reset(chosen, [np.ascontiguousarray(array) for array in arrays])
 
+    @atomic
     def add(
         self,
         actions: Any,
@@ -250,8 +301,8 @@ class ReplayMemory:
         """Complete a step of all environments with the results of `step(actions)`.
 
         Args:
-            actions: (num_envs, *action_shape).
-            rewards: finite numbers (num_envs,), stored as float32.
+            actions: (num_envs, *action_shape), of values that `action_dtype` can store; floats are rounded.
+            rewards: numbers (num_envs,), stored as float32.
             terminations, truncations: bool (num_envs,).
             info: in SAME_STEP, with `final_obs` of the environments that ended.
             observations: uint8 (num_envs, *observation_shape), or a dict of these, which are copied to `frames`. None
@@ -259,63 +310,34 @@ class ReplayMemory:
 
         Raises:
             gymnasium.error.ResetNeeded: before the first `reset`.
-            TypeError, ValueError: an array does not fit, a reward is not finite, or a final observation is missing;
-                nothing has changed.
+            TypeError, ValueError: an array does not fit, an action or a stored reward is not finite, or a final
+                observation is missing; nothing has changed.
+            BufferError: with autoflush=False, the state of the last flush would be overwritten; nothing has changed.
         """
         core = self._core
-        if observations is None and self._usual_actions and core.try_add(actions, rewards, terminations, truncations):
+        if observations is not None:  # nothing reads them before the step is complete
+            self._write_frames(self._arrays.frames("observations", observations))
+        if self._usual_actions and core.try_add(actions, rewards, terminations, truncations):
             return
-        terminations = self._checked_flags("terminations", terminations)
-        truncations = self._checked_flags("truncations", truncations)
-        rewards = self._checked_rewards(rewards)
-        actions = self._checked_actions(actions)
+        terminations = self._arrays.flags("terminations", terminations)
+        truncations = self._arrays.flags("truncations", truncations)
+        rewards = self._arrays.rewards(rewards)
+        actions = self._arrays.actions(actions)
         finals: list[Any] = []
         if self._mode == AutoresetMode.SAME_STEP and (terminations.any() or truncations.any()):
             finals = final_observations(info, terminations | truncations, self._parts, self._named)
         if not self._started and not core.numbers[0]:
             raise gymnasium.error.ResetNeeded("call reset(observations) before the first add")
         self._started = True
-        if observations is not None:
-            self._write_frames(self._checked_frames("observations", observations))
+        self._make_space(core)
         core.add(actions, rewards, terminations, truncations, finals)
-
-    def _checked_flags(self, name: str, values: Any) -> npt.NDArray[np.bool_]:
-        array = as_numpy(name, values)
-        if array.dtype != np.bool_ or array.shape != self._lane_shape:
-            raise ValueError(f"{name} must be bool {self._lane_shape}, got {array.dtype} {array.shape}")
-        return np.ascontiguousarray(array)
-
-    def _checked_rewards(self, values: Any) -> npt.NDArray[np.float32]:
-        array = as_numpy("rewards", values)
-        if array.dtype.kind not in "iufb" or array.shape != self._lane_shape:
-            raise ValueError(f"rewards must be numbers {self._lane_shape}, got {array.dtype} {array.shape}")
-        return np.ascontiguousarray(array, np.float32)
-
-    def _checked_actions(self, values: Any) -> npt.NDArray[np.uint8]:
-        array = as_numpy("actions", values)
-        shape = (self._lanes, *self._action_shape)
-        if array.dtype != self._action_dtype and not np.can_cast(array.dtype, self._action_dtype, "same_kind"):
-            raise TypeError(f"actions must be {self._action_dtype} {shape}, got {array.dtype}")
-        if array.shape != shape:
-            raise ValueError(f"actions must have the shape {shape}, got {array.shape}")
-        return np.ascontiguousarray(array, self._action_dtype).reshape(-1).view(np.uint8)
-
-    def _checked_frames(self, name: str, observations: Any) -> list[npt.NDArray[np.uint8]]:
-        if self._named and not (isinstance(observations, Mapping) and set(observations) >= set(self.stack_nums)):
-            raise TypeError(f"{name} must be a dict with the keys {', '.join(self.stack_nums)}")
-        result = []
-        for part, shape in zip(self._parts, self._frame_shapes, strict=True):
-            array = as_numpy(name, observations[part.name] if self._named else observations)
-            if array.dtype != np.uint8 or array.shape != shape:
-                raise ValueError(f"{name} must be uint8 {shape}, got {array.dtype} {array.shape}")
-            result.append(array)
-        return result
 
     def _write_frames(self, arrays: list[npt.NDArray[np.uint8]]) -> None:
         to = self.frames()
         for part, array in zip(self._parts, arrays, strict=True):
             np.copyto(to[part.name] if self._named else to, array)
 
+    @atomic
     def observations(self, *, stack_num: int | Mapping[str, int] | None = None, out: Any = None) -> Any:
         """The present observations of all environments, for the choice of actions.
 
@@ -386,6 +408,7 @@ class ReplayMemory:
         size, length = check_size(batch_size), check_integer("length", length, 1, _SEQUENCE_MOST)
         return cast(Sequences, make_batch(self._options, size, length, stacks, array_maker(torch, pin_memory)))
 
+    @atomic
     def sample(
         self,
         batch_size: int,
@@ -438,13 +461,14 @@ class ReplayMemory:
     def _batch(
         self, core: _emulator.ReplayMemory, size: int, length: int, stack_num: Any, out: Batch | Sequences | None
     ) -> tuple[Batch | Sequences, _emulator.ReplayTarget]:
-        """The batch to write to, `out` or a new one, and its target; a length other than 0 is that of sequences."""
+        """The batch to write to, `out` or a new one, and its target; with a length other than 0, of sequences."""
         if out is None:
             return self._pool.take(core, size, length, check_stacks(self._options, stack_num))
         if stack_num is not None:
             raise ValueError("out has a number of frames; leave stack_num out")
         return out, target_of(out, core, self._options, size, length)
 
+    @atomic
     def sample_sequences(
         self,
         batch_size: int,
@@ -482,14 +506,16 @@ class ReplayMemory:
         core.sample(target, length, 1.0, None, self._threads)
         return cast(Sequences, batch)
 
+    @atomic
     def update_priorities(self, indices: Any, priorities: Any) -> None:
         """Set the priorities of sampled steps, before the exponent: commonly the magnitude of their TD errors.
 
-        New steps have the greatest priority so far, 1 at first. Steps that have been overwritten are left out.
+        New steps have the greatest priority that was given to a step of the rows that are still stored, 1 if none was.
+        Steps that have been overwritten are left out.
 
         Args:
             indices: int64 (batch,), as `sample` returned them.
-            priorities: numbers (batch,), finite and not negative.
+            priorities: numbers (batch,) within 0..1e100, whose powers by `priority_exponent` are, too.
 
         Raises:
             TypeError, ValueError: the memory has no priorities, or an array does not fit; nothing has changed.
@@ -501,20 +527,24 @@ class ReplayMemory:
             raise ValueError(f"indices and priorities must be (batch,), got {steps.shape} and {values.shape}")
         self._core.update_priorities(np.ascontiguousarray(steps, np.int64), np.ascontiguousarray(values, np.float64))
 
+    @atomic
     def __len__(self) -> int:
         """Steps that `sample` can draw with n=1."""
         return self._core.count(1)
 
+    @atomic
     def count(self, n: int = 1) -> int:
         """Steps that `sample` can draw with this n."""
         return self._core.count(check_integer("n", n, 1, 2**40))
 
     @property
+    @atomic
     def steps(self) -> int:
         """Steps ever added, of all environments together, ignored steps included."""
         return self._core.numbers[1]
 
     @property
+    @atomic
     def nbytes(self) -> int:
         """Bytes of memory, or of the file, and of the index; with compressed frames the bytes in use up to now."""
         return self._core.numbers[3]
@@ -535,63 +565,95 @@ class ReplayMemory:
         return dict(self._options.stack_num)
 
     @property
+    @atomic
     def flushes(self) -> int:
-        """The number of times that the state was saved, by `flush` or by the memory itself."""
+        """The number of the last flush, which `open` takes: flushes are counted from the first, of a new file."""
         return self._core.numbers[2]
 
-    def flush(self, *, sync: bool = False) -> None:
-        """Save the present state, which `open` then finds.
+    @property
+    @atomic
+    def must_flush(self) -> bool:
+        """Whether the next `add` or `reset` might overwrite the state of the last flush.
 
-        After `margin` more steps the memory flushes by itself, because these steps overwrite the frames of the saved
-        state. A saved state survives the end of the process, however it ends. Without a file nothing happens.
+        This reckons with the end of all episodes, and with frames that cannot be compressed. After a flush there is
+        space for at least one step, and for more by `margin`, `final_frames` and `compressed_bytes`. Without a file it
+        is always False.
+        """
+        return self._core.must_save
 
-        Args:
-            sync: wait until the state is on the disk, so that it also survives a loss of power.
+    @atomic
+    def flush(self) -> None:
+        """Save the present state, which `open` then finds, and wait until it is on the disk.
+
+        After `margin` more steps, or as many final observations as `final_frames` has space for, the next step would
+        overwrite the saved state: then the memory flushes by itself, or with autoflush=False raises BufferError. If all
+        space for final or compressed frames is in use, a flush forgets the oldest steps, up to a sixteenth of them.
+
+        A saved state survives the end of the process and a loss of power; these leave the last complete flush at every
+        moment. The call takes as long as the disk needs for the frames since the last flush: milliseconds for a few
+        megabytes. Without a file nothing happens.
 
         Raises:
-            OSError: the disk reports an error; only with `sync`.
+            OSError: the disk reports an error. The flush before is still complete, and a later flush tries again.
         """
+        core = self._core
         if self._file is None:
             return
-        if sync:
+        for phase in (core.begin_save, core.write_save, core.complete_save):
+            phase()
             self._file.sync()
-        self._core.save()
-        if sync:
-            self._file.sync()
+        core.end_save()
 
+    @atomic
     def state(self) -> dict[str, Any]:
-        """A copy of the whole memory, for checkpoints without a file. It is as large as the memory."""
-        self._core.save()
-        return storage.copy_of(self._options, self._block)
+        """A copy of the whole memory, for checkpoints without a file. It is as large as the memory.
 
+        A file stays as it is: `open` finds its last flush.
+        """
+        core, block = self._core, self._block.copy()
+        core.save_copy(block)
+        return storage.state_of(self._options, block)
+
+    @atomic
     def restore(self, state: Mapping[str, Any]) -> None:
         """Return to a state of this memory, or of another one with the same options.
 
+        A memory with a file writes a new file, which then replaces it: after a kill or a loss of power there is one of
+        them, with the flushes of the state or those before.
+
         Raises:
             ValueError: the state is of a memory with other options, or damaged; nothing has changed.
+            OSError: the disk has no space for the new file; nothing has changed.
         """
+        core, old = self._core, self._file
         with storage.naming("the state"):
-            options = storage.options_of(state["options"])
-            if options != self._options:
-                raise ValueError("it is of a replay memory with other options")
-            block = storage.allocate(options)
-            given = np.asarray(state["block"])
-            if given.dtype != np.uint8 or given.shape != block.shape:
-                raise ValueError(f"its block must be uint8 {block.shape}, got {given.dtype} {given.shape}")
-            block[:] = given
-            core = _emulator.ReplayMemory(options.geometry(), block)
-            core.load(True)
-        if self._file is None:
-            self._use(core, block)
-        else:
-            self._block[:] = block
-            self._core.load(True)
+            given = storage.block_of(state, self._options)
+            file = None if old is None else old.successor()
+            try:
+                block = storage.allocate(self._options) if file is None else file.block
+                block[:] = given
+                core = _emulator.ReplayMemory(self._options.geometry(), block)
+                core.load(True, None)
+                core.resume()
+                if file is not None and old is not None:
+                    file.replace(old)
+            except BaseException:
+                if file is not None:
+                    file.discard()
+                raise
+        self._file = file
+        self._use(core, block)
+        if file is not None and old is not None:
+            old.close()
+            file.sync_name()
 
     def close(self) -> None:
         """Release the memory and the file, without a flush."""
-        self._closed_core = None
-        if self._file is not None:
-            self._file.close()
+        # In a forked process, a thread that no longer exists may hold the lock.
+        with self._lock if self._process == os.getpid() else nullcontext():
+            self._closed_core = None
+            if self._file is not None:
+                self._file.close()
 
     def __enter__(self) -> "ReplayMemory":
         return self

@@ -4,28 +4,49 @@ A file begins with a page of 8192 bytes: a magic number, the options as JSON, an
 module follows (`atari/emulator/memory/geometry.hpp`).
 """
 
+import errno
 import json
 import mmap
 import os
+import re
 import struct
 import sys
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
+from types import NoneType
 from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
 
+from atari.files import durable, json_text
 from atari.learning.memory.options import MemoryOptions
+from atari.validation import check_file
 
 Block = npt.NDArray[np.uint8]
 
 _PAGE = 8192
-_MAGIC = b"atari-replay-1" + (b"<" if sys.byteorder == "little" else b">") + b"\n"
+_ORDER = b"<" if sys.byteorder == "little" else b">"
 _START = struct.Struct("<16sII")  # magic, length of the JSON, CRC of what follows
+_KINDS: dict[str, Any] = {
+    "capacity": int,
+    "num_envs": int,
+    "observation_shape": dict,
+    "stack_num": dict,
+    "padding": str,
+    "autoreset_mode": str,
+    "action_shape": list,
+    "action_dtype": str,
+    "priority_exponent": (float, NoneType),
+    "final_frames": int,
+    "compressed_bytes": (int, NoneType),
+    "margin": int,
+    "saved": bool,
+}
+"""The options at the beginning of a file or a state."""
 
 
 def allocate(options: MemoryOptions) -> Block:
@@ -56,15 +77,16 @@ class BlockFile:
     """A file that is mapped into memory, and locked against other processes.
 
     Attributes:
+        path: the absolute path.
         options: the options of the memory in the file.
         block: the bytes after the first page.
     """
 
-    def __init__(self, file: BinaryIO, options: MemoryOptions) -> None:
-        self.options = options
+    def __init__(self, file: BinaryIO, path: Path, options: MemoryOptions) -> None:
+        self.path, self.options = path.absolute(), options
         self._file, self._process = file, os.getpid()
-        size = _PAGE + options.geometry().block_bytes
-        self._map = mmap.mmap(file.fileno(), size)
+        self._size = _PAGE + options.geometry().block_bytes
+        self._map = mmap.mmap(file.fileno(), self._size)
         self.block: Block = np.frombuffer(self._map, np.uint8, offset=_PAGE)
 
     @classmethod
@@ -75,16 +97,19 @@ class BlockFile:
             FileExistsError: the file exists.
             OSError: the disk has too little space.
         """
-        size = _PAGE + options.geometry().block_bytes
+        page = _first_page(options)
         file = open(path, "x+b", buffering=0)  # noqa: SIM115, kept open
         try:
             _lock(file, path)
-            _reserve(file, size, path)
-            file.write(_first_page(options))
-            return cls(file, options)
+            _reserve(file, _PAGE + options.geometry().block_bytes, path)
+            durable.write(file.fileno(), page)
+            durable.sync(file.fileno())
+            made = cls(file, path, options)
+            made.sync_name()
+            return made
         except BaseException:
             file.close()
-            path.unlink(missing_ok=True)
+            durable.remove(path)
             raise
 
     @classmethod
@@ -92,12 +117,14 @@ class BlockFile:
         """Map a file that `create` made.
 
         Raises:
-            FileNotFoundError: the file does not exist.
+            FileNotFoundError, IsADirectoryError: the file does not exist, or is a folder.
             BlockingIOError: it is open, here or in another process.
-            ValueError: the file holds no replay memory, or is damaged.
+            ValueError: the file is a symbolic link, a pipe or a device; it holds no replay memory, or is damaged.
             OSError: the file has holes, and the disk has no space for them.
         """
-        file = open(path, "r+b", buffering=0)  # noqa: SIM115, kept open
+        if path.is_symlink():
+            raise ValueError(f"{path} is a symbolic link, through which nothing is written; give the path of the file")
+        file = open(check_file(path), "r+b", buffering=0)  # noqa: SIM115, kept open
         try:
             _lock(file, path)
             options = _read_first_page(file, path)
@@ -106,28 +133,84 @@ class BlockFile:
             if found != size:
                 raise ValueError(f"{path} has {found} bytes and should have {size}: it was cut, or added to")
             _reserve(file, size, path)
-            return cls(file, options)
+            return cls(file, path, options)
         except BaseException:
             file.close()
             raise
 
+    def check_size(self) -> None:
+        """Check that no other program has cut the file: access to a mapped page beyond its end ends the process.
+
+        Raises:
+            OSError: the file is shorter than it was.
+        """
+        found = os.fstat(self._file.fileno()).st_size
+        if found < self._size:
+            raise OSError(
+                errno.EIO,
+                f"{self.path} was cut to {found} of {self._size} bytes while it was open: what it held is lost; "
+                "close this memory",
+            )
+
     def sync(self) -> None:
         """Wait until all bytes are on the disk."""
-        self._map.flush()
+        durable.sync_map(self._map)
+
+    def successor(self) -> "BlockFile":
+        """A new file beside this one, for `replace`."""
+        part = durable.part_of(self.path)
+        durable.remove(part)
+        return BlockFile.create(part, self.options)
+
+    def replace(self, old: "BlockFile") -> None:
+        """Take the name of another file. A kill leaves one of them under this name; `sync_name` decides which.
+
+        Raises:
+            OSError: the name could not be given.
+        """
+        self.sync()
+        durable.replace(self.path, old.path)
+        self.path = old.path
+
+    def sync_name(self) -> None:
+        """Wait until the file's name is on the disk."""
+        durable.sync_folder(self.path.parent)
+
+    def discard(self) -> None:
+        """Close and remove the file."""
+        self.close()
+        durable.remove(self.path)
 
     def close(self) -> None:
         """Unlock the file. Arrays of its memory stay readable."""
         if not self._file.closed and self._process == os.getpid():
-            _unlock(self._file)
+            durable.unlock(self._file)
         self._file.close()
 
     def __del__(self) -> None:
-        self.close()
+        if hasattr(self, "_file"):
+            self.close()
 
 
-def copy_of(options: MemoryOptions, block: Block) -> dict[str, Any]:
-    """Options and block as a dict that can be pickled."""
-    return {"options": asdict(options), "block": block.copy()}
+def state_of(options: MemoryOptions, block: Block) -> dict[str, Any]:
+    """A memory as a dict that can be pickled."""
+    return {"options": asdict(options), "block": block}
+
+
+def block_of(state: Any, options: MemoryOptions) -> Block:
+    """The block in a result of `state_of`.
+
+    Raises:
+        ValueError: it is no such result, or a memory with other options.
+    """
+    if not isinstance(state, Mapping) or set(state) != {"options", "block"}:
+        raise ValueError("it must be a dict of options and block, as state() returns it")
+    if options_of(state["options"]) != options:
+        raise ValueError("it is a replay memory with other options")
+    block, shape = np.asarray(state["block"]), (options.geometry().block_bytes,)
+    if block.dtype != np.uint8 or block.shape != shape:
+        raise ValueError(f"its block must be uint8 {shape}, got {block.dtype} {block.shape}")
+    return block
 
 
 def options_of(values: Any) -> MemoryOptions:
@@ -137,9 +220,17 @@ def options_of(values: Any) -> MemoryOptions:
         ValueError: an option is missing, unknown, or wrong.
     """
     try:
+        json_text.check_table(values, "the table of options", _KINDS)
+        if not re.fullmatch(r"[<>|=][biuf]\d{1,2}", values["action_dtype"]):
+            raise ValueError(f"action_dtype is {values['action_dtype']!r:.60}")
         return MemoryOptions.check(**values)
     except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"the options of the replay memory are damaged, or of another version: {error}") from None
+
+
+def _magic(options: MemoryOptions) -> bytes:
+    """The first bytes of a file. Version 2 has saved states with the greatest priority of each row."""
+    return b"atari-replay-%d%s\n" % (1 if options.priority_exponent is None else 2, _ORDER)
 
 
 def _first_page(options: MemoryOptions) -> bytes:
@@ -147,21 +238,27 @@ def _first_page(options: MemoryOptions) -> bytes:
     rest = text.ljust(_PAGE - _START.size, b"\0")
     if len(rest) > _PAGE - _START.size:
         raise ValueError("the names of the parts of the observation are too long for a file")
-    return _START.pack(_MAGIC, len(text), zlib.crc32(rest)) + rest
+    return _START.pack(_magic(options), len(text), zlib.crc32(rest)) + rest
 
 
 def _read_first_page(file: BinaryIO, path: Path) -> MemoryOptions:
     page = file.read(_PAGE)
-    if len(page) < _PAGE or not page.startswith(_MAGIC[:-3]):
+    if len(page) < _PAGE or not page.startswith(b"atari-replay-"):
         raise ValueError(f"{path} is no replay memory, or its beginning is damaged")
     magic, length, check = _START.unpack_from(page)
-    if magic != _MAGIC:
+    if magic not in (b"atari-replay-1" + _ORDER + b"\n", b"atari-replay-2" + _ORDER + b"\n"):
         raise ValueError(f"{path} is of another version of atari-envs, or of a machine with another byte order")
     rest = page[_START.size :]
     if zlib.crc32(rest) != check or length > len(rest):
         raise ValueError(f"{path} is damaged in its first {_PAGE} bytes")
     with naming(path):
-        return options_of(json.loads(rest[:length]))
+        options = options_of(json_text.parse(rest[:length], "the table of options"))
+    if magic != _magic(options):
+        raise ValueError(
+            f"{path} is a memory with priorities of an earlier version of atari-envs, which did not store the greatest "
+            "priority of each row; make a new memory"
+        )
+    return options
 
 
 @contextmanager
@@ -188,23 +285,11 @@ def _reserve(file: BinaryIO, size: int, path: Path) -> None:
 
 
 def _lock(file: BinaryIO, path: Path) -> None:
-    """Lock the file until it is closed."""
-    try:
-        import fcntl
-    except ImportError:
-        return  # Windows does not delete or replace an open file, and locks regions only.
-    try:
-        fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        raise BlockingIOError(error.errno, f"{path} is in use by another replay memory; close that one") from None
-
-
-def _unlock(file: BinaryIO) -> None:
-    """Unlock a mapped file before it is closed, because its mapping holds the lock too."""
-    with suppress(ImportError, OSError):
-        import fcntl
-
-        fcntl.flock(file.fileno(), fcntl.LOCK_UN)
+    """Lock the file until it is closed. `path` must be its name still: a restored memory may have replaced it."""
+    in_use = f"{path} is in use by another replay memory; close that one"
+    durable.lock(file, in_use)
+    if not os.path.samestat(os.fstat(file.fileno()), os.stat(path)):
+        raise BlockingIOError(errno.EWOULDBLOCK, in_use)
 
 
 def _gigabytes(size: int) -> str:

@@ -63,6 +63,7 @@ def filled(steps: int = 5, **options: Any) -> ReplayMemory:
         ({"num_threads": 0}, ValueError),
         ({"margin": -1}, ValueError),
         ({"path": 3}, TypeError),
+        ({"autoflush": "no"}, TypeError),
     ],
 )
 def test_options(options: dict[str, Any], error: type[Exception]) -> None:
@@ -98,7 +99,6 @@ def test_more_memory_than_there_is() -> None:
         ({"terminations": ~NO, "info": {"final_obs": np.array([None, None])}}, ValueError),
     ],
 )
-@pytest.mark.filterwarnings("ignore:overflow")
 def test_add(change: dict[str, Any], error: type[Exception]) -> None:
     memory = filled(autoreset_mode="same_step")
     before = memory.observations()
@@ -107,6 +107,36 @@ def test_add(change: dict[str, Any], error: type[Exception]) -> None:
         memory.add(**{**good, "observations": FRAMES, **change})
     assert (memory.steps, len(memory)) == (10, 10)
     assert np.array_equal(memory.observations(), before)
+
+
+@pytest.mark.parametrize(
+    ("dtype", "actions", "match"),
+    [
+        ("int8", [3, 300], "environment 1 is 300, and action_dtype int8"),
+        ("int8", [-129, 0], "environment 0 is -129, and action_dtype int8"),
+        ("int32", [2**31, 0], "environment 0 is 2147483648"),
+        ("float32", [0.0, 1e300], r"environment 1 is 1e\+300, and action_dtype float32"),
+        ("float32", [0.0, np.nan], "environment 1 is nan"),
+        ("float64", [np.inf, 0.0], "environment 0 is inf"),
+        ("float16", [70000.0, 0.0], r"environment 0 is 70000\.0"),
+    ],
+)
+def test_actions_that_the_dtype_cannot_store(dtype: str, actions: list[float], match: str) -> None:
+    memory = make(action_dtype=dtype)
+    memory.reset(FRAMES)
+    with pytest.raises(ValueError, match=match):
+        memory.add(np.array(actions), np.zeros(2), NO, NO, observations=FRAMES)
+    assert (memory.steps, len(memory)) == (0, 0)
+    memory.add(np.array([2, 100], np.array(actions).dtype), np.zeros(2), NO, NO, observations=FRAMES)
+    assert set(memory.sample(50).actions) == {2, 100}
+
+
+@pytest.mark.parametrize(("reward", "match"), [(1e300, r"1 is 1e\+300"), (np.nan, "1 is nan"), (-np.inf, "1 is -inf")])
+def test_rewards_that_are_not_finite_as_float32(reward: float, match: str) -> None:
+    memory = filled()
+    with pytest.raises(ValueError, match=f"the reward of environment {match}"):
+        memory.add(np.array([1, 2]), np.array([0.0, reward]), NO, NO, observations=FRAMES)
+    assert memory.steps == 10
 
 
 def test_order_of_calls() -> None:

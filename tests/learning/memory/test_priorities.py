@@ -102,6 +102,7 @@ def test_bad_priorities_change_nothing() -> None:
         ([0, 1], [1.0, -1.0], ValueError),
         ([0, 1], [1.0, np.nan], ValueError),
         ([0, 1], [1.0, np.inf], ValueError),
+        ([0, 1], [1.0, 1e101], ValueError),
         ([0, 99], [1.0, 1.0], ValueError),
         ([0, -1], [1.0, 1.0], ValueError),
         ([0, 1], [1.0], ValueError),
@@ -124,3 +125,77 @@ def test_one_priority_is_given_for_each_step() -> None:
     for indices, priorities in (([0, 1], [1.0]), ([[0, 1]], [[1.0, 2.0]])):
         with pytest.raises(ValueError, match=r"must be \(batch,\)"):
             memory.update_priorities(np.array(indices), np.array(priorities))
+
+
+@pytest.mark.parametrize(("exponent", "most"), [(0.5, 1e100), (1.0, 1e100), (4.0, 9.99e24)])
+def test_priorities_are_bounded(exponent: float, most: float) -> None:
+    memory = filled(20, exponent=exponent)
+    for wrong in (most * 1.01, 1e308, np.nan, np.inf, -1e-9):
+        with pytest.raises(ValueError, match=r"priority 1 must be within 0\.\.1e100, and its power by .* too, got "):
+            memory.update_priorities(np.arange(2), np.array([1.0, wrong]))
+    memory.update_priorities(np.arange(20), np.full(20, most))
+    memory.update_priorities(np.array([3]), np.array([1e-300]))
+    batch = memory.sample(1000, beta=1.0)
+    assert (batch.weights == 1).all()
+    assert len(np.unique(batch.indices)) == 19
+
+
+@pytest.mark.parametrize("beta", [0.5, 30.0])
+def test_weights_are_finite(beta: float) -> None:
+    memory = filled(10, exponent=1.0)
+    memory.update_priorities(np.arange(10), np.full(10, 1e-320))
+    assert (memory.sample(64, beta=beta).weights == 1).all()
+    memory.update_priorities(np.array([4]), np.array([1e-300]))
+    weights = memory.sample(64, beta=beta).weights
+    assert np.isfinite(weights).all()
+    assert weights.max() == 1
+
+
+class NaivePriorities:
+    """The priorities of steps, and by row the greatest that was given to one of its steps."""
+
+    def __init__(self, rows: int, lanes: int) -> None:
+        self.rows, self.lanes, self.row = rows, lanes, 0
+        self.priority: dict[int, float] = {}
+        self.given: dict[int, float] = {}
+
+    def add(self) -> None:
+        new = max(self.given.values(), default=0.0) or 1.0
+        self.priority |= dict.fromkeys(range(self.row * self.lanes, (self.row + 1) * self.lanes), new)
+        self.row += 1
+        oldest = self.row - self.rows
+        self.given = {row: priority for row, priority in self.given.items() if row >= oldest}
+        self.priority = {i: priority for i, priority in self.priority.items() if i // self.lanes >= oldest}
+
+    def update(self, index: int, priority: float) -> None:
+        if index in self.priority:
+            row = index // self.lanes
+            self.priority[index] = priority
+            self.given[row] = max(self.given.get(row, 0.0), priority)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(1, 3), st.integers(1, 9), st.integers(0, 2**20))
+def test_new_steps_get_the_greatest_priority_of_stored_rows(lanes: int, rows: int, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    memory = ReplayMemory(rows * lanes, lanes, (2, 2), priority_exponent=1.0, seed=0)
+    naive = NaivePriorities(rows, lanes)
+    frames, no = np.zeros((lanes, 2, 2), np.uint8), np.zeros(lanes, bool)
+    memory.reset(frames)
+    for _ in range(40):
+        memory.add(np.zeros(lanes, int), np.zeros(lanes), no, no, observations=frames)
+        naive.add()
+        count = int(random.integers(0, 4))
+        indices = random.integers(0, naive.row * lanes, count)
+        priorities = np.array([random.choice([0.0, 1e-9, 0.5, 1.0, 7.0, 1e100]) for _ in range(count)])
+        memory.update_priorities(indices, priorities)
+        for index, priority in zip(indices.tolist(), priorities.tolist(), strict=True):
+            naive.update(index, priority)
+        if random.random() < 0.2:
+            memory.restore(memory.state())
+        if not any(naive.priority.values()):
+            continue
+        batch = memory.sample(40, beta=1.0)
+        drawn = np.array([naive.priority[int(index)] for index in batch.indices])
+        assert (drawn > 0).all()
+        np.testing.assert_allclose(batch.weights, drawn.min() / drawn, rtol=1e-6)

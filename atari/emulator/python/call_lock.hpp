@@ -1,28 +1,25 @@
-// `VectorLock`: the lock of a vector environment in Python.
+// `CallLock`: the lock of an object in Python whose methods are more than one call of the extension module.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
 #include <stdexcept>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "threads.hpp"
 
 namespace atari {
 
-inline void check_process(uint32_t made_in) {
-    if (made_in != process_generation)
-        throw std::runtime_error(
-            "this vector environment was made before the process was forked, and has no threads "
-            "here; make it in the new process, or start that with the method 'spawn'");
-}
-
-// The lock of a vector environment in Python, which is held from the choice of a buffer to its loan. The thread that
-// holds it may enter again: a signal handler may close the environment during a step.
-class VectorLock {
+// A lock for `with`. The thread that holds it may enter again: a signal handler may close an environment during a step.
+class CallLock {
   public:
+    // `object` names the locked object in the error of a forked process.
+    explicit CallLock(std::string object) : object_(std::move(object)) {}
+
     void enter() {
-        check_process(process_);
+        check_process(process_, object_.c_str());
         if (holder_ == std::this_thread::get_id()) {
             ++entered_again_;
             return;
@@ -45,6 +42,7 @@ class VectorLock {
     }
 
   private:
+    const std::string object_;
     const uint32_t process_ = process_generation;
     Lock lock_;
     std::atomic<std::thread::id> holder_{};
