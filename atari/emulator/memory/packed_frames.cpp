@@ -29,15 +29,16 @@ size_t least_packed_bytes(const Geometry& geometry) {
 
 PackedFrames::PackedFrames(const Geometry& geometry, uint8_t* bytes)
     : chunk_(chunk_bytes(geometry)), chunks_(geometry.packed_bytes / chunk_),
-      chunks_of_row_(most_chunks_of_row(geometry)), bytes_(bytes) {
+      chunks_of_row_(most_chunks_of_row(geometry)),
+      spare_(geometry.saved ? std::max(3 * chunks_of_row_, chunks_ / 8) : 0), bytes_(bytes) {
     clear();
     finish_entering();
 }
 
-int64_t PackedFrames::oldest_with_space(bool more) const {
-    const size_t wanted = 2 * chunks_of_row_ + (more ? chunks_ / 16 : 0);
-    if (free_.size() >= wanted) return 0;
-    return used_[std::min(wanted - free_.size(), used_.size()) - 1].newest + 1;
+bool PackedFrames::may_keep(int64_t oldest) const {
+    const auto first =
+        std::partition_point(used_.begin(), used_.end(), [&](const Chunk& chunk) { return chunk.newest < oldest; });
+    return static_cast<size_t>(used_.end() - first) + chunks_of_row_ <= chunks_ - spare_;
 }
 
 void PackedFrames::release(int64_t oldest) {

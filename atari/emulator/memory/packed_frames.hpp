@@ -16,8 +16,9 @@ class PackedFrames {
 
     // Returns whether n rows with a final observation in each lane fit.
     bool has_space(size_t n = 1) const { return free_.size() >= n * chunks_of_row_; }
-    // The row from which rows may be kept, so that two rows fit after `release`; with `more`, a sixteenth of the space.
-    int64_t oldest_with_space(bool more) const;
+    // Returns whether the rows from `oldest` on leave space for a row. In a file they leave an eighth of the space to the
+    // rows that are written before the next save, because the rows of the last save stay as they are.
+    bool may_keep(int64_t oldest) const;
     // Frees the chunks that have no row from `oldest` on.
     void release(int64_t oldest);
     // Stores the code of a frame. `row` must not decrease, and `has_space` must have been true for the row.
@@ -39,7 +40,7 @@ class PackedFrames {
         size_t end;      // bytes in use
     };
 
-    size_t chunk_, chunks_, chunks_of_row_;
+    size_t chunk_, chunks_, chunks_of_row_, spare_;
     uint8_t* bytes_;
     std::deque<Chunk> used_;                                                 // by age
     std::priority_queue<size_t, std::vector<size_t>, std::greater<>> free_;  // the lowest first: few are ever touched

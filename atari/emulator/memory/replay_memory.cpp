@@ -152,32 +152,16 @@ void ReplayMemory::check_row() const {
                          "; call flush() first; must_flush says when");
 }
 
-// Makes space for the frames of the pending row and `finals` final observations: forgets the oldest rows.
+// Makes space for the frames of the pending row and `finals` final observations: forgets the oldest rows. Which rows does
+// not depend on the saves, so that a memory that is opened again goes on as one that was not.
 void ReplayMemory::make_space(int64_t finals) {
     PackedFrames* const packed = frames_.packed();
     if (saving_ && (!finals_fit(finals) || (packed && !packed->has_space())))
         throw Overwrites("the next step would overwrite frames of flush " + std::to_string(saves_) +
                          "; call flush() first; must_flush says when");
-    while (state_.first_final < state_.finals + finals - geometry_.finals) forget_oldest();
-    while (packed && !packed->has_space()) {
-        forget_oldest();
-        release_chunks();
-    }
-}
-
-// Forgets the oldest rows, if a save of all rows would leave no space for the next one: more of them than needed, so
-// that not every step needs a save.
-void ReplayMemory::make_runway() {
-    const int64_t needed = geometry_.autoreset == Autoreset::kNextStep ? 0 : geometry_.lanes;
-    if (state_.finals + needed - geometry_.finals > state_.first_final) {
-        const int64_t kept = state_.finals + std::max(needed, geometry_.finals / 16) - geometry_.finals;
-        while (state_.first_final < kept) forget_oldest();
-    }
-    if (!frames_.packed()) return;
-    const int64_t oldest = frames_.packed()->oldest_with_space(false);
-    if (oldest == 0 || oldest <= state_.tail - geometry_.history()) return;
-    const int64_t kept = std::min(frames_.packed()->oldest_with_space(true) + geometry_.history(), state_.head);
-    while (state_.tail < kept) forget_oldest();
+    while (state_.first_final < state_.finals + finals - geometry_.kept_finals()) forget_oldest();
+    while (packed && !packed->may_keep(state_.tail - geometry_.history())) forget_oldest();
+    if (packed) release_chunks();
 }
 
 void ReplayMemory::release_chunks() { frames_.packed()->release(kept_tail() - geometry_.history()); }

@@ -126,7 +126,6 @@ class ReplayMemory {
     uint8_t* lane_frames(size_t part, int64_t row, int64_t lane) const;
     void check_results(const StepResults& results) const;
     void make_space(int64_t finals);
-    void make_runway();
     bool finals_fit(int64_t finals) const { return state_.finals + finals - geometry_.finals <= saved_.first_final; }
     bool row_fits() const { return state_.head + 1 - slots_ < saved_.tail - geometry_.history(); }
     void forget_oldest();

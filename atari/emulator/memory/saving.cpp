@@ -75,10 +75,7 @@ void ReplayMemory::complete_section(uint8_t* section, uint64_t number) const {
     put(section + offsetof(SectionHeader, completed), number);
 }
 
-void ReplayMemory::begin_save() {
-    make_runway();
-    begin_section(section(saves_ + 1), saves_ + 1);
-}
+void ReplayMemory::begin_save() { begin_section(section(saves_ + 1), saves_ + 1); }
 
 void ReplayMemory::write_save() {
     write_section(section(saves_ + 1));

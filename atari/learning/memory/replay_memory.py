@@ -63,7 +63,8 @@ class ReplayMemory:
         action_shape, action_dtype: the shape and the dtype of one action.
         priority_exponent: the power of priorities, 0.6 in Schaul et al. 2016; None is without priorities.
         final_frames: space for last observations that have no place among the frames (SAME_STEP, DISABLED). A memory
-            that needs more forgets its oldest steps earlier. None is a fiftieth of the capacity.
+            that needs more forgets its oldest steps earlier. None is a fiftieth of the capacity. With a file, an eighth
+            of this space and of `compressed_bytes` is for the steps after a flush.
         compress: store frames compressed, without loss.
         compressed_bytes: space for compressed frames; a memory that needs more forgets its oldest steps earlier. None
             is a seventh of the bytes of the frames. Main memory is taken when first needed, a file in full.
@@ -585,9 +586,9 @@ class ReplayMemory:
     def flush(self) -> None:
         """Save the present state, which `open` then finds, and wait until it is on the disk.
 
-        After `margin` more steps, or as many final observations as `final_frames` has space for, the next step would
-        overwrite the saved state: then the memory flushes by itself, or with autoflush=False raises BufferError. If all
-        space for final or compressed frames is in use, a flush forgets the oldest steps, up to a sixteenth of them.
+        After `margin` more steps, or an eighth of `final_frames` more final observations, the next step might
+        overwrite the saved state: then the memory flushes by itself, or with autoflush=False raises BufferError. When it
+        flushes does not change what it samples.
 
         A saved state survives the end of the process and a loss of power; these leave the last complete flush at every
         moment. The call takes as long as the disk needs for the frames since the last flush: milliseconds for a few

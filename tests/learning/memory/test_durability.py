@@ -434,3 +434,30 @@ def test_kills_during_a_restore(tmp_path: Path) -> None:
             process.send_signal(signal.SIGKILL)
         with ReplayMemory.open(path) as memory:
             assert memory.steps in (900, 902)
+
+
+@pytest.mark.parametrize("compress", [False, True])
+def test_flushes_do_not_change_what_is_sampled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compress: bool) -> None:
+    """Lives of three steps use up the space for final observations; then a flush is due after an eighth of it."""
+    monkeypatch.setattr(durable, "sync_map", lambda _: None)
+    memories = [
+        ReplayMemory(6000, 2, (20,), autoreset_mode="same_step", seed=3, path=tmp_path / name, final_frames=240,
+                     compress=compress, margin=600, autoflush=False)
+        for name in "ab"
+    ]  # fmt: skip
+    random, often = np.random.default_rng(0), [0, 0]
+    for memory in memories:
+        memory.reset(np.zeros((2, 20), np.uint8))
+    for step in range(5000):
+        frames, ended = random.integers(0, 256, (2, 20), dtype=np.uint8), random.random(2) < 1 / 3
+        for number, memory in enumerate(memories):
+            if memory.must_flush or (number and step % 7 == 0):
+                memory.flush()
+                often[number] += 1
+            memory.add(np.zeros(2, int), ended, ended, ~ended & False, {"final_obs": frames}, observations=frames)
+        if step % 100 == 0:
+            one, other = (memory.sample(16, n=3) for memory in memories)
+            assert (one.indices == other.indices).all()
+            assert (one.next_observations == other.next_observations).all()
+    assert len(memories[0]) == len(memories[1]) < 700  # as many steps as have a final observation
+    assert often[0] < 5000 * 2 / 3 / (240 / 8 - 4) + 5
