@@ -5,8 +5,8 @@
 #include <cstring>
 #include <utility>
 
-#include "averaging.hpp"
-#include "colour_conversion.hpp"
+#include "ale/colours/averaging.hpp"
+#include "ale/colours/colour_conversion.hpp"
 #include "environment_parts.hpp"
 
 namespace atari {

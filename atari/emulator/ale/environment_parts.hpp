@@ -10,7 +10,7 @@
 #include "game.hpp"
 #include "machine/console.hpp"
 #include "reset_trace.hpp"
-#include "writes.hpp"
+#include "ale/programs/writes.hpp"
 
 namespace atari {
 

@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include "ale/labels.hpp"
+#include "ale/programs/labels.hpp"
 #include "bound_emulator.hpp"
 #include "observations/observation_stack.hpp"
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "ale/labels.hpp"
-#include "ale/writes.hpp"
+#include "ale/programs/labels.hpp"
+#include "ale/programs/writes.hpp"
 #include "bound_engine.hpp"
 
 using namespace nanobind::literals;
