@@ -380,6 +380,17 @@ def test_a_restore_that_fails_changes_nothing(tmp_path: Path, monkeypatch: pytes
         compare(memory, played.naive)
 
 
+@pytest.mark.parametrize("operation", ["write", "sync", "sync_folder", "sync_map"])
+def test_a_file_that_cannot_be_made_is_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, operation: str) -> None:
+    def fail(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(durable, operation, fail)
+    with pytest.raises(OSError, match="No space"):
+        ReplayMemory(10, 1, (4, 4), path=tmp_path / "replay")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_restored_file_goes_on_under_its_name(tmp_path: Path) -> None:
     played = Played(tmp_path / "replay", "next_step")
     state, then = played.memory.state(), played.state()
