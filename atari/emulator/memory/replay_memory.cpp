@@ -226,7 +226,7 @@ void ReplayMemory::update_priorities(const int64_t* indices, const double* prior
 
 size_t ReplayMemory::used_bytes() const {
     const size_t heap = static_cast<size_t>(geometry_.cells()) / 8;
-    const size_t tree = tree_ ? static_cast<size_t>(geometry_.cells()) * 9 : 0;
+    const size_t tree = tree_ ? static_cast<size_t>(geometry_.cells()) * 9 + static_cast<size_t>(slots_) * 16 : 0;
     if (frames_.packed()) return layout_.packed + frames_.packed()->used_bytes() + heap + tree;
     return layout_.bytes + heap + tree;
 }

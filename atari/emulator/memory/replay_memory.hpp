@@ -55,7 +55,7 @@ struct Target {
     float* weights;
 };
 
-// A call would overwrite what the last saved state needs; `save` first.
+// A call would overwrite rows or frames of the last saved state.
 struct Overwrites : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
@@ -76,13 +76,13 @@ class ReplayMemory {
     int64_t places() const { return frames_.places(); }
     // The place of the next row's frames. Nothing reads them before `add`.
     int64_t next_place() const { return frames_.place(state_.started ? state_.head + 1 : 0); }
-    // Whether the next `reset` or `add` might overwrite rows, or final observations, of the last saved state: its row
-    // needs their place, or does if all episodes end and no frame can be compressed. `save` makes space for one.
+    // Whether the next `add`, or a reset, would overwrite rows or frames of the last saved state if all episodes ended
+    // and no frame could be compressed. A save makes space for one `add` and for the resets of a mask after it.
     bool must_save() const;
-    // Throws `Overwrites` if the next row has no place.
+    // Throws `Overwrites` if the next row's place has a row of the last saved state.
     void check_row() const;
-    // Begins new episodes in all lanes, with the next row's frames. Episodes that have not ended are cut. This and the
-    // next two functions throw `Overwrites` before they change anything, if `must_save` was true and came true.
+    // Begins new episodes in all lanes, with the next row's frames. Episodes that have not ended are cut. Like the next
+    // two functions, throws `Overwrites` before it changes anything, but not if `must_save` is false.
     void reset();
     // Begins new episodes in some lanes. Their frames replace the frames of the pending row.
     void reset(const uint8_t* mask, const std::vector<const uint8_t*>& frames);
@@ -98,8 +98,8 @@ class ReplayMemory {
     // Sets the priorities of steps. The last of equal indices counts; overwritten steps are left out.
     void update_priorities(const int64_t* indices, const double* priorities, int64_t count);
 
-    // Save the present state, which `load` then reads, in three phases: see saving.cpp. A save without `end_save`, after
-    // an error of the disk, leaves the one before, and the next save has its number.
+    // Save the present state, which `load` then reads, in three phases: see saving.cpp. Without `end_save`, after an
+    // error of the disk, the save before stays the last one, and the next save has the same number.
     void begin_save();
     void write_save();
     void complete_save();
@@ -109,7 +109,8 @@ class ReplayMemory {
     // Reads the last saved state, or the state of the save with this number, and forgets a later one. Throws
     // std::invalid_argument, which names the damaged place. `verify` reads all frames.
     void load(bool verify, std::optional<uint64_t> save);
-    // Restores the row that was pending. A later save that `load` forgot must be so on the disk: this overwrites its row.
+    // Restores the pending row, after `load`. This may overwrite a row of a later save, which `load` has forgotten: the
+    // block must be on the disk before.
     void resume();
     int64_t saves() const { return static_cast<int64_t>(saves_); }
     size_t used_bytes() const;

@@ -6,8 +6,8 @@
 // 2. `write_save` writes the content.
 // 3. `complete_save` writes the checksum and `completed`.
 //
-// Then `end_save` counts it. So neither a kill nor a loss of power leaves a section with `begun` == `completed` whose checksum differs: such a
-// section is damaged.
+// Then `end_save` counts the save. Neither a kill nor a loss of power leaves a section with `begun` == `completed` and
+// another checksum: such a section is damaged.
 #include <algorithm>
 #include <atomic>
 #include <cmath>

@@ -203,7 +203,7 @@ void add(BoundMemory& bound, nb::object actions, nb::object rewards, nb::object 
     else bound.use_briefly(work);
 }
 
-// Copies rewards of type T as floats. Returns false if they have another type or shape, or one is not finite as a float.
+// Copies rewards of type T as floats. Returns false if they have another type or shape, or if one is not finite then.
 template <typename T>
 bool get_rewards(nb::handle rewards, size_t lanes, std::vector<float>& values) {
     Values<const T> given;

@@ -15,7 +15,7 @@ def atomic(
     """The method, which holds the lock `_lock` of its object."""
 
     @wraps(method)
-    def locked(self: _Self, *arguments: _Arguments.args, **named: _Arguments.kwargs) -> _Result:
+    def locked(self: _Self, /, *arguments: _Arguments.args, **named: _Arguments.kwargs) -> _Result:
         with self._lock:
             return method(self, *arguments, **named)
 

@@ -1,5 +1,6 @@
 """The file of a `ReplayMemory`: saved states survive a kill, and damaged files are refused."""
 
+import hashlib
 import json
 import os
 import signal
@@ -338,3 +339,39 @@ def test_a_state_restores_a_memory(tmp_path: Path) -> None:
     broken[20] ^= 1
     with pytest.raises(ValueError, match="damaged"):
         memory.restore({**state, "block": broken})
+
+
+BYTES = {
+    ("next_step", False): "d329cc1998d028f5",
+    ("next_step", True): "2e5bc394e141e54e",
+    ("same_step", False): "8afd236442784532",
+    ("same_step", True): "5cdd7f1cb531e0e3",
+    ("disabled", False): "b38c8a8b33340c28",
+    ("disabled", True): "5beaf48af27d2b9d",
+}
+"""The beginning of the SHA-256 of files that the first version of the format wrote, on a little-endian machine."""
+
+
+@pytest.mark.parametrize(("mode", "compress"), BYTES)
+def test_the_format_of_files_stays(tmp_path: Path, mode: str, compress: bool) -> None:
+    path = tmp_path / "replay"
+    memory = ReplayMemory(
+        20, 2, SHAPE, stack_num=2, autoreset_mode=mode, seed=1, path=path, compress=compress, margin=20
+    )
+
+    def frames(first: int) -> np.ndarray:
+        return np.arange(first, first + 48, dtype=np.uint8).reshape(2, *SHAPE)
+
+    memory.reset(frames(0))
+    for row in range(15):
+        ended, no = np.array([row == 5, row == 9]), np.zeros(2, bool)
+        info = {"final_obs": frames(100 + row)}
+        actions, rewards = np.array([row, 2 * row]), np.array([row, 0.5])
+        memory.add(actions, rewards, ended, no, info, observations=frames(row + 1))
+        if mode == "disabled" and ended.any():
+            memory.reset(frames(200 + row), ended)
+        if row == 7:
+            memory.flush()
+    memory.flush()
+    memory.close()
+    assert hashlib.sha256(path.read_bytes()).hexdigest()[:16] == BYTES[mode, compress]
