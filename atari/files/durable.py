@@ -124,6 +124,16 @@ def replacing(path: Path) -> Iterator[Path]:
         raise
 
 
+def create(path: Path) -> BinaryIO:
+    """A new, empty file in place of `path`, for a recording that grows, of which a kill leaves the beginning.
+
+    Raises:
+        OSError: the file cannot be created.
+    """
+    remove(path)  # a link too: its target stays as it is
+    return os.fdopen(os.open(path, os.O_WRONLY | _NEW, 0o666), "wb", buffering=0)
+
+
 def append(path: Path, data: bytes) -> None:
     """Add all of `data` to a file, or nothing. After a loss of power a part of the end may be missing.
 

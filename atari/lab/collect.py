@@ -7,7 +7,6 @@ import json
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import asdict, replace
 from importlib import import_module
 from pathlib import Path
@@ -17,6 +16,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from atari.files import durable
 from atari.lab.labels import Labels
 from atari.recording.datasets import NO_STEPS, check_new_dataset, import_minari, write_minari
 from atari.recording.episodes import EpisodeArrays, Source, facts_of_replays, load_replays, replayed_episodes
@@ -123,7 +123,8 @@ def write_dataset(
         described = {name: asdict(named.game.ram_labels[name]) for name in named.names}
         attributes = {**_as_json(said), "game": loaded[0].game.id}
         attributes |= _as_json({"options": loaded[0].options, "labels": described})
-        with _new_file(Path(output)) as file:
+        Path(output).parent.mkdir(parents=True, exist_ok=True)
+        with durable.replacing(Path(output)) as file:
             write(module, file, attributes, enumerate(episodes(), first_episode))
             if not scores:
                 raise ValueError(NO_STEPS)
@@ -189,18 +190,6 @@ def _values(labels: Labels, ram: npt.NDArray[np.uint8]) -> Values:
     values, visible = labels.evaluate(ram)
     hidden = {labels.names[number]: visible[number] for number in labels.hiding}
     return {"labels": dict(zip(labels.names, values, strict=True)), "visible": hidden}
-
-
-@contextmanager
-def _new_file(path: Path) -> Iterator[Path]:
-    """A temporary file that gets the name `path` at the end of the block, or is removed after an error."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
-    try:
-        yield part
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _as_json(facts: Mapping[str, Any]) -> dict[str, str]:
