@@ -238,16 +238,45 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         """Continue from a result of `snapshot`.
 
         Raises:
-            ValueError: it belongs to another task; nothing has changed.
+            ValueError: it is no such result, or belongs to another task; nothing has changed.
         """
-        task, data, random, (frame, frames_played, out, agents), seen = snapshot
+        if not isinstance(snapshot, tuple) or len(snapshot) != 5 or not isinstance(snapshot[0], Task):
+            raise ValueError(f"a snapshot is what snapshot() returned, got {snapshot!r:.80}")
+        task, data, random, counters, seen = snapshot
         if differing := self.task.differences(task):
             name, (own, other) = next(iter(differing.items()))
             raise ValueError(f"the snapshot is of a task with {name}={other!r}, and this environment has {own!r}")
-        self.core.restore(data)
+        before = self._seen.save()
+        for name, one, kept in (("core", data, b""), ("images", seen, before), ("generator", random, self._random)):
+            if type(one) is not type(kept):
+                raise ValueError(f"the snapshot is damaged: its {name} cannot be {one!r:.80}")
+        frame, frames_played, out, agents = self._checked_counters(counters)
         self._seen.load(seen)
+        try:
+            self.core.restore(data)
+        except ValueError:
+            self._seen.load(before)
+            raise
         self._random = copy.deepcopy(random)
         self.frame, self._frames_played, self._out, self.agents = frame, frames_played, out.copy(), list(agents)
+
+    def _checked_counters(self, counters: Any) -> tuple[int, int, list[bool], tuple[str, ...]]:
+        """The counters of a snapshot.
+
+        Raises:
+            ValueError: they are no counters of a game of these players.
+        """
+        possible = self.possible_agents
+        if isinstance(counters, tuple) and [type(one) for one in counters] == [int, int, list, tuple]:
+            frame, frames_played, out, agents = counters
+            numbers = frame >= 0 and frames_played >= 0 and [type(one) for one in out] == [bool] * len(possible)
+            playing = [agent for agent, is_out in zip(possible, out, strict=False) if agent in agents and not is_out]
+            if numbers and playing == list(agents):
+                return counters
+        raise ValueError(
+            "the snapshot is damaged: its counters must be (steps, frames, who is out, agents in the game), with the "
+            f"agents of {', '.join(possible)}, got {counters!r:.120}"
+        )
 
     def close(self) -> None:
         """Close the window, if there is one."""
