@@ -19,7 +19,7 @@ def read_member(archive: zipfile.ZipFile, name: str, most_bytes: int) -> bytes:
             return file.read()
     except KeyError:
         raise ValueError(f"it has no {name!r}") from None
-    except (zipfile.BadZipFile, zlib.error, RuntimeError, EOFError) as error:
+    except (zipfile.BadZipFile, zlib.error, RuntimeError, OSError, EOFError) as error:
         raise ValueError(f"{name!r} is damaged: {error}") from None
 
 

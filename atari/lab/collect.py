@@ -168,9 +168,13 @@ def check_dataset(file: str | os.PathLike[str]) -> None:
 
 
 def _check_hdf5(h5py: Any, path: Path) -> None:
+    def read(_: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset):
+            item[()]
+
     with h5py.File(path) as root:
         json_text.check_seal(dict(root.attrs))
-        root.visititems(lambda _, item: item[()] is None if isinstance(item, h5py.Dataset) else None)
+        root.visititems(read)
 
 
 def _check_parquet(parquet: Any, path: Path) -> None:

@@ -147,16 +147,6 @@ def test_check_dataset_refuses_other_files(tmp_path: Path) -> None:
         check_dataset(tmp_path / "a-v0")
 
 
-def test_a_planted_link_is_not_followed(tmp_path: Path) -> None:
-    pytest.importorskip("h5py", reason="h5py is not installed")
-    (tmp_path / "other").write_text("mine")
-    (tmp_path / "a.h5.part").symlink_to("other")
-    write_dataset(recorded(tmp_path)[0], tmp_path / "a.h5", frames="grayscale", labels=[])
-    assert (tmp_path / "other").read_text() == "mine"
-    assert not (tmp_path / "a.h5.part").is_symlink()
-    check_dataset(tmp_path / "a.h5")
-
-
 def test_minari(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     minari = pytest.importorskip("minari", reason="minari is not installed")
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "datasets"))
