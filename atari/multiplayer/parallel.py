@@ -251,6 +251,8 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
             if type(one) is not type(kept):
                 raise ValueError(f"the snapshot is damaged: its {name} cannot be {one!r:.80}")
         frame, frames_played, out, agents = self._checked_counters(counters)
+        if len(seen) != len(before):
+            raise ValueError(f"the snapshot is damaged: its images have {len(seen):,} bytes, not {len(before):,}")
         self._seen.load(seen)
         try:
             self.core.restore(data)
