@@ -240,45 +240,26 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         Raises:
             ValueError: it is no such result, or belongs to another task; nothing has changed.
         """
-        if not isinstance(snapshot, tuple) or len(snapshot) != 5 or not isinstance(snapshot[0], Task):
-            raise ValueError(f"a snapshot is what snapshot() returned, got {snapshot!r:.80}")
-        task, data, random, counters, seen = snapshot
+        own = self.snapshot()
+        if _kinds(snapshot) != _kinds(own) or _kinds(snapshot[3]) != _kinds(own[3]):
+            raise ValueError(f"a snapshot is what snapshot() returned, got {snapshot!r:.200}")
+        task, data, random, (frame, frames_played, out, agents), seen = snapshot
         if differing := self.task.differences(task):
-            name, (own, other) = next(iter(differing.items()))
-            raise ValueError(f"the snapshot is of a task with {name}={other!r}, and this environment has {own!r}")
-        before = self._seen.save()
-        for name, one, kept in (("core", data, b""), ("images", seen, before), ("generator", random, self._random)):
-            if type(one) is not type(kept):
-                raise ValueError(f"the snapshot is damaged: its {name} cannot be {one!r:.80}")
-        frame, frames_played, out, agents = self._checked_counters(counters)
-        if len(seen) != len(before):
-            raise ValueError(f"the snapshot is damaged: its images have {len(seen):,} bytes, not {len(before):,}")
+            name, (mine, other) = next(iter(differing.items()))
+            raise ValueError(f"the snapshot is of a task with {name}={other!r}, and this environment has {mine!r}")
+        playing = [agent for agent, is_out in zip(AGENTS, out, strict=False) if agent in agents and not is_out]
+        if _kinds(out) != _kinds(self._out) or playing != list(agents) or min(frame, frames_played) < 0:
+            raise ValueError(f"the snapshot is damaged: its counters cannot be {snapshot[3]!r:.200}")
+        if len(seen) != len(own[4]):
+            raise ValueError(f"the snapshot is damaged: its images have {len(seen):,} bytes, not {len(own[4]):,}")
         self._seen.load(seen)
         try:
             self.core.restore(data)
         except ValueError:
-            self._seen.load(before)
+            self._seen.load(own[4])
             raise
         self._random = copy.deepcopy(random)
         self.frame, self._frames_played, self._out, self.agents = frame, frames_played, out.copy(), list(agents)
-
-    def _checked_counters(self, counters: Any) -> tuple[int, int, list[bool], tuple[str, ...]]:
-        """The counters of a snapshot.
-
-        Raises:
-            ValueError: they are no counters of a game of these players.
-        """
-        possible = self.possible_agents
-        if isinstance(counters, tuple) and [type(one) for one in counters] == [int, int, list, tuple]:
-            frame, frames_played, out, agents = counters
-            numbers = frame >= 0 and frames_played >= 0 and [type(one) for one in out] == [bool] * len(possible)
-            playing = [agent for agent, is_out in zip(possible, out, strict=False) if agent in agents and not is_out]
-            if numbers and playing == list(agents):
-                return counters
-        raise ValueError(
-            "the snapshot is damaged: its counters must be (steps, frames, who is out, agents in the game), with the "
-            f"agents of {', '.join(possible)}, got {counters!r:.120}"
-        )
 
     def close(self) -> None:
         """Close the window, if there is one."""
@@ -312,6 +293,11 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         if not self.task.agent_indicator:
             return dict.fromkeys(agents, _row(batch, 0))
         return {agent: _row(_row(batch, 0), self.possible_agents.index(agent)) for agent in agents}
+
+
+def _kinds(parts: Any) -> Any:
+    """The kind of a sequence and the kinds of its parts."""
+    return (type(parts), *map(type, parts)) if isinstance(parts, (tuple, list)) else type(parts)
 
 
 def _row(batch: Any, row: int) -> Any:
