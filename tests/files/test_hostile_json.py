@@ -21,7 +21,7 @@ from atari.lab.causal import files as causal_files
 from atari.lab.causal.explore import causes
 from atari.learning import PROTOCOLS, Result, load_policy
 from atari.learning.evaluation.results import GameResult
-from atari.policy_needs import needs_of
+from atari.policy.needs import needs_of
 from atari.recording import RecordReplay, Replay, VideoWriter, video_facts
 from atari.recording.replay import file_format
 from atari.task.storage import read_task
