@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from types import NoneType
+from typing import Any
 
 import numpy as np
 
@@ -121,7 +122,7 @@ def read(path: Path) -> Run:
     """
     try:
         content = json_text.check_table(json_text.read(path), "it", {"run": dict, "frame": int, "what": list})
-        kinds = {one.name: type(one.default) for one in fields(Run) if one.name != "game"}
+        kinds: dict[str, Any] = {one.name: type(one.default) for one in fields(Run) if one.name != "game"}
         kinds |= {"mode": (int, NoneType), "difficulty": (int, NoneType), "cores": list}
         options = json_text.check_table(content["run"], "its run", {"game": str}, kinds)
         cores = [check_name("a core", core, CORES) for core in options.get("cores", Run.cores)]

@@ -86,6 +86,8 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         (210, 160, 3)
     """
 
+    _out: list[bool]  # by player
+
     def __init__(
         self,
         game: GameLike,

@@ -146,7 +146,13 @@ class Result:
             raise ValueError(f"{path} is damaged: {error}") from None
 
 
-_KINDS = {"policy": str, "protocol": dict, "seed": int, "games": list, "training_frames": (int, NoneType)}
+_KINDS: dict[str, Any] = {
+    "policy": str,
+    "protocol": dict,
+    "seed": int,
+    "games": list,
+    "training_frames": (int, NoneType),
+}
 _KINDS_OF_GAME = {
     "game": str, "scores": list, "frames": list, "truncated": list, "seeds": list, "observation": dict
 }  # fmt: skip
