@@ -143,8 +143,8 @@ def write_dataset(
 def check_dataset(file: str | os.PathLike[str]) -> None:
     """Read a file of `write_dataset` from its beginning to its end, and compare all checksums.
 
-    HDF5 compares those of what a program reads by itself; Parquet does with `page_checksum_verification=True`. Neither
-    compares the checksum of the facts, "sha256" beside them.
+    HDF5 compares the checksums of data that a program reads, Parquet with `page_checksum_verification=True` alone.
+    Neither compares the checksum of the facts, which is the attribute or metadata "sha256".
 
     Args:
         file: an HDF5 or Parquet file. Minari writes its own files, without checksums.

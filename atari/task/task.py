@@ -369,8 +369,8 @@ class Task:
 
         Raises:
             TypeError: `text` is no string.
-            ValueError: the text is no task: it is too long or too deep, has an unknown key or a value of the wrong kind,
-                or has a newer format. The message names the key.
+            ValueError: the text is no task: it is too long or too deep, has an unknown key or a value of the wrong
+                kind, or has a newer format. The message names the key.
         """
         from atari.task.storage import from_json
 
