@@ -7,6 +7,7 @@ test stops a program before each of them.
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import FileIO
 from pathlib import Path
 from typing import BinaryIO
 
@@ -124,14 +125,14 @@ def replacing(path: Path) -> Iterator[Path]:
         raise
 
 
-def create(path: Path) -> BinaryIO:
-    """A new, empty file in place of `path`, for a recording that grows, of which a kill leaves the beginning.
+def create(path: Path) -> FileIO:
+    """A new, empty file in place of `path`, without a buffer, for a recording: a kill leaves its beginning.
 
     Raises:
         OSError: the file cannot be created.
     """
     remove(path)  # a link too: its target stays as it is
-    return os.fdopen(os.open(path, os.O_WRONLY | _NEW, 0o666), "wb", buffering=0)
+    return FileIO(os.open(path, os.O_WRONLY | _NEW, 0o666), "wb")
 
 
 def append(path: Path, data: bytes) -> None:

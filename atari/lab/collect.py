@@ -28,6 +28,7 @@ ENDINGS: dict[str, Format] = {".parquet": "parquet", ".h5": "hdf5", ".hdf5": "hd
 """The format of a file by its ending."""
 
 _COLOURS = ("rgb", "grayscale")
+_OWN_FACTS = {"columns", "game", "labels", "options", "sha256"}
 _CHECKED: dict[str, Any] = {"fletcher32": True}
 _GZIP: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, **_CHECKED}
 _HDF5_VERSION = "v110"  # the oldest format with checksums of groups and attributes
@@ -104,6 +105,8 @@ def write_dataset(
     module = _import_format(format)
     loaded = load_replays(replays)
     named = Labels(loaded[0].game, labels)
+    if taken := _OWN_FACTS & {*(facts or {})}:
+        raise ValueError(f"facts cannot have the name {min(taken)!r}, which the file has for its own; choose another")
     said = {**facts_of_replays(loaded), **(facts or {})}
     scores: list[float] = []
     steps: list[int] = []

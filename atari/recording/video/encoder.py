@@ -1,6 +1,7 @@
 """The encoders of frames and sound: a file written by FFmpeg, or a sequence of PNG files."""
 
 from fractions import Fraction
+from io import BufferedWriter
 from pathlib import Path
 from typing import Any
 
@@ -101,7 +102,8 @@ class PngEncoder:
     def write(self, image: ByteArray, samples: ByteArray | None) -> None:
         """Write the next file."""
         _, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
-        with durable.create(self._path.with_name(self._path.name % self._frames)) as file:
+        path = self._path.with_name(self._path.name % self._frames)
+        with BufferedWriter(durable.create(path)) as file:
             file.write(data.tobytes())
         self._frames += 1
 
