@@ -194,6 +194,7 @@ def _read_game(values: Any) -> Played:
     Raises:
         ValueError: they are none.
     """
-    if not (isinstance(values, list) and [type(value) for value in values] == [float, int, int]):
+    kinds = [type(value) for value in values] if isinstance(values, list) else []
+    if kinds != [float, int, int] or min(values[1:]) < 0:
         raise ValueError(f"the snapshot is damaged: a game's score, steps and first frame cannot be {values!r}")
     return Played(*values)

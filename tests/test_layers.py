@@ -31,8 +31,8 @@ ORDER = """
 """.split()
 """The parts, from the bottom to the top.
 
-- `algorithmic` imports no other part. `classic` imports the public API alone, which a test below keeps; it stands before
-  `integrations`, because EnvPool's runner gives old scripts its `gym`.
+- `algorithmic` imports no other part. `classic` imports the public API and `files` alone, which a test below keeps; it
+  stands before `integrations`, because EnvPool's runner gives old scripts its `gym`.
 - `atari` is the module `atari/__init__.py`; the parts after it are its lazy attributes, or no attributes.
 """
 
@@ -202,7 +202,8 @@ def test_a_part_uses_no_private_name_of_another(module: str) -> None:
 
 
 def _is_public(module: str, name: str) -> bool:
-    return (module in ("atari.wrappers", "atari.recording", "atari.roms") or module == "atari") and not _private(name)
+    homes = ("atari", "atari.files", "atari.recording", "atari.roms", "atari.wrappers")
+    return module in homes and not _private(name)
 
 
 @pytest.mark.parametrize("module", sorted(module for module in SOURCES if part(module) == "classic"))

@@ -16,6 +16,7 @@ from typing import Any, Literal, Protocol
 import gymnasium
 
 import atari
+from atari.files import durable
 from atari.recording import VideoWriter
 
 _PREFIX = "openaigym"
@@ -207,6 +208,4 @@ def _prepare(directory: Path, force: bool, resume: bool) -> None:
 
 
 def _write_json(path: Path, data: dict[str, Any]) -> None:
-    part = path.with_suffix(".part")
-    part.write_text(json.dumps(data))
-    part.replace(path)  # atomic: a concurrent reader finds the old content or the new
+    durable.write_file(path, json.dumps(data).encode())

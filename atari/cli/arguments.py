@@ -124,16 +124,16 @@ def find_game(name: str, playable: bool = True) -> Game:
     return games.find(spelled(game)) if playable else games.resolve(spelled(game))
 
 
-def number(kind: type[int] | type[float], low: float) -> Callable[[str], float]:
-    """Return an argparse type that accepts numbers of at least `low`."""
+def number(kind: type[int] | type[float], low: float, high: int = 10**9) -> Callable[[str], float]:
+    """Return an argparse type that accepts numbers within `low`..`high`."""
 
     def parse(text: str) -> float:
         try:
             value = kind(text)
         except ValueError:
             value = math.nan
-        if not low <= value < math.inf:
-            raise argparse.ArgumentTypeError(f"{text!r} is not {_KINDS[kind]} of at least {low}")
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text!r:.40} is not {_KINDS[kind]} within {low}..{high}")
         return value
 
     return parse

@@ -13,6 +13,7 @@ from atari.cli.policies import ALONE, find_played, games_of, replay_of
 from atari.cli.printing import print_json
 from atari.lab.collect import check_output, write_dataset
 from atari.learning import load_policy
+from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.recording import Replay
 from atari.task.arguments import SEEDS, add_task, seed, show_task
 
@@ -33,7 +34,9 @@ def register(commands: Commands) -> None:
         help="random, noop, MODULE:FUNCTION, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file, or "
         "a replay, such as game.a26 (default: random)",
     )
-    parser.add_argument("--episodes", type=number(int, 1), default=1, metavar="N", help="number of games (default: 1)")
+    parser.add_argument(
+        "--episodes", type=number(int, 1, MAX_EPISODES), default=1, metavar="N", help="number of games (default: 1)"
+    )
     parser.add_argument(
         "--seed", type=seed, default=0, metavar="N", help="seed of the first game and policy, below 2**32 (default: 0)"
     )

@@ -23,7 +23,7 @@ from atari.learning import (
 )
 from atari.learning.evaluation.compare import Comparison, budget_faults, protocol_faults
 from atari.learning.evaluation.played import Entry
-from atari.learning.evaluation.protocols import find_protocol
+from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol
 from atari.task.arguments import add_task, seed, show_task
 
 
@@ -48,7 +48,10 @@ def register(commands: Commands) -> None:
         "--protocol", default="machado2018", metavar="NAME", help=f"{', '.join(PROTOCOLS)} (default: machado2018)"
     )
     parser.add_argument(
-        "--episodes", type=number(int, 1), metavar="N", help="whole games of each game (default: as the protocol says)"
+        "--episodes",
+        type=number(int, 1, MAX_EPISODES),
+        metavar="N",
+        help="whole games of each game (default: as the protocol says)",
     )
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of the games, below 2**32 (default: 0)")
     parser.add_argument("--num-envs", type=number(int, 1), metavar="N", help="games at a time (default: up to 64)")

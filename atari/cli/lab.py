@@ -37,7 +37,7 @@ def register(commands: Commands) -> None:
     )
     parser.add_argument("--seed", type=seed, metavar="N", help="seed of the game (default: 0)")
     parser.add_argument(
-        "--port", type=number(int, 0), default=0, metavar="N", help="port of the page (default: a free one)"
+        "--port", type=number(int, 0, 65_535), default=0, metavar="N", help="port of the page (default: a free one)"
     )
     parser.add_argument("--no-browser", action="store_true", help="open no browser; print the address")
     add_task(

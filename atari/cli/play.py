@@ -37,7 +37,7 @@ def register(commands: Commands) -> None:
     )
     parser.add_argument("--seed", type=seed, metavar="N", help="seed of the game (default: random)")
     parser.add_argument(
-        "--scale", type=number(int, 1), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
+        "--scale", type=number(int, 1, 16), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
     )
     parser.add_argument("--full-screen", action="store_true", help="fill the display")
     parser.add_argument("--no-sound", action="store_true", help="play no sound")

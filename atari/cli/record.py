@@ -24,6 +24,7 @@ from atari.cli.printing import print_json
 from atari.games.game import Game
 from atari.learning import load_policy
 from atari.learning.evaluation.played import says_nothing
+from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay, VideoWriter
@@ -51,7 +52,9 @@ def register(commands: Commands) -> None:
         "--players, one for each player, but no replay",
     )
     length = add_recording(parser)
-    length.add_argument("--episodes", type=number(int, 1), default=1, metavar="N", help="number of games (default: 1)")
+    length.add_argument(
+        "--episodes", type=number(int, 1, MAX_EPISODES), default=1, metavar="N", help="number of games (default: 1)"
+    )
     length.add_argument("--steps", type=number(int, 1), metavar="N", help="steps of a random, noop or function policy")
     add_task(parser)
     add_former(parser, FORMER_FLAGS)
@@ -77,7 +80,7 @@ def add_recording(parser: argparse.ArgumentParser) -> Any:
         "(default: videos/GAME-SEED.mp4)",
     )
     parser.add_argument(
-        "--scale", type=number(int, 1), default=2, metavar="N", help="rows of the video a pixel (default: 2)"
+        "--scale", type=number(int, 1, 16), default=2, metavar="N", help="rows of the video a pixel (default: 2)"
     )
     parser.add_argument(
         "--best", action="store_true", help="videos show the game with the highest score alone; a replay has all games"

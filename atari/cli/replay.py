@@ -46,7 +46,7 @@ def register(commands: Commands) -> None:
         help=f"the video ({', '.join(FORMATS)}), replaced if there (default: FILE with the ending .mp4)",
     )
     parser.add_argument(
-        "--scale", type=number(int, 1), default=2, metavar="N", help="rows of the video a pixel (default: 2)"
+        "--scale", type=number(int, 1, 16), default=2, metavar="N", help="rows of the video a pixel (default: 2)"
     )
     parser.add_argument("--start", type=number(int, 0), default=0, metavar="FRAME", help="the first frame (default: 0)")
     parser.add_argument("--stop", type=number(int, 1), metavar="FRAME", help="the frame after the last (default: all)")

@@ -12,7 +12,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import GAME_HELP, Commands, add_command
+from atari.cli.arguments import GAME_HELP, Commands, add_command, number
 from atari.cli.printing import print_json
 from atari.cores import CORES
 from atari.cores.verify import Difference, Run, read, verify
@@ -33,7 +33,7 @@ def register(commands: Commands) -> None:
         "play the native core and another side by side and compare them at every frame (exit code 1: they differ)",
     )
     parser.add_argument("games", nargs="*", metavar="GAME", help=f"{GAME_HELP} (default: all games)")
-    parser.add_argument("--frames", type=int, default=600, help="frames of a run (default 600)")
+    parser.add_argument("--frames", type=number(int, 1), default=600, help="frames of a run (default 600)")
     parser.add_argument(
         "--seeds", type=seed, nargs="+", default=[0], metavar="SEED", help="one run for each (default 0)"
     )
@@ -47,7 +47,11 @@ def register(commands: Commands) -> None:
         help="what the native core is compared with: ale-py (the default), or the native core without its shortcuts",
     )
     parser.add_argument(
-        "--jobs", type=int, default=cpu_count(), metavar="N", help="processes (default: all processors)"
+        "--jobs",
+        type=number(int, 1, 1024),
+        default=cpu_count(),
+        metavar="N",
+        help="processes (default: all processors)",
     )
     parser.add_argument("-o", "--output", type=Path, default=Path("differences"), metavar="FOLDER")
     parser.add_argument(
@@ -62,8 +66,6 @@ def register(commands: Commands) -> None:
 
 
 def _verify(args: argparse.Namespace) -> int:
-    if min(args.frames, args.jobs) < 1:
-        raise ValueError("--frames and --jobs must be at least 1")
     if args.replay:
         runs = [read(args.replay)]
     else:

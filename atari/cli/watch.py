@@ -33,7 +33,7 @@ def register(commands: Commands) -> None:
         "--seed", type=seed, default=0, metavar="N", help="seed of the first game, below 2**32 (default: 0)"
     )
     parser.add_argument(
-        "--scale", type=number(int, 1), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
+        "--scale", type=number(int, 1, 16), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
     )
     parser.add_argument("--no-sound", action="store_true", help="play no sound")
     add_task(parser, leave_out=ALONE)

@@ -14,6 +14,7 @@ import numpy as np
 from atari.actions import Action
 from atari.cores.core import ByteArray, Core
 from atari.cores.options import SEED_LIMIT
+from atari.files import durable
 from atari.roms.identification import by_content
 from atari.roms.image import read_image
 from atari.validation import AleError, check_integer, check_probability
@@ -188,7 +189,7 @@ class AleInterface:
         import cv2  # here, because the import takes long
 
         _, png = cv2.imencode(".png", self._core.screen_rgb()[..., ::-1].repeat(2, axis=1))
-        Path(path).write_bytes(png.tobytes())
+        durable.write_file(Path(path), png.tobytes())
 
     def getAudio(self, buffer: ByteArray | None = None) -> ByteArray:
         return self._core.audio(buffer)

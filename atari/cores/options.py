@@ -72,7 +72,9 @@ def _check_choice(name: str, value: Any, choices: tuple[int, ...], game: Game) -
     try:
         number = operator.index(value)
     except TypeError:
-        raise TypeError(f"{name} must be an integer or None, got {value!r}") from None
+        number = None
+    if number is None or isinstance(value, bool):
+        raise TypeError(f"{name} must be an integer or None, got {value!r}")
     if number not in choices:
         raise AleError(f"{game.id} has no {name} {number}; it has {', '.join(map(str, choices))}")
     return number

@@ -29,9 +29,12 @@ import struct
 from collections.abc import Mapping
 from typing import Any
 
+from atari.files import json_text
+
 VERSION = 1
 _MAGIC = b"ATARISNP"
 _DIGEST_SIZE = 16
+_MOST_FACTS = 16 << 20
 _HEAD = len(_MAGIC) + 2 + _DIGEST_SIZE
 
 
@@ -135,10 +138,10 @@ def _parse(body: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
     """
     start = 4 + struct.unpack_from("<I", body)[0]
     try:
-        facts = json.loads(body[4:start])
+        facts = json_text.parse(body[4:start], "the snapshot", most_bytes=_MOST_FACTS, most_number=2**128)
         sizes = facts.pop("blobs")
         sound = all(type(name) is str and type(size) is int and size >= 0 for name, size in sizes)
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+    except (TypeError, KeyError, AttributeError):
         sound = False
     if not sound or start + sum(size for _, size in sizes) != len(body):
         raise ValueError("the snapshot is damaged: its facts are no JSON object with the sizes of its blobs")

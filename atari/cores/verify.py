@@ -7,15 +7,18 @@ A difference can be written to a file, from which `read` and `verify` replay it.
 
 import json
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
 import numpy as np
 
 from atari.actions import PLAYER_ACTIONS
 from atari.cores import CORES, ByteArray, Core
+from atari.files import durable, json_text
 from atari.games.catalog import games
+from atari.validation import check_name
 
 _ARRAYS = ("ram", "screen", "audio")
 _NUMBERS = ("lives", "game_over", "truncated", "frame_number", "episode_frame_number")
@@ -107,7 +110,7 @@ class Difference:
         """Write a file from which `read` and `verify` replay the difference."""
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"difference-{self.run.game}-{self.run.seed}-{self.frame}.json"
-        path.write_text(json.dumps(asdict(self), indent=1) + "\n", encoding="utf-8")
+        durable.write_file(path, (json.dumps(asdict(self), indent=1) + "\n").encode())
         return path
 
 
@@ -118,10 +121,13 @@ def read(path: Path) -> Run:
         ValueError: the file is no such file.
     """
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        options: dict[str, Any] = {**content["run"], "cores": tuple(content["run"]["cores"])}
-        return Run(**{**options, "frames": content["frame"] + 1})
-    except (KeyError, TypeError, ValueError) as error:
+        content = json_text.check_table(json_text.read(path), "it", {"run": dict, "frame": int, "what": list})
+        kinds: dict[str, Any] = {one.name: type(one.default) for one in fields(Run) if one.name != "game"}
+        kinds |= {"mode": (int, NoneType), "difficulty": (int, NoneType), "cores": list}
+        options = json_text.check_table(content["run"], "its run", {"game": str}, kinds)
+        cores = [check_name("a core", core, CORES) for core in options.get("cores", Run.cores)]
+        return Run(**{**options, "cores": tuple(cores), "frames": content["frame"] + 1})
+    except ValueError as error:
         raise ValueError(f"{path} is not a difference that `atari verify` wrote: {error}") from None
 
 

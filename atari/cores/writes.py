@@ -7,18 +7,12 @@ from dataclasses import MISSING, asdict, fields
 from typing import Any
 
 from atari import _emulator
+from atari.files import json_text
 from atari.games.game import Game
 from atari.games.interventions import Intervention, WriteRule, compile_write
 
-_TYPES: dict[str, tuple[type[Any], ...]] = {
-    "to": (str, int),
-    "value": (str, int),
-    "when": (str, list),
-    "condition": (str,),
-    "mask": (int,),
-    "once": (bool,),
-    "paid": (bool,),
-}
+_NEEDED = {"to": (str, int), "value": (str, int)}
+_OTHERS = {"when": (str, list), "condition": str, "mask": int, "once": bool, "paid": bool}
 """The types of a rule's attributes in JSON."""
 
 
@@ -43,20 +37,14 @@ def write_of(game: Game, definition: str) -> _emulator.Write:
     """The write of a `Write.definition`, which may come from a file.
 
     Raises:
-        ValueError, TypeError: it is no such definition.
+        ValueError: it is no such definition.
     """
-    try:
-        values = json.loads(definition)
-    except (ValueError, RecursionError):
-        values = None
-    if not isinstance(values, dict) or not {"to", "value"} <= values.keys() <= _TYPES.keys():
-        raise ValueError(f"a write needs a place and a value, got {definition[:60]!r}")
-    for name, value in values.items():
-        if type(value) not in _TYPES[name]:
-            raise TypeError(f"{name} of a write cannot be {value!r}")
+    values = json_text.check_table(json_text.parse(definition, "a write"), "a write", _NEEDED, _OTHERS)
     when = values.get("when", "frame")
     if isinstance(when, str) and when not in ("frame", "reset", "held"):
         raise ValueError(f"a write cannot be applied at {when!r}")
+    if isinstance(when, list) and not all(type(frame) is int for frame in when):
+        raise ValueError(f"a write cannot be applied at the frames {when!r:.60}")
     rule = WriteRule(**{**values, "when": tuple(when) if isinstance(when, list) else when})
     return make_write(game, rule, "a write")
 
@@ -70,7 +58,7 @@ def writes_of(game: Game, definitions: Sequence[str | None]) -> list[_emulator.W
     """The writes of `definitions`, by slot.
 
     Raises:
-        ValueError, TypeError: see `write_of`.
+        ValueError: see `write_of`.
     """
     return [None if definition is None else write_of(game, definition) for definition in definitions]
 

@@ -8,6 +8,7 @@ import mmap
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import FileIO
 from pathlib import Path
 from typing import BinaryIO
 
@@ -128,6 +129,16 @@ def replacing(path: Path) -> Iterator[Path]:
         with suppress(OSError):
             remove(part)
         raise
+
+
+def create(path: Path) -> FileIO:
+    """A new, empty file in place of `path`, without a buffer, for a recording: a kill leaves its beginning.
+
+    Raises:
+        OSError: the file cannot be created.
+    """
+    remove(path)  # a link too: its target stays as it is
+    return FileIO(os.open(path, os.O_WRONLY | _NEW, 0o666), "wb")
 
 
 def append(path: Path, data: bytes) -> None:

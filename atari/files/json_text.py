@@ -5,18 +5,20 @@ import json
 import math
 import re
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from atari.validation import check_file
 
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"?', re.DOTALL)
-_MOST_NUMBER = 2**64
 _SPACES = str.maketrans("", "", "\n\t\u00a0\u2009\u202f\u3000")
 """Line feeds, tabs, and spaces of other widths, which `str.isprintable` refuses."""
 
 
-def parse(text: str | bytes, what: str, *, most_bytes: int = 1 << 20, most_depth: int = 32) -> Any:
+def parse(
+    text: str | bytes, what: str, *, most_bytes: int = 1 << 20, most_depth: int = 32, most_number: int = 2**64
+) -> Any:
     """The value of a JSON text, with bounded size, depth and numbers, and texts that a terminal can show.
 
     Args:
@@ -24,10 +26,11 @@ def parse(text: str | bytes, what: str, *, most_bytes: int = 1 << 20, most_depth
         what: the beginning of messages, such as "run/config.json".
         most_bytes: the most bytes of the text.
         most_depth: the most lists and objects within each other.
+        most_number: the bound of whole numbers.
 
     Raises:
         ValueError: the text is not JSON, or beyond a bound; a key is double; a number is infinite or no number, or a
-            whole number of 2**64 or more; a text has control characters.
+            whole number of `most_number` or more; a text has control characters.
     """
     try:
         data = text.encode() if isinstance(text, str) else text
@@ -36,16 +39,20 @@ def parse(text: str | bytes, what: str, *, most_bytes: int = 1 << 20, most_depth
         decoded = data.decode()
         _check_depth(decoded, most_depth)
         value = json.loads(
-            decoded, object_pairs_hook=_table, parse_constant=_constant, parse_int=_integer, parse_float=_float
+            decoded,
+            object_pairs_hook=_table,
+            parse_constant=_constant,
+            parse_int=partial(_integer, most=most_number),
+            parse_float=_float,
         )
-        _check_texts(value)
+        _check_texts(value, most_bytes)
     except ValueError as error:  # json.JSONDecodeError and UnicodeError are ValueErrors
         raise ValueError(f"{what} is damaged: {error}") from None
     return value
 
 
-def read(path: Path, *, most_bytes: int = 1 << 20, most_depth: int = 32) -> Any:
-    """The value of a JSON file; see `parse`.
+def read(path: Path, *, what: str | None = None, most_bytes: int = 1 << 20, most_depth: int = 32) -> Any:
+    """The value of a JSON file; see `parse`. The messages begin with `what`, or with the path.
 
     Raises:
         FileNotFoundError, OSError: there is no such file, or it cannot be read.
@@ -53,7 +60,7 @@ def read(path: Path, *, most_bytes: int = 1 << 20, most_depth: int = 32) -> Any:
     """
     check_file(path)
     with path.open("rb") as file:
-        return parse(file.read(most_bytes + 1), str(path), most_bytes=most_bytes, most_depth=most_depth)
+        return parse(file.read(most_bytes + 1), what or str(path), most_bytes=most_bytes, most_depth=most_depth)
 
 
 def check_table(
@@ -147,8 +154,8 @@ def _constant(name: str) -> Any:
     raise ValueError(f"{name} is no number of JSON")
 
 
-def _integer(digits: str) -> int:
-    if len(digits) > 21 or abs(int(digits)) >= _MOST_NUMBER:
+def _integer(digits: str, most: int) -> int:
+    if len(digits) > 1000 or abs(int(digits)) >= most:
         raise ValueError(f"the number {digits:.30} is out of range")
     return int(digits)
 
@@ -160,14 +167,14 @@ def _float(digits: str) -> float:
     return number
 
 
-def _check_texts(value: Any) -> None:
+def _check_texts(value: Any, most: int) -> None:
     """Check all texts of a value, keys included."""
     if isinstance(value, str):
-        check_text(value, "a text", 1 << 20)
+        check_text(value, "a text", most)
     elif isinstance(value, dict):
         for key, one in value.items():
             check_text(key, "a key")
-            _check_texts(one)
+            _check_texts(one, most)
     elif isinstance(value, list):
         for one in value:
-            _check_texts(one)
+            _check_texts(one, most)

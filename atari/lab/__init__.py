@@ -3,7 +3,7 @@
 from atari._renamed import old_names
 from atari.lab.causal.explore import causes
 from atari.lab.causal.files import shipped_causes
-from atari.lab.collect import write_dataset
+from atari.lab.collect import check_dataset, write_dataset
 from atari.lab.ram import Ram
 from atari.lab.ram_labels import RamLabels
 from atari.lab.search import Search
@@ -19,6 +19,7 @@ __all__ = [
     "Search",
     "Watch",
     "causes",
+    "check_dataset",
     "shipped_causes",
     "show",
     "write_dataset",

@@ -7,7 +7,6 @@ import json
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import asdict, replace
 from importlib import import_module
 from pathlib import Path
@@ -17,10 +16,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from atari.files import durable, json_text
 from atari.lab.labels import Labels
 from atari.recording.datasets import NO_STEPS, check_new_dataset, import_minari, write_minari
 from atari.recording.episodes import EpisodeArrays, Source, facts_of_replays, load_replays, replayed_episodes
-from atari.validation import check_name, import_extra
+from atari.validation import check_file, check_name, import_extra
 
 Format = Literal["minari", "parquet", "hdf5"]
 
@@ -28,7 +28,10 @@ ENDINGS: dict[str, Format] = {".parquet": "parquet", ".h5": "hdf5", ".hdf5": "hd
 """The format of a file by its ending."""
 
 _COLOURS = ("rgb", "grayscale")
-_GZIP: dict[str, Any] = {"compression": "gzip", "compression_opts": 1}
+_OWN_FACTS = {"columns", "game", "labels", "options", "sha256"}
+_CHECKED: dict[str, Any] = {"fletcher32": True}
+_GZIP: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, **_CHECKED}
+_HDF5_VERSION = "v110"  # the oldest format with checksums of groups and attributes
 
 
 def write_dataset(
@@ -53,7 +56,7 @@ def write_dataset(
       `ram` (n + 1, 128), uint8, `actions` (n,) int64 (or (n, 3) float32), `rewards` (n,) float64, `terminations` and
       `truncations` (n,) bool. The group `labels` has a dataset (n + 1,) int32 for each label; the group `visible` has
       a dataset (n + 1,) bool for each label that can be invisible. The attributes of the file have `game`, `options`
-      and `labels` as JSON.
+      and `labels` as JSON. Readers need HDF5 1.10 or newer.
     - "parquet": a row for each state, with the columns `episode`, `step`, `frame` (PNG), `ram` (128 bytes), a column
       `label.NAME` for each label (null where it is not visible), and `action`, `reward`, `terminated`, `truncated` of
       the step from this state (null in the last state of an episode).
@@ -102,6 +105,8 @@ def write_dataset(
     module = _import_format(format)
     loaded = load_replays(replays)
     named = Labels(loaded[0].game, labels)
+    if taken := _OWN_FACTS & {*(facts or {})}:
+        raise ValueError(f"facts cannot have the name {min(taken)!r}, which the file has for its own; choose another")
     said = {**facts_of_replays(loaded), **(facts or {})}
     scores: list[float] = []
     steps: list[int] = []
@@ -123,7 +128,8 @@ def write_dataset(
         described = {name: asdict(named.game.ram_labels[name]) for name in named.names}
         attributes = {**_as_json(said), "game": loaded[0].game.id}
         attributes |= _as_json({"options": loaded[0].options, "labels": described})
-        with _new_file(Path(output)) as file:
+        Path(output).parent.mkdir(parents=True, exist_ok=True)
+        with durable.replacing(Path(output)) as file:
             write(module, file, attributes, enumerate(episodes(), first_episode))
             if not scores:
                 raise ValueError(NO_STEPS)
@@ -135,6 +141,57 @@ def write_dataset(
         "scores": scores,
         "labels": list(named.names),
     }
+
+
+def check_dataset(file: str | os.PathLike[str]) -> None:
+    """Read a file of `write_dataset` from its beginning to its end, and compare all checksums.
+
+    HDF5 compares the checksums of data that a program reads, Parquet with `page_checksum_verification=True` alone.
+    Neither compares the checksum of the facts, which is the attribute or metadata "sha256".
+
+    Args:
+        file: an HDF5 or Parquet file. Minari writes its own files, without checksums.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ValueError: the file was changed after it was written, or is no such file.
+
+    Example:
+        >>> from atari.lab import check_dataset
+        >>> check_dataset("game.h5")  # doctest: +SKIP
+    """
+    path = check_file(Path(file))
+    found = output_format(path)
+    if found == "minari":
+        raise ValueError(f"{path} must end in one of {', '.join(ENDINGS)}")
+    try:
+        (_check_parquet if found == "parquet" else _check_hdf5)(_import_format(found), path)
+    except Exception as error:  # both libraries raise errors of all kinds
+        raise ValueError(f"{path} is damaged: {error}") from error
+
+
+def _check_hdf5(h5py: Any, path: Path) -> None:
+    def read(_: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset):
+            item[()]
+
+    with h5py.File(path) as root:
+        json_text.check_seal(dict(root.attrs))
+        root.visititems(read)
+
+
+def _check_parquet(parquet: Any, path: Path) -> None:
+    with parquet.ParquetFile(path, page_checksum_verification=True) as file:
+        for group in range(file.num_row_groups):
+            schema = file.read_row_group(group).schema
+        for stored in (file.metadata.metadata, schema.metadata):  # the file has them twice
+            facts = {key.decode(): value.decode() for key, value in stored.items() if key != b"ARROW:schema"}
+            if json_text.check_seal(facts)["columns"] != _columns_of(schema):
+                raise ValueError("its columns are not those that were written")
+
+
+def _columns_of(schema: Any) -> str:
+    return json.dumps([[column.name, str(column.type)] for column in schema])
 
 
 def check_output(output: str | os.PathLike[str], format: str | None = None) -> Format:
@@ -191,32 +248,20 @@ def _values(labels: Labels, ram: npt.NDArray[np.uint8]) -> Values:
     return {"labels": dict(zip(labels.names, values, strict=True)), "visible": hidden}
 
 
-@contextmanager
-def _new_file(path: Path) -> Iterator[Path]:
-    """A temporary file that gets the name `path` at the end of the block, or is removed after an error."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(path.name + ".part")
-    try:
-        yield part
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-
-
 def _as_json(facts: Mapping[str, Any]) -> dict[str, str]:
     return {name: json.dumps(value) for name, value in facts.items()}
 
 
 def _write_hdf5(h5py: Any, file: Path, facts: Mapping[str, str], episodes: Numbered) -> None:
-    with h5py.File(file, "w") as root:
-        root.attrs.update(facts)
+    with h5py.File(file, "w", libver=_HDF5_VERSION) as root:
+        root.attrs.update(json_text.seal(facts))
         for number, (episode, values) in episodes:
             group = root.create_group(f"episode_{number}")
             frames = episode.observations["image"]
             group.create_dataset("frames", data=frames, chunks=(1, *frames.shape[1:]), **_GZIP)
             group.create_dataset("ram", data=episode.observations["ram"], **_GZIP)
             for name in ("actions", "rewards", "terminations", "truncations"):
-                group.create_dataset(name, data=getattr(episode, name))
+                group.create_dataset(name, data=getattr(episode, name), **_CHECKED)
             for kind, columns in values.items():
                 part = group.create_group(kind)
                 for name, column in columns.items():
@@ -230,8 +275,9 @@ def _write_parquet(parquet: Any, file: Path, facts: Mapping[str, str], episodes:
         for number, (episode, values) in episodes:
             table = pyarrow.table(_columns(pyarrow, number, episode, values))
             if writer is None:
-                schema = table.schema.with_metadata(facts)
-                writer = parquet.ParquetWriter(file, schema, compression="zstd")
+                sealed = json_text.seal({**facts, "columns": _columns_of(table.schema)})
+                schema = table.schema.with_metadata(sealed)
+                writer = parquet.ParquetWriter(file, schema, compression="zstd", write_page_checksum=True)
             writer.write_table(table.cast(writer.schema))
     finally:
         if writer is not None:

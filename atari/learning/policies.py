@@ -3,7 +3,6 @@
 Files are models of Stable-Baselines3, TorchScript and ONNX. Each format needs its package.
 """
 
-import json
 import sys
 import zipfile
 from collections.abc import Mapping, Sequence
@@ -14,11 +13,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from atari.files import json_text
+from atari.files.archives import check_member, read_member
 from atari.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
 from atari.validation import check_file, import_extra
 
 _KINDS = "a run folder, an SB3 zip, a TorchScript or ONNX file, or module:name"
 _SB3_VERSION = "_stable_baselines3_version"
+_MOST_UNPACKED = 64 << 20
 
 
 def load_policy(source: Any, *, sample: bool = False) -> LoadedPolicy:
@@ -162,12 +164,14 @@ def _file(file: Path, sample: bool) -> Policy:
         raise ValueError(f"{file} is no policy: give {_KINDS}")
     try:
         with zipfile.ZipFile(file) as archive:
+            _check_unpacked(archive, file.stat().st_size)
             names = archive.namelist()
-            facts = json.loads(archive.read("data")) if _SB3_VERSION in names else None
-    except (zipfile.BadZipFile, ValueError, KeyError, OSError) as error:
+            data = read_member(archive, "data", _MOST_UNPACKED) if _SB3_VERSION in names else None
+    except (zipfile.BadZipFile, RuntimeError, ValueError, OSError) as error:
         raise ValueError(f"{file} is damaged: {error}") from error
-    if isinstance(facts, dict):
-        return _sb3(file, facts, sample)
+    if data is not None:
+        facts = json_text.parse(data, f"{file}: its data", most_bytes=_MOST_UNPACKED)
+        return _sb3(file, json_text.check_kind(facts, f"{file}: its data", dict), sample)
     if any("/code/" in name for name in names):
         return _torch_script(file, sample)
     if any(name.endswith("/data.pkl") for name in names):
@@ -175,6 +179,18 @@ def _file(file: Path, sample: bool) -> Policy:
             f"{file} has weights without a network; give the run folder that it is in, or a TorchScript file"
         )
     raise ValueError(f"{file} is a zip archive, but neither a model of Stable-Baselines3 nor a TorchScript file")
+
+
+def _check_unpacked(archive: zipfile.ZipFile, size: int) -> None:
+    """Refuse an archive that libraries would unpack to much more than its size.
+
+    Raises:
+        ValueError: it unpacks to more than 64 MiB and 32 bytes for each byte of it.
+    """
+    left = _MOST_UNPACKED + 32 * size
+    for info in archive.infolist():
+        check_member(info, left)
+        left -= info.file_size
 
 
 def _need(module: str, what: str, install: str) -> Any:
@@ -362,10 +378,7 @@ def _environment(file: Path, text: str | bytes) -> dict[str, Any]:
     """The `environment` in a file of a network."""
     if not text:
         return {}
-    try:
-        options = json.loads(text)
-    except ValueError as error:
-        raise ValueError(f"{file}: its environment is no JSON: {error}") from error
+    options = json_text.parse(text, f"{file}: its environment")
     if not isinstance(options, dict):
         raise ValueError(f"{file}: its environment must be an object of options, got {options!r}")
     return options

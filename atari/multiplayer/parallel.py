@@ -86,6 +86,8 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         (210, 160, 3)
     """
 
+    _out: list[bool]  # by player
+
     def __init__(
         self,
         game: GameLike,
@@ -238,14 +240,26 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         """Continue from a result of `snapshot`.
 
         Raises:
-            ValueError: it belongs to another task; nothing has changed.
+            ValueError: it is no such result, or belongs to another task; nothing has changed.
         """
+        own = self.snapshot()
+        if _kinds(snapshot) != _kinds(own) or _kinds(snapshot[3]) != _kinds(own[3]):
+            raise ValueError(f"a snapshot is what snapshot() returned, got {snapshot!r:.200}")
         task, data, random, (frame, frames_played, out, agents), seen = snapshot
         if differing := self.task.differences(task):
-            name, (own, other) = next(iter(differing.items()))
-            raise ValueError(f"the snapshot is of a task with {name}={other!r}, and this environment has {own!r}")
-        self.core.restore(data)
+            name, (mine, other) = next(iter(differing.items()))
+            raise ValueError(f"the snapshot is of a task with {name}={other!r}, and this environment has {mine!r}")
+        playing = [agent for agent, is_out in zip(AGENTS, out, strict=False) if agent in agents and not is_out]
+        if _kinds(out) != _kinds(self._out) or playing != list(agents) or min(frame, frames_played) < 0:
+            raise ValueError(f"the snapshot is damaged: its counters cannot be {snapshot[3]!r:.200}")
+        if len(seen) != len(own[4]):
+            raise ValueError(f"the snapshot is damaged: its images have {len(seen):,} bytes, not {len(own[4]):,}")
         self._seen.load(seen)
+        try:
+            self.core.restore(data)
+        except ValueError:
+            self._seen.load(own[4])
+            raise
         self._random = copy.deepcopy(random)
         self.frame, self._frames_played, self._out, self.agents = frame, frames_played, out.copy(), list(agents)
 
@@ -281,6 +295,11 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         if not self.task.agent_indicator:
             return dict.fromkeys(agents, _row(batch, 0))
         return {agent: _row(_row(batch, 0), self.possible_agents.index(agent)) for agent in agents}
+
+
+def _kinds(parts: Any) -> Any:
+    """The kind of a sequence and the kinds of its parts."""
+    return (type(parts), *map(type, parts)) if isinstance(parts, (tuple, list)) else type(parts)
 
 
 def _row(batch: Any, row: int) -> Any:

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 from atari.actions import Action
 from atari.cores import ByteArray, snapshot
+from atari.files import durable
 from atari.games.game import Game
 from atari.recording import VideoWriter
 from atari.recording.video.facts import PACKAGE
@@ -144,7 +145,7 @@ class BaseSession(ABC):
         score = self.scores if len(self.scores) > 1 else self.scores[0]
         data = snapshot.pack({"of": self._saved_as, "score": score}, {self._blob: self._snapshot()})
         self._state.parent.mkdir(parents=True, exist_ok=True)
-        self._state.write_bytes(data)
+        durable.write_file(self._state, data)
         return self._state
 
     def load(self) -> None:

@@ -180,7 +180,7 @@ _CHECKS: Mapping[str, Callable[[str, Any], Any]] = {
     "obs_type": _one_of(ObsType),
     "img_height": _optional(_number(1, 256)),
     "img_width": _optional(_number(1, 160)),
-    "stack_num": _optional(_number(1, 10_000)),
+    "stack_num": _optional(_number(1, 256)),  # 26 MB of RGB images
     "maxpool": check_bool,
     "pool_rgb": check_bool,
     "padding": _one_of(Padding),

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from atari.cores.writes import fact
+from atari.files import json_text
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.task.task import DEFAULTS, FIELDS, Task
@@ -14,9 +15,6 @@ from atari.validation import check_file
 
 FORMAT = 1
 """The version of the format. A newer version is an error; for an older one, `_DEFAULTS` fills in the missing keys."""
-
-_MOST_CHARACTERS = 1 << 20
-_MOST_LEVELS = 16
 
 _DEFAULTS: Mapping[int, Mapping[str, Any]] = {1: {**DEFAULTS, "file": None}}
 """The values of missing keys, by version of the format."""
@@ -61,11 +59,10 @@ def require_same(stored: Any, own: Task, leave_out: Collection[str] = ()) -> Non
     """
     if stored is None or stored == identity(own):
         return
-    try:
-        game = _read(stored).get("game")
-        pairs = {"game": (game, own.game)} if game != own.game else from_json(stored, own.definition).differences(own)
-    except TypeError as error:
-        raise ValueError(f"the snapshot is damaged: {error}") from None
+    if not isinstance(stored, str):
+        raise ValueError(f"the snapshot is damaged: its task is {stored!r:.80}")
+    game = _read(stored).get("game")
+    pairs = {"game": (game, own.game)} if game != own.game else from_json(stored, own.definition).differences(own)
     kept = {name: pair for name, pair in pairs.items() if name not in leave_out}
     texts = [[f"{name} = {_shown(name, one)}", _shown(name, other)] for name, (one, other) in kept.items()]
     if texts:
@@ -95,7 +92,8 @@ def from_json(text: str, game: Game | None = None) -> Task:
         game: the game of the task; no file is read then. None: the text decides.
 
     Raises:
-        TypeError, ValueError: the text is no task, or one of another game; the message names the key.
+        TypeError: `text` is no string.
+        ValueError: the text is no task, or one of another game; the message names the key.
     """
     table = _read(text)
     number = table.pop("format", None)
@@ -117,9 +115,12 @@ def from_json(text: str, game: Game | None = None) -> Task:
             fields[key] = tuple(fields[key])
     changes = fields["interventions"]
     if not isinstance(changes, (list, tuple)) or not all(isinstance(one, dict) for one in changes):
-        raise TypeError(f"'interventions' must be a list of definitions, got {changes!r:.80}")
+        raise ValueError(f"'interventions' must be a list of definitions, got {changes!r:.80}")
     fields["game"] = _game(fields["game"], fields.pop("file"), game)
-    return Task(**fields)
+    try:
+        return Task(**fields)
+    except TypeError as error:
+        raise ValueError(str(error)) from None
 
 
 def read_task(path: Path) -> Task:
@@ -130,17 +131,17 @@ def read_task(path: Path) -> Task:
     """
     check_file(path)
     with path.open("rb") as file:
-        data = file.read(4 * _MOST_CHARACTERS + 1)  # a character of UTF-8 has at most 4 bytes
+        data = file.read((1 << 20) + 1)
     try:
         return from_json(data.decode(errors="replace"))
-    except (TypeError, ValueError) as error:
+    except ValueError as error:
         raise ValueError(f"{path} has no task: {error}") from None
 
 
 def _game(name: Any, file: Any, game: Game | None) -> Any:
     """The game of a stored task, in a form that `Task` takes."""
     if not isinstance(name, str) or not (file is None or isinstance(file, str)):
-        raise TypeError(f"'game' must be a string and 'file' a string or null, got {name!r} and {file!r}")
+        raise ValueError(f"'game' must be a string and 'file' a string or null, got {name!r} and {file!r}")
     if game is not None:
         if name != game.id or file is not None:
             raise ValueError(f"the task is of the game {file or name!r}, not of {game.id!r}")
@@ -160,42 +161,12 @@ def _read(text: Any) -> dict[str, Any]:
     """The table of a text.
 
     Raises:
-        TypeError, ValueError: it is too long, too deep, not JSON, or no table.
+        TypeError: it is no string.
+        ValueError: see `json_text.parse`; or it is no table.
     """
     if not isinstance(text, str):
         raise TypeError(f"a task is read from a string of JSON, got {text!r:.80}")
-    if len(text) > _MOST_CHARACTERS:
-        raise ValueError(f"a task has at most {_MOST_CHARACTERS:,} characters, got {len(text):,}")
-    if _depth(text) > _MOST_LEVELS:
-        raise ValueError(f"the lists and objects of a task are nested at most {_MOST_LEVELS} deep")
-    try:
-        table = json.loads(text, object_pairs_hook=_unique, parse_constant=_no_constant)
-    except json.JSONDecodeError as error:
-        raise ValueError(f"a task must be JSON: {error}") from None
+    table = json_text.parse(text, "the task")
     if not isinstance(table, dict):
         raise ValueError(f"a task must be a JSON object, got {table!r:.80}")
     return table
-
-
-def _depth(text: str) -> int:
-    """The depth of nested brackets; brackets in strings count, which only makes the limit stricter."""
-    deepest = depth = 0
-    for character in text:
-        if character in "[{":
-            depth += 1
-            deepest = max(deepest, depth)
-        elif character in "]}":
-            depth -= 1
-    return deepest
-
-
-def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    table = dict(pairs)
-    if len(table) < len(pairs):
-        keys = [key for key, _ in pairs]
-        raise ValueError(f"a task has the key {next(key for key in keys if keys.count(key) > 1)!r} twice")
-    return table
-
-
-def _no_constant(name: str) -> Any:
-    raise ValueError(f"a task has no {name}; numbers are finite")

@@ -368,8 +368,9 @@ class Task:
         """The task of a text of `to_json`, from this or an older release.
 
         Raises:
-            TypeError, ValueError: the text is no task: it is too long or too deep, has an unknown key or a value of the
-                wrong kind, or has a newer format. The message names the key.
+            TypeError: `text` is no string.
+            ValueError: the text is no task: it is too long or too deep, has an unknown key or a value of the wrong
+                kind, or has a newer format. The message names the key.
         """
         from atari.task.storage import from_json
 

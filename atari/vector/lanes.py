@@ -181,9 +181,10 @@ class Lane:
         return slot
 
     def remove_write(self, write: _emulator.Write) -> None:
-        """End a write; does nothing if the write does not exist."""
+        """End a write, of a closed vector too; does nothing if the write does not exist."""
         with self._lock:
-            self._engine().remove_write(self.index, write)
+            if not self._envs.closed:
+                self._engine().remove_write(self.index, write)
             self.added.remove(write)
         for shadow in self.added.shadows:
             shadow.remove_write(write)

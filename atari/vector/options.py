@@ -370,7 +370,8 @@ def _check_alike(tasks: tuple[Task, ...]) -> None:
 def _spread(name: str, value: Any, count: int) -> tuple[int | None, ...]:
     """One value for each environment."""
     values = [value] * count if value is None or isinstance(value, (int, np.integer)) else value
-    if not isinstance(values, (Sequence, np.ndarray)) or isinstance(values, str):
+    known = isinstance(values, (Sequence, np.ndarray)) and not isinstance(values, str)
+    if not known or any(isinstance(one, (bool, np.bool_)) for one in values):
         raise TypeError(f"{name} must be an integer, None, or a sequence of these, got {value!r}")
     if len(values) != count:
         raise ValueError(f"there must be a {name} for each of the {count} environments, got {len(values)}")

@@ -86,6 +86,8 @@ class VectorState:
                 message lists each field that differs. Nothing has changed.
         """
         chosen = self._indices(indices)
+        if len(set(chosen)) < len(chosen):
+            raise ValueError(f"an environment is given twice: {chosen}; give each once")
         with self._lock:
             engine = self._started()
             pairs = [one if isinstance(one, LaneSnapshot) else (one, None) for one in snapshots]

@@ -27,10 +27,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def collected(capsys: pytest.CaptureFixture[str], game: str, *words: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The output of the command, and the attributes and the actions of its data set."""
-    file = f"{len(list(Path().glob('*.h5')))}.h5"
+    file, own = f"{len(list(Path().glob('*.h5')))}.h5", ("game", "options", "labels", "sha256")
     shown = read_json(capsys, "collect", game, "--labels", "", "--frames", "grayscale", "-o", file, *words)
     with h5py.File(file) as root:
-        facts = {name: json.loads(root.attrs[name]) for name in root.attrs if name not in ("game", "options", "labels")}
+        facts = {name: json.loads(root.attrs[name]) for name in root.attrs if name not in own}
         return shown, {**facts, "actions": root["episode_0/actions"][:].tolist()}
 
 

@@ -118,10 +118,10 @@ def test_observers_get_the_played_frames_and_none_after_the_end(folder: Path) ->
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["--steps", "0"], "'0' is not a whole number of at least 1"),
-        (["--steps", "1.5"], "'1.5' is not a whole number of at least 1"),
-        (["--seconds", "nan"], "'nan' is not a number of at least 0.1"),
-        (["--seconds", "inf"], "'inf' is not a number of at least 0.1"),
+        (["--steps", "0"], "'0' is not a whole number within 1..1000000000"),
+        (["--steps", "1.5"], "'1.5' is not a whole number within 1..1000000000"),
+        (["--seconds", "nan"], "'nan' is not a number within 0.1..1000000000"),
+        (["--seconds", "inf"], "'inf' is not a number within 0.1..1000000000"),
         (["--seed", "-1"], "a seed must be within 0..4294967295, got -1"),
         (["--steps", "5", "--seconds", "5"], "not allowed with argument"),
     ],

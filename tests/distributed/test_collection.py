@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import shutil
 import signal
 from pathlib import Path
 from typing import Any
@@ -50,7 +51,7 @@ def test_the_rows_are_those_of_one_process(dataset: Path, tmp_path: Path) -> Non
     assert rows["episode"].to_pylist() == [SEEDS[number] for number in expected["episode"].to_pylist()]
     assert here["steps"] == rows.num_rows - len(SEEDS)
     of_one, of_all = (dict(table.schema.metadata) for table in (rows, expected))
-    del of_one[b"core_seeds"]
+    del of_one[b"core_seeds"], of_one[b"sha256"], of_all[b"sha256"]
     assert json.loads(of_all.pop(b"core_seeds")) == [
         seed for path in sorted(dataset.glob("*.parquet")) for seed in json.loads(_metadata(path)[b"core_seeds"])
     ]
@@ -155,13 +156,42 @@ def test_another_folder_stays(cluster: Any, tmp_path: Path) -> None:
         collect(GAME, tmp_path / "own.parquet")
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"null", b"[]", b"{", b"[" * 100_000, b'{"seed": 1, "seed": 1}', b"\xff", b'{"seed": NaN}', b'{"seed": 1}',
+        b'{"seed": [], "file": "a", "bytes": 1, "score": 1}', b'{"seed": 1, "file": null, "bytes": 1, "score": 1}',
+    ],
+)  # fmt: skip
+def test_a_damaged_manifest_is_refused(dataset: Path, tmp_path: Path, line: bytes) -> None:
+    folder = tmp_path / "games.parquet"
+    shutil.copytree(dataset, folder)
+    with (folder / "_manifest.jsonl").open("ab") as manifest:
+        manifest.write(line + b"\n")
+    with pytest.raises(ValueError, match=r"_manifest\.jsonl"):
+        collect("breakout", folder, seeds=SEEDS, **OPTIONS)
+
+
+def test_planted_links_are_not_followed(dataset: Path, tmp_path: Path) -> None:
+    folder, victim = tmp_path / "games.parquet", tmp_path / "victim"
+    shutil.copytree(dataset, folder)
+    victim.write_bytes((folder / "_manifest.jsonl").read_bytes() + b"half a line")
+    (folder / "_manifest.jsonl").unlink()
+    (folder / "_manifest.jsonl").symlink_to(victim)
+    before = victim.read_bytes()
+    collect("breakout", folder, seeds=SEEDS, **OPTIONS)
+    assert victim.read_bytes() == before
+
+
 def test_the_command(cluster: Any, dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     monkeypatch.chdir(tmp_path)
     words = ["collect", GAME, "--seed", "3", "--episodes", "2", "--frames", "grayscale", "--labels", "ball_x"]
     words += ["--ray", cluster.address, "-o", "games.parquet", "--json"]
     assert main(words) == 0
     assert json.loads(capsys.readouterr().out)["played"] == 2
-    assert main(["lab", *words]) == 0
+    assert main(["lab", *words]) == 1
+    assert "`atari lab collect` is now `atari collect`" in capsys.readouterr().err
+    assert main(words) == 0
     assert json.loads(capsys.readouterr().out)["played"] == 0
     expected = digests(dataset)
     assert digests(Path("games.parquet")) == {name: expected[name] for name in list(expected)[:2]}

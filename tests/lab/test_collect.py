@@ -1,6 +1,8 @@
 """`write_dataset` and `atari collect`: the files hold what the environment returned, and the labels of it."""
 
+import importlib
 import json
+import random
 import sys
 from pathlib import Path
 from typing import Any
@@ -11,7 +13,7 @@ import pytest
 
 import atari
 from atari.cli import main
-from atari.lab import Ram, collect, write_dataset
+from atari.lab import Ram, check_dataset, collect, write_dataset
 from atari.recording import RecordReplay
 
 STEPS = 40
@@ -94,6 +96,55 @@ def test_continuous_actions_and_gray_frames(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "a.h5") as root:
         assert root["episode_0/frames"].shape == (STEPS + 1, 210, 160)
         assert np.array_equal(root["episode_0/actions"], expected["actions"])
+
+
+def content(file: Path) -> dict[str, Any]:
+    """Everything in a file, read without `check_dataset`."""
+    if file.suffix == ".parquet":
+        with importlib.import_module("pyarrow.parquet").ParquetFile(file) as opened:
+            table = opened.read()
+            return {**table.to_pydict(), "schema": str(table.schema), "metadata": table.schema.metadata}
+    h5py = importlib.import_module("h5py")
+    found: dict[str, Any] = {}
+    with h5py.File(file) as root:
+        found["attributes"] = dict(root.attrs)
+        root.visititems(
+            lambda name, item: found.update({name: item[()].tolist() if isinstance(item, h5py.Dataset) else None})
+        )
+    return found
+
+
+@pytest.mark.parametrize("ending", [".h5", ".parquet"])
+def test_check_dataset_finds_flipped_bits(tmp_path: Path, ending: str) -> None:
+    pytest.importorskip("h5py" if ending == ".h5" else "pyarrow.parquet")
+    file = tmp_path / f"a{ending}"
+    write_dataset(recorded(tmp_path)[0], file, frames="grayscale", labels=["ball_x"])
+    check_dataset(file)
+    good, data, generator = content(file), file.read_bytes(), random.Random(0)
+    text = len(data) // 3  # facts and tables are at one end, and frames fill most of the rest
+    ends = [*range(text), *range(len(data) - text, len(data))]
+    refused = 0
+    for _ in range(300):
+        flipped = bytearray(data)
+        flipped[generator.choice([generator.choice(ends), generator.randrange(len(data))])] ^= 1 << generator.randrange(
+            8
+        )
+        file.write_bytes(flipped)
+        try:
+            check_dataset(file)
+        except ValueError:
+            refused += 1
+        else:
+            assert content(file) == good
+    assert refused > 100
+
+
+def test_check_dataset_refuses_other_files(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        check_dataset(tmp_path / "a.h5")
+    (tmp_path / "a-v0").touch()
+    with pytest.raises(ValueError, match=r"must end in one of \.parquet, \.h5, \.hdf5"):
+        check_dataset(tmp_path / "a-v0")
 
 
 def test_minari(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -164,6 +164,21 @@ def test_a_vector_that_is_closed_and_reset_is_still_frozen() -> None:
     assert envs.ram()[1, BALL_X] != 100
 
 
+def test_a_vector_that_is_closed_inside_is_not_frozen_later() -> None:
+    envs = atari.AtariVectorEnv("pong", 2)
+    envs.reset(seed=0)
+    other = Freeze(envs, {PLAYER_Y: 66})
+    with Freeze(envs, {BALL_X: 100}):
+        envs.close()
+    envs.reset()
+    envs.step(np.full(2, RIGHT))
+    assert (envs.ram()[:, BALL_X] != 100).all()
+    assert (envs.ram()[:, PLAYER_Y] == 66).all()
+    envs.close()
+    other.release()
+    other.release()
+
+
 def test_a_snapshot_does_not_end_it_and_a_restore_does_not_begin_it() -> None:
     env = playing()
     before = env.snapshot()

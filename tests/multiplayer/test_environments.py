@@ -39,6 +39,28 @@ def test_equal_seeds_give_equal_games_also_seed_zero() -> None:
         assert np.array_equal(one["first_0"], two["first_0"])
 
 
+WRONG: tuple[Any, ...] = (None, "x", -1, -5, 1.5, True, b"", b"x", [], {}, ["first_0"], ("x",), ("first_0", "first_0"))
+
+
+@pytest.mark.parametrize("options", [{}, {"obs_type": "ram"}, {"obs_type": "grayscale", "stack_num": 2}])
+def test_a_snapshot_with_an_impossible_part_is_refused_and_changes_nothing(options: dict[str, Any]) -> None:
+    game = MultiplayerEnv("pong", **options)
+    game.reset(seed=0)
+    game.step({"first_0": 1})
+    good = game.snapshot()
+    parts = [(*good[:at], wrong, *good[at + 1 :]) for at in range(5) for wrong in WRONG if wrong != good[at]]
+    counters = [(*good[3][:at], wrong, *good[3][at + 1 :]) for at in range(4) for wrong in WRONG]
+    counters += [(1, 1, [True, False], ("first_0",)), (1, 1, [False], ("first_0",)), (1, 1, [0, 0], ("first_0",))]
+    for wrong in (*WRONG, good[:4], *parts, *((*good[:3], each, good[4]) for each in counters)):
+        with pytest.raises(ValueError, match="snapshot"):
+            game.restore(wrong)
+        now = game.snapshot()
+        assert (now[1], now[3], now[4]) == (good[1], good[3], good[4])
+    for ended in (good[3], (1, 1, [True, False], ("second_0",)), (1, 1, [False, False], ())):
+        game.restore((*good[:3], ended, good[4]))
+        assert game.agents == list(ended[3])
+
+
 def test_a_snapshot_continues_the_game() -> None:
     game = MultiplayerEnv("joust", obs_type="ram")
     game.reset(seed=1)

@@ -107,7 +107,7 @@ def test_help_is_that_of_the_class(capsys: pytest.CaptureFixture[str]) -> None:
             "argument --repeat-action-probability/--sticky: repeat_action_probability must be within 0..1",
         ),
         (["--actions", "NOOP,JUMP"], "got 'JUMP'"),
-        (["--stack-num", "0"], "stack_num must be within 1..10000, got 0"),
+        (["--stack-num", "0"], "stack_num must be within 1..256, got 0"),
         (["--preset", "dqn"], "argument --preset: there is no preset 'dqn'; did you mean 'dqn2015'?"),
         (["--maxpol"], "did you mean '--maxpool'?"),
     ],
@@ -167,11 +167,11 @@ def test_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("content", "text"),
     [
-        (b"", "task.json has no task: a task must be JSON"),
-        (b"\xff\xfe", "task.json has no task: a task must be JSON"),
+        (b"", "task.json has no task: the task is damaged: Expecting"),
+        (b"\xff\xfe", "task.json has no task: the task is damaged: Expecting"),
         (b'{"format": 2, "game": "pong"}', "task.json has no task: the task is of format 2"),
         (b'{"format": 1, "game": "pong", "episodic_life": "no"}', "episodic_life must be True or False, got 'no'"),
-        (b'{"format": 1, "game": "pong"' + b" " * (4 << 20), "has at most 1,048,576 characters"),
+        (b'{"format": 1, "game": "pong"' + b" " * (4 << 20), "and 1,048,576 are allowed"),
     ],
 )
 def test_files_without_a_task(content: bytes, text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

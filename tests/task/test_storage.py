@@ -53,15 +53,15 @@ def test_a_missing_key_has_the_default_of_the_format() -> None:
         (changed(interventions=["nothing"]), "'interventions' must be a list of definitions"),
         ('{"format": 1}', "needs the key 'game'"),
         ("[]", "must be a JSON object"),
-        ("{", "must be JSON"),
+        ("{", "the task is damaged: Expecting"),
         ('{"format": 1, "game": "pong", "game": "pong"}', "twice"),
-        ('{"format": 1, "game": "pong", "max_frames": NaN}', "no NaN"),
-        ("[" * 100 + "]" * 100, "16 deep"),
-        (" " * (1 << 21), "at most"),
+        ('{"format": 1, "game": "pong", "max_frames": NaN}', "NaN is no number"),
+        ("[" * 100 + "]" * 100, "32 deep"),
+        (" " * (1 << 21), "and 1,048,576 are allowed"),
     ],
 )
 def test_a_wrong_text_is_refused(text: str, message: str) -> None:
-    with pytest.raises((ValueError, TypeError), match=message.replace("(", r"\(")):
+    with pytest.raises(ValueError, match=message.replace("(", r"\(")):
         Task.from_json(text)
 
 
@@ -74,5 +74,5 @@ def test_is_read_from_a_string(text: Any) -> None:
 @given(st.integers(0, len(TEXT) - 1), st.characters())
 @settings(max_examples=200, deadline=None)
 def test_a_damaged_text_is_refused_or_a_task(place: int, character: str) -> None:
-    with contextlib.suppress(ValueError, TypeError):
+    with contextlib.suppress(ValueError):
         Task.from_json(TEXT[:place] + character + TEXT[place + 1 :])

@@ -73,6 +73,13 @@ def test_a_snapshot_of_one_continues_in_another() -> None:
         assert len(set(info["frame_number"].tolist())) == 1
 
 
+def test_an_environment_is_restored_once_in_a_call() -> None:
+    envs = make("seaquest", 3)
+    envs.reset(seed=5)
+    with pytest.raises(ValueError, match=r"an environment is given twice: \[1, 1\]"):
+        envs.restore([1, 1], envs.snapshot([0, 2]))
+
+
 def test_fork() -> None:
     envs = make("seaquest", 40)
     envs.reset(seed=5)

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 import ray
 
+from atari.files import durable, json_text
 from atari.lab.collect import Format, check_output, output_format, write_dataset
 from atari.lab.labels import Labels
 from atari.learning import load_policy, record_games
@@ -22,6 +23,10 @@ from atari.validation import check_integer, check_name
 _MANIFEST = "_manifest.jsonl"
 _SEEDS = 2**32
 """The bound of seeds."""
+
+_LINE = {"seed": int, "file": str, "bytes": int, "score": float}
+_OF_FORMATS = {"steps": int, "frames": int}
+"""The kinds of a line of the manifest."""
 
 
 @dataclass(frozen=True)
@@ -198,37 +203,34 @@ class _Manifest:
         data = self._path.read_bytes() if self._path.exists() else b""
         whole = data[: data.rfind(b"\n") + 1]
         if not whole:
-            self._path.write_text(json.dumps(facts) + "\n")
+            durable.write_file(self._path, (json.dumps(facts) + "\n").encode())
             return
         if whole != data:
-            os.truncate(self._path, len(whole))
+            durable.write_file(self._path, whole)
         first, *lines = map(self._parse, whole.splitlines())
         if first != facts:
             other = ", ".join(f"{name} {first.get(name)!r}" for name in facts if first.get(name) != facts[name])
             raise ValueError(f"{folder} has data of {other or 'another kind'}; choose another name")
         for line in lines:
-            if self._is_whole(line):
+            if self._is_whole(json_text.check_table(line, f"{self._path}: a line", _LINE, _OF_FORMATS)):
                 self.finished[line["seed"]] = line
 
     def add(self, part: _Part) -> None:
         """Write the file of a seed, and its line."""
         file = f"seed-{part.seed:010}" + (".parquet" if "steps" in part.facts else ".a26")
-        new = self._folder / f"_{file}.part"  # readers of a folder skip names that begin with _
-        new.write_bytes(part.data)
-        new.replace(self._folder / file)
+        new = self._folder / f"_{file}"  # readers of a folder skip names that begin with _
+        durable.write_file(new, part.data)
+        durable.replace(new, self._folder / file)
         line = {"seed": part.seed, "file": file, "bytes": len(part.data), **part.facts}
-        with self._path.open("a") as manifest:
-            manifest.write(json.dumps(line) + "\n")
+        durable.append(self._path, (json.dumps(line) + "\n").encode())
         self.finished[part.seed] = line
 
     def _parse(self, line: bytes) -> dict[str, Any]:
         try:
-            read = json.loads(line)
-        except ValueError:
-            read = None
-        if not isinstance(read, dict):
-            raise ValueError(f"{self._path} is damaged at {line[:40]!r}; delete the line, or the folder")
-        return read
+            return dict(json_text.check_kind(json_text.parse(line, "JSON"), "a line", dict))
+        except ValueError as error:
+            text = f"{self._path} is damaged at {line[:40]!r}; delete the line, or the folder"
+            raise ValueError(f"{text} ({error})") from None
 
     def _is_whole(self, line: dict[str, Any]) -> bool:
         file = self._folder / str(line.get("file"))

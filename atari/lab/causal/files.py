@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from atari.files import archives, durable, json_text
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.lab.causal.map import ByteCauses, CausalMap
@@ -24,6 +25,12 @@ DATA = Path(__file__).parent / "data"
 
 _FORMAT = 1
 _MOST_BYTES = 1 << 20
+_FACTS = {"format": int, "game": str, "height": int, "settings": dict, "suggestions": list}
+_SUGGESTION = (
+    "a suggestion",
+    {"index": int, "kind": str, "support": int, "share": float},
+    {"transform": str, "width": int, "height": int, "weight": int, "encoding": str},
+)
 _CELL_ROWS, _CELL_COLUMNS = 4, 4  # pixels of a cell: files store which cells a byte changes
 
 
@@ -57,7 +64,7 @@ def save(causal_map: CausalMap, file: str | PathLike[str]) -> None:
     """Write the essence of a map to a file that `load` and `numpy.load` read, about 4 kB."""
     memory = io.BytesIO()
     np.savez_compressed(memory, allow_pickle=False, **to_arrays(causal_map))
-    Path(file).write_bytes(memory.getvalue())
+    durable.write_file(Path(file), memory.getvalue())
 
 
 def load(file: str | PathLike[str]) -> CausalMap:
@@ -71,19 +78,29 @@ def load(file: str | PathLike[str]) -> CausalMap:
     if path.stat().st_size > _MOST_BYTES:
         raise ValueError(f"{path} is not a causal map: it has more than {_MOST_BYTES} bytes")
     try:
-        with np.load(path, allow_pickle=False) as arrays:
-            return _from_arrays({name: arrays[name] for name in ("facts", "numbers", "writes", "cells")})
-    except (KeyError, TypeError, ValueError, IndexError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        with zipfile.ZipFile(path) as archive:
+            return _from_arrays({name: _array(archive, name) for name in ("facts", "numbers", "writes", "cells")})
+    except (TypeError, ValueError, IndexError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
         raise ValueError(
             f"{path} is not a causal map of this version: {error}; write it again by `atari causes`"
         ) from None
 
 
+def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
+    """An array; its shape is checked before memory is allocated for it, which `numpy.load` does not do."""
+    file = io.BytesIO(archives.read_member(archive, f"{name}.npy", _MOST_BYTES))
+    if np.lib.format.read_magic(file) != (1, 0):
+        raise ValueError(f"{name!r} has another version of NumPy's format")
+    shape, by_columns, dtype = np.lib.format.read_array_header_1_0(file)
+    return np.frombuffer(file.read(), dtype).reshape(shape, order="F" if by_columns else "C")
+
+
 def _from_arrays(arrays: dict[str, NDArray[Any]]) -> CausalMap:
-    facts = json.loads(arrays["facts"].tobytes())
-    if facts["format"] != _FORMAT:
-        raise ValueError(f"it has format {facts['format']}, this version reads {_FORMAT}")
-    height, numbers, writes = int(facts["height"]), arrays["numbers"], arrays["writes"]
+    facts = json_text.parse(arrays["facts"].tobytes(), "JSON")
+    if not isinstance(facts, dict) or facts.get("format") != _FORMAT:
+        raise ValueError(f"its format is not {_FORMAT}, which this version reads")
+    json_text.check_table(facts, "its facts", _FACTS)
+    height, numbers, writes = facts["height"], arrays["numbers"], arrays["writes"]
     if (
         not 200 <= height <= 256
         or numbers.shape != (13, 128)
@@ -116,7 +133,7 @@ def _from_arrays(arrays: dict[str, NDArray[Any]]) -> CausalMap:
                 pixels=pixels[index],
             )
         )
-    suggestions = tuple(Suggestion(**each) for each in facts["suggestions"])
+    suggestions = tuple(Suggestion(**json_text.check_table(each, *_SUGGESTION)) for each in facts["suggestions"])
     return CausalMap(facts["game"], height, facts["settings"], tuple(found), suggestions)
 
 

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from atari.files import durable
 from atari.games.game import Game
 from atari.lab.causal.map import ByteCauses, CausalMap
 from atari.lab.causal.suggestion import Suggestion
@@ -55,7 +56,7 @@ def draw(causal_map: CausalMap, game: Game | None = None) -> Picture:
 def write_png(causal_map: CausalMap, file: str | PathLike[str], game: Game | None = None) -> None:
     """Write the picture of `draw` to a PNG file."""
     _, png = cv2.imencode(".png", draw(causal_map, game)[..., ::-1])
-    Path(file).write_bytes(png.tobytes())
+    durable.write_file(Path(file), png.tobytes())
 
 
 def category(byte: ByteCauses, suggestions: list[Suggestion]) -> str:

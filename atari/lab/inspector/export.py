@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from atari.env import AtariEnv
+from atari.files import durable
 from atari.lab.inspector.session import Session
 from atari.lab.inspector.timeline import Timeline
 from atari.recording import RecordReplay, VideoWriter
@@ -127,7 +128,7 @@ def write(session: Session, name: str, path: Path) -> None:
         write_replay(session, path)
     else:
         text = labels_toml(session) if name == "labels.toml" else interventions_toml(session)
-        path.write_text(text, encoding="utf-8")
+        durable.write_file(path, text.encode())
 
 
 def _at_first_frame(session: Session) -> AtariEnv:

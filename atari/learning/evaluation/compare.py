@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from atari.files import durable
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences
 from atari.learning.evaluation.published import Published
@@ -92,7 +93,7 @@ class Comparison:
         Raises:
             OSError: the file cannot be written.
         """
-        Path(file).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
+        durable.write_file(Path(file), (json.dumps(self.to_json(), indent=1) + "\n").encode())
 
     def plot(self, file: str | PathLike[str]) -> None:
         """Draw the summaries with their intervals, and performance profiles; the file's ending decides the format.

@@ -1,11 +1,13 @@
 """The plot of a comparison."""
 
+import io
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 
+from atari.files import durable
 from atari.learning.evaluation.statistics import profile
 
 try:
@@ -34,7 +36,9 @@ def plot(comparison: Any, file: Path) -> None:
     if comparison.mixed:
         title = f"MIXED PROTOCOLS OR BUDGETS, not a fair comparison. {title}"
     figure.suptitle(title, fontsize=11, color="firebrick" if comparison.mixed else "black")
-    figure.savefig(file, dpi=150)
+    path, image = Path(file), io.BytesIO()
+    figure.savefig(image, dpi=150, format=path.suffix[1:] or None)
+    durable.write_file(path, image.getvalue())
 
 
 def _draw_summary(axis: Any, comparison: Any, name: str, title: str) -> None:

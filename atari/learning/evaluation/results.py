@@ -1,7 +1,6 @@
 """`Result`: the scores of an evaluation, with everything that they depend on, as a table and as JSON."""
 
 import json
-import math
 import platform
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,15 +9,16 @@ from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
 from statistics import fmean, median, pstdev
+from types import NoneType
 from typing import Any
 
+from atari.files import durable, json_text
 from atari.learning.evaluation.protocols import EvaluationProtocol
-from atari.validation import check_file
 
-FORMAT = "atari evaluation 2"
-_OLD_FORMATS = ("atari evaluation 1",)
-"""Older formats that are read, too. In format 1, games and protocols have no task."""
-_LARGEST = 256 * 2**20
+FORMAT = "atari evaluation 3"
+_OLD_FORMATS = ("atari evaluation 2", "atari evaluation 1")
+"""Older formats that are read, too. Both have no checksum; in format 1, games and protocols have no task."""
+_LARGEST = 64 << 20
 
 
 @dataclass(frozen=True)
@@ -114,12 +114,13 @@ class Result:
         return {"format": FORMAT, **own, "protocol": self.protocol.to_json(), "games": games}
 
     def save(self, file: str | PathLike[str]) -> None:
-        """Write a JSON file; an existing one is replaced.
+        """Write a JSON file with a checksum; an existing file is replaced, and a symbolic link to one, too.
 
         Raises:
             OSError: the file cannot be written.
         """
-        Path(file).write_text(json.dumps(self.to_json(), indent=1) + "\n", encoding="utf-8")
+        table = json.loads(json.dumps(self.to_json()))  # the types of JSON, as `load` sees them
+        durable.write_file(Path(file), (json.dumps(json_text.seal(table), indent=1) + "\n").encode())
 
     @classmethod
     def load(cls, file: str | PathLike[str]) -> "Result":
@@ -127,69 +128,60 @@ class Result:
 
         Raises:
             FileNotFoundError: the file does not exist.
-            ValueError: the file is no result of an evaluation, of another version, or damaged.
+            ValueError: the file is no result of an evaluation, of another version, or was changed after `save`.
         """
-        path = check_file(Path(file))
-        if path.stat().st_size > _LARGEST:
-            raise ValueError(f"{path} is no result of an evaluation: it is too large")
-        try:
-            content = json.loads(path.read_text(encoding="utf-8"))
-        except (ValueError, RecursionError) as error:
-            raise ValueError(f"{path} is no result of an evaluation: {error}") from None
+        path = Path(file)
+        what = f"{path} is no result of an evaluation: it"
+        content = json_text.read(path, what=what, most_bytes=_LARGEST)
         if not isinstance(content, dict) or content.get("format") not in (FORMAT, *_OLD_FORMATS):
             raise ValueError(
                 f'{path} is no result of an evaluation, or of a newer release: its "format" must be {FORMAT!r} or '
                 f"{' or '.join(map(repr, _OLD_FORMATS))}"
             )
         try:
+            if content["format"] == FORMAT or "sha256" in content:
+                content = json_text.check_seal(content)
             return _checked_result(content)
-        except (KeyError, TypeError, ValueError, OverflowError) as error:
-            what = f"{error} is missing" if isinstance(error, KeyError) else str(error)
-            raise ValueError(f"{path} is damaged: {what}") from None
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"{path} is damaged: {error}") from None
+
+
+_KINDS: dict[str, Any] = {
+    "policy": str,
+    "protocol": dict,
+    "seed": int,
+    "games": list,
+    "training_frames": (int, NoneType),
+}
+_KINDS_OF_GAME = {
+    "game": str, "scores": list, "frames": list, "truncated": list, "seeds": list, "observation": dict
+}  # fmt: skip
 
 
 def _checked_result(content: dict[str, Any]) -> Result:
     """The result of a file's content.
 
     Raises:
-        KeyError, TypeError, ValueError: a field is missing, or of the wrong kind.
+        TypeError, ValueError: a field is missing, or of the wrong kind.
     """
-    frames = content["training_frames"]
-    games = tuple(_checked_game(one) for one in _of_type(content["games"], list, "games"))
+    json_text.check_table(content, "it", {"format": str, **_KINDS, "versions": dict})
+    games = tuple(_checked_game(one) for one in content["games"])
     if not games or len({one.game for one in games}) < len(games):
         raise ValueError("games must have each game once, and at least one")
-    return Result(
-        policy=_of_type(content["policy"], str, "policy"),
-        protocol=EvaluationProtocol.from_json(_of_type(content["protocol"], dict, "protocol")),
-        seed=_of_type(content["seed"], int, "seed"),
-        games=games,
-        training_frames=None if frames is None else _of_type(frames, int, "training_frames"),
-        versions=_of_type(content["versions"], dict, "versions"),
-    )
+    own = {name: value for name, value in content.items() if name != "format"}
+    return Result(**{**own, "protocol": EvaluationProtocol.from_json(content["protocol"]), "games": games})
 
 
 def _checked_game(content: Any) -> GameResult:
-    content = _of_type(content, dict, "a game")
-    game = GameResult(
-        game=_of_type(content["game"], str, "game"),
-        scores=tuple(float(_of_type(score, (int, float), "a score")) for score in content["scores"]),
-        frames=tuple(_of_type(number, int, "frames") for number in content["frames"]),
-        truncated=tuple(_of_type(one, bool, "truncated") for one in content["truncated"]),
-        seeds=tuple(_of_type(seed, int, "a seed") for seed in content["seeds"]),
-        observation=_of_type(content["observation"], dict, "observation"),
-        task=_of_type(content.get("task", {}), dict, "task"),
-    )
-    if not game.scores or not len(game.scores) == len(game.frames) == len(game.truncated) == len(game.seeds):
-        raise ValueError(f"{game.game} must have as many scores, frames, truncated and seeds, and at least one")
-    if not all(map(math.isfinite, game.scores)):
-        raise ValueError(f"{game.game} has a score that is no number")
-    return game
-
-
-def _of_type(value: Any, kind: Any, name: str) -> Any:
-    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise TypeError(f"{name} is {type(value).__name__} {value!r:.60}")
-    return value
+    content = json_text.check_table(content, "a game", _KINDS_OF_GAME, {"task": dict})
+    kinds = {"scores": float, "frames": int, "truncated": bool, "seeds": int}
+    lists = {
+        name: tuple(json_text.check_kind(one, f"each of {name}", kind) for one in content[name])
+        for name, kind in kinds.items()
+    }
+    if len({*map(len, lists.values()), 0}) != 2:
+        raise ValueError(f"{content['game']} must have as many scores, frames, truncated and seeds, and at least one")
+    return GameResult(**{**content, **lists, "scores": tuple(map(float, lists["scores"]))})
 
 
 def versions() -> dict[str, str]:

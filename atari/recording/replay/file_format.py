@@ -42,8 +42,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, NamedTuple
 
+from atari.files import durable, json_text
 from atari.validation import check_file
 
 FORMAT, FORMAT_OF_PLAYERS = 1, 2
@@ -164,7 +165,7 @@ class ReplayFileWriter:
         if self.path.suffix.lower() != SUFFIX:
             raise ValueError(f"the name of a replay must end in {SUFFIX!r}, got {str(path)!r}")
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        self._file: BinaryIO = self.path.open("wb", buffering=0)
+        self._file = durable.create(self.path)
         self._put(_MAGIC + _chunk(b"H", _json({"format": FORMAT, **header})))
 
     def play(self, play: PlayChunk) -> None:
@@ -282,9 +283,9 @@ def _json(facts: Mapping[str, Any]) -> bytes:
 
 def _object(payload: bytes, offset: int) -> dict[str, Any]:
     try:
-        value = json.loads(payload)
-    except (ValueError, RecursionError):
-        value = None
+        value = json_text.parse(payload, "JSON", most_bytes=_MAX_PAYLOAD_SIZE)
+    except ValueError as error:
+        raise _corrupt(offset, str(error)) from None
     if not isinstance(value, dict):
         raise _corrupt(offset, "the chunk is no JSON object")
     return value

@@ -240,6 +240,13 @@ class RecordedCore:
     def __getattr__(self, name: str) -> Any:
         return getattr(self.inner, name)
 
+    def close(self) -> None:
+        """Complete the file, and close the core."""
+        try:
+            self._recorder.close()
+        finally:
+            self.inner.close()
+
     def seed(self, seed: int) -> None:
         """Start over with a seed."""
         self._recorder.end_episode()  # the seed drops the episode

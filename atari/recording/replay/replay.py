@@ -16,6 +16,7 @@ from typing import Any
 
 from atari.cores import CORES, Core, snapshot
 from atari.env import ALE_OPTIONS, AtariEnv
+from atari.files import json_text
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.interventions import resolve
@@ -375,7 +376,7 @@ class Replay:
         """The facts that videos and data sets made of the replay carry; see `video_facts`."""
         text = self.header.get("task")
         options = {"game": self.game.id, "players": self.players, "options": dict(self.header["options"])}
-        of_task = options if text is None else {"task": json.loads(text)}
+        of_task = options if text is None else {"task": json_text.parse(str(text), f"the task of {self.path}")}
         return {**of_task, "core_seeds": list(self.seeds), "package": PACKAGE}
 
     def walk(self, core: Core) -> Iterator[tuple[Event, Iterator[Call]]]:

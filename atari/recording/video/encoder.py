@@ -1,12 +1,14 @@
 """The encoders of frames and sound: a file written by FFmpeg, or a sequence of PNG files."""
 
 from fractions import Fraction
+from io import BufferedWriter
 from pathlib import Path
 from typing import Any
 
 import cv2
 
 from atari.cores import ByteArray
+from atari.files import durable
 from atari.recording.video.audio import AudioEncoder
 from atari.recording.video.images import Palette
 from atari.recording.video.options import VideoOptions
@@ -31,7 +33,7 @@ class FFmpegEncoder:
         self._path = path = options.path
         self._av = av = import_av()
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.open("wb").close()  # PyAV reports an unwritable file only at the first frame
+        durable.create(path).close()  # PyAV reports an unwritable file only at the first frame, and follows links
         self._container = av.open(f"file:{path}", "w", format=format.container, options=dict(format.container_options))
         if comment:
             self._container.metadata["comment"] = comment
@@ -100,7 +102,9 @@ class PngEncoder:
     def write(self, image: ByteArray, samples: ByteArray | None) -> None:
         """Write the next file."""
         _, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
-        self._path.with_name(self._path.name % self._frames).write_bytes(data.tobytes())
+        path = self._path.with_name(self._path.name % self._frames)
+        with BufferedWriter(durable.create(path)) as file:
+            file.write(data.tobytes())
         self._frames += 1
 
     def close(self, *, broken: bool = False) -> None:

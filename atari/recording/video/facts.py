@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from atari._version import __version__
+from atari.files import json_text
 from atari.recording.video.encoder import import_av
 from atari.task import Task
 from atari.task.storage import to_short_json
@@ -44,8 +45,8 @@ def video_facts(path: str | PathLike[str]) -> dict[str, Any]:
     try:
         with av.open(f"file:{check_file(Path(path))}") as container:
             tags = {name.lower(): text for name, text in container.metadata.items()}
-        facts = json.loads(tags.get("comment", "null"))
-    except (av.FFmpegError, json.JSONDecodeError, RecursionError) as error:
+        facts = json_text.parse(tags.get("comment", "null"), "its comment")
+    except (av.FFmpegError, ValueError) as error:
         raise ValueError(f"{path} has no facts of a video of atari-envs: {error}") from None
     if not isinstance(facts, dict) or not str(facts.get("package", "")).startswith("atari-envs "):
         raise ValueError(f"{path} has no facts about the game; MP4, MKV and WebM of atari-envs have them")

@@ -1,9 +1,11 @@
 """`Result`: statistics, the table, files, and damaged files."""
 
+import itertools
 import json
 
 import pytest
 
+from atari.files import json_text
 from atari.learning import PROTOCOLS, Result
 from atari.learning.evaluation.results import GameResult
 
@@ -44,12 +46,40 @@ def test_a_file_keeps_everything(tmp_path):
 
 
 def test_files_of_release_0_2(tmp_path):
-    """Games and protocols of old files have no task."""
-    content = changed(format="atari evaluation 1")
+    """Games and protocols of the older format have no task; neither has a checksum."""
+    content = changed(format="atari evaluation 2")
+    (tmp_path / "result.json").write_text(json.dumps(content))
+    assert Result.load(tmp_path / "result.json") == result()
+    content["format"] = "atari evaluation 1"
     del content["protocol"]["task"]
     for game in content["games"]:
         del game["task"]
     (tmp_path / "result.json").write_text(json.dumps(content))
+    assert Result.load(tmp_path / "result.json") == result()
+
+
+def test_every_flipped_bit_is_found(tmp_path):
+    file = tmp_path / "result.json"
+    result().save(file)
+    data = file.read_bytes()
+    refused = 0
+    for place, bit in itertools.product(range(len(data)), range(8)):
+        flipped = bytearray(data)
+        flipped[place] ^= 1 << bit
+        file.write_bytes(flipped)
+        try:
+            assert Result.load(file) == result()  # another space between words of JSON
+        except ValueError:
+            refused += 1
+    assert refused > 7 * len(data)
+
+
+def test_a_planted_link_is_replaced(tmp_path):
+    (tmp_path / "other").write_text("mine")
+    (tmp_path / "result.json").symlink_to("other")
+    (tmp_path / "result.json.part").symlink_to("other")
+    result().save(tmp_path / "result.json")
+    assert (tmp_path / "other").read_text() == "mine"
     assert Result.load(tmp_path / "result.json") == result()
 
 
@@ -78,27 +108,27 @@ def with_game(**changes):
         "binary": (b"\xff\xfe\x00", "is no result"),
         "list": ([], "format"),
         "foreign": ({"games": []}, "format"),
-        "another version": (changed(format="atari evaluation 3"), "of a newer release"),
-        "a task of another kind": (with_game(task=[]), "task is list"),
+        "another version": (changed(format="atari evaluation 4"), "of a newer release"),
+        "a task of another kind": (with_game(task=[]), "'task' must be dict"),
         "no protocol's task": (
             changed(protocol={**changed()["protocol"], "task": {"game": "pong"}}),
             '"format" must be',
         ),
-        "no seed": (without("seed"), "'seed' is missing"),
-        "no protocol": (without("protocol"), "'protocol' is missing"),
+        "no seed": (without("seed"), "has no 'seed'"),
+        "no protocol": (without("protocol"), "has no 'protocol'"),
         "no games": (changed(games=[]), "at least one"),
         "a game twice": (changed(games=changed()["games"][:1] * 2), "each game once"),
-        "a game is no object": (changed(games=[1]), "a game is int 1"),
+        "a game is no object": (changed(games=[1]), "a game must be an object, got 1"),
         "other numbers": (changed(protocol={**changed()["protocol"], "epsilon": 0.5}), "needs another name"),
         "unknown number": (changed(protocol={**changed()["protocol"], "luck": 1}), "luck"),
-        "bool as a seed": (changed(seed=True), "seed is bool"),
+        "bool as a seed": (changed(seed=True), "'seed' must be int, got True"),
         "a score missing": (with_game(scores=[1.0]), "as many scores"),
-        "a score of text": (with_game(scores=["1", 2, 3]), "a score is str"),
+        "a score of text": (with_game(scores=["1", 2, 3]), "each of scores must be float, got '1'"),
         "a score that is none": (with_game(scores=[float("nan"), 2, 3]), "no number"),
-        "a huge score": (with_game(scores=[10**400, 2, 3]), "damaged"),
-        "no scores": (with_game(scores=3), "damaged"),
-        "frames of text": (with_game(frames="abc"), "frames is str"),
-        "truncated is a number": (with_game(truncated=[0, 0, 0]), "truncated is int"),
+        "a huge score": (with_game(scores=[10**400, 2, 3]), "is out of range"),
+        "no scores": (with_game(scores=3), "'scores' must be list"),
+        "frames of text": (with_game(frames="abc"), "'frames' must be list"),
+        "truncated is a number": (with_game(truncated=[0, 0, 0]), "each of truncated must be bool, got 0"),
     }.values(),
 )
 def test_damaged_files(tmp_path, content, text):
@@ -106,6 +136,7 @@ def test_damaged_files(tmp_path, content, text):
     if isinstance(content, bytes):
         file.write_bytes(content)
     else:
+        content = json_text.seal(content) if isinstance(content, dict) else content
         file.write_text(content if isinstance(content, str) else json.dumps(content))
     with pytest.raises(ValueError, match="result") as caught:
         Result.load(file)

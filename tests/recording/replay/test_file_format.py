@@ -188,7 +188,7 @@ def test_another_version_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         ([(b"P", b"")], "must be the first chunk"),
         ([(b"H", b'{"format":1}'), (b"H", b'{"format":1}')], "the only one of its kind"),
         ([(b"H", b"[1]")], "JSON object"),
-        ([(b"H", b"[" * 100_000)], "JSON object"),
+        ([(b"H", b"[" * 100_000)], "nested more than 32 deep"),
         ([(b"H", b'{"format":1}'), (b"X", b"")], "no kind of chunk b'X'"),
         ([(b"H", b'{"format":1}'), (b"P", b"abc")], "too short"),
         ([(b"H", b'{"format":1}'), (b"P", b"\1\0\0\0\0\0\0\0")], "does not fit the chunk before"),

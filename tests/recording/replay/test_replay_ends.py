@@ -120,3 +120,15 @@ def test_a_reset_with_a_seed_keeps_the_summary_of_the_episode_before(tmp_path: P
             env.step(0)
     env.close()
     assert [episode.frames for episode in Replay.load(tmp_path / "a.a26").episodes] == [300, 200]
+
+
+def test_an_environment_that_is_closed_inside_completes_the_file(tmp_path: Path) -> None:
+    env = atari.AtariEnv("breakout")
+    with RecordReplay(env, tmp_path / "a.a26") as recorded:
+        recorded.reset(seed=0)
+        recorded.step(1)
+        env.close()
+    replay = Replay.load(tmp_path / "a.a26")
+    assert replay.complete
+    assert replay.verify()
+    assert [episode.end for episode in replay.episodes] == ["open"]
