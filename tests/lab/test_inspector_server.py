@@ -130,18 +130,21 @@ def test_frames_and_commands() -> None:
             await tab.send_json({"do": "pixels", "index": 72})
             assert (await receive(tab, "pixels"))["count"] > 20
             for command, text in (
-                ("x", "a command is a JSON object"),
-                ("[" * 5000, "at most 4096 characters"),
-                ("[" * 4000, "a command is a JSON object"),
+                ("x", "a command is damaged: Expecting value"),
+                ("[" * 5000, "it has 5,000 bytes, and 4,096 are allowed"),
+                ("[" * 4000, "nested more than 4 deep"),
                 ('{"do": "import os"}', "whose `do` is one of"),
                 ('{"do": ["play"]}', "whose `do` is one of"),
-                ('{"do": "poke", "index": "57", "value": 1}', "index='57' is wrong"),
-                ('{"do": "poke", "index": true, "value": 1}', "index=True is wrong"),
-                ('{"do": "poke", "index": 57}', "missing a required argument"),
+                ('{"do": "play", "do": "pause"}', "the key 'do' is there twice"),
+                ('{"do": "poke", "index": "57", "value": 1}', "the command poke: 'index' must be int, got '57'"),
+                ('{"do": "poke", "index": true, "value": 1}', "'index' must be int, got True"),
+                ('{"do": "poke", "index": 57}', "the command poke has no 'value'"),
                 ('{"do": "poke", "index": 57, "value": 256}', "256"),
-                ('{"do": "speed", "speed": NaN}', "speed is one of"),
-                ('{"do": "play", "x": 1}', "takes no arguments"),
-                ('{"do": "seek", "frame": 1e3}', "frame=1000.0 is wrong"),
+                ('{"do": "name", "index": 57, "name": "\\u001b"}', "control character"),
+                ('{"do": "speed", "speed": NaN}', "NaN is no number of JSON"),
+                ('{"do": "seek", "frame": 1e400}', "out of range"),
+                ('{"do": "play", "x": 1}', "the unknown key 'x'"),
+                ('{"do": "seek", "frame": 1e3}', "'frame' must be int, got 1000.0"),
             ):
                 await tab.send_str(command)
                 assert text in await receive(tab, "error"), command
