@@ -3,13 +3,12 @@
 import asyncio
 import json
 import socket
-from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from inspector_tools import new_session
+from inspector_tools import new_session, receive, serve
 
 aiohttp = pytest.importorskip("aiohttp")
 
@@ -17,24 +16,6 @@ from atari.cli import main  # noqa: E402
 from atari.lab.inspector import protocol  # noqa: E402
 from atari.lab.inspector.server import Inspector  # noqa: E402
 from atari.task import Task  # noqa: E402
-
-Use = Callable[[Inspector, Any], Awaitable[None]]
-
-
-def serve(use: Use, game: str = "breakout") -> Inspector:
-    """Run `use` with a served session and a client."""
-    inspector = Inspector(new_session(game))
-
-    async def run() -> None:
-        await inspector.start()
-        try:
-            async with aiohttp.ClientSession() as client:
-                await asyncio.wait_for(use(inspector, client), 30)
-        finally:
-            await inspector.stop()
-
-    asyncio.run(run())
-    return inspector
 
 
 def test_only_the_token_opens_the_page() -> None:
@@ -94,18 +75,6 @@ def test_other_hosts_and_origins_are_refused(headers: dict[str, str], status: in
                 assert "hello" in await tab.receive_json()
 
     serve(use)
-
-
-async def receive(tab: Any, wanted: str) -> Any:
-    """The next message of a kind: "frame", or a key of a JSON message."""
-    while True:
-        message = await tab.receive()
-        assert message.type in (aiohttp.WSMsgType.BINARY, aiohttp.WSMsgType.TEXT), message
-        if message.type == aiohttp.WSMsgType.BINARY:
-            if wanted == "frame":
-                return message.data
-        elif wanted in (content := json.loads(message.data)):
-            return content[wanted]
 
 
 def test_frames_and_commands() -> None:

@@ -404,7 +404,7 @@ def test_bytes_are_released_before_others_are_held() -> None:
     session.tick(0.1)
     assert (session.at, session.playing, session.error) == (12, True, "")
     with pytest.raises(ValueError, match="at most 64 writes"):
-        session.main.freeze({index: 1 for index in range(65)})
+        session.main.freeze(dict.fromkeys(range(65), 1))
     assert len(session.main.core.writes) == len(session.frozen) == 40  # nothing has changed
 
 

@@ -118,7 +118,7 @@ def overlay(session: Session) -> dict[str, Any]:
 
 
 def news(session: Session, known: str) -> tuple[str, list[dict[str, Any]]]:
-    """The state as JSON, and the messages after a frame to a page that has the state `known`. Clears error and notice."""
+    """The state as JSON, and the messages after a frame to a page with the state `known`. Clears error and notice."""
     shown, present = overlay(session), json.dumps(state(session))
     messages = [shown] if any(shown.values()) else []
     if present != known:

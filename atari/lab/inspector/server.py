@@ -29,7 +29,7 @@ except ImportError as error:
 
 from atari.lab.inspector import export
 from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
-from atari.lab.inspector.tab import Tab
+from atari.lab.inspector.tab import SECONDS_AFTER_ERROR, Tab
 from atari.lab.inspector.worker import Worker
 
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
@@ -205,10 +205,11 @@ class Inspector:
             # Always the same time, and not the time that has passed: at normal speed each message has one frame more.
             try:
                 await self._worker.call(self.session.tick, 1 / FRAMES_PER_SECOND)
-                if self._tab is not None:
-                    self._tab.update()
             except Exception as error:
                 self.session.fail(error)
+                await asyncio.sleep(SECONDS_AFTER_ERROR)
+            if self._tab is not None:
+                self._tab.update()
 
 
 def serve(

@@ -14,9 +14,11 @@ from atari.lab.inspector.worker import Worker
 MOST_COMMANDS = 1000
 """The most commands of a page that wait; a page that sends more is disconnected."""
 
+SECONDS_AFTER_ERROR = 1.0
+"""Between the repetitions of an error."""
+
 _TOO_MANY = 4002
 _SECONDS_UNTIL_REFRESH = 0.25
-_SECONDS_AFTER_ERROR = 1.0
 
 
 class Tab:
@@ -73,7 +75,7 @@ class Tab:
             except Exception as error:
                 self._session.fail(error)
                 await self.socket.send_json({"error": self._session.error})
-                await asyncio.sleep(_SECONDS_AFTER_ERROR)
+                await asyncio.sleep(SECONDS_AFTER_ERROR)
 
     async def _run_command(self) -> None:
         for answer in await self._worker.call(protocol.run, self._session, await self._commands.get()):

@@ -1,6 +1,7 @@
 """`Worker`: a thread in which a session is used, so that the server answers while a command runs."""
 
 import asyncio
+import ctypes
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
@@ -8,6 +9,7 @@ from queue import SimpleQueue
 from typing import Any, TypeVar
 
 T = TypeVar("T")
+_SECONDS_TO_END = 0.3
 
 
 class Worker:
@@ -15,7 +17,8 @@ class Worker:
 
     def __init__(self) -> None:
         self._calls: SimpleQueue[tuple[Future[Any], Callable[..., Any], tuple[Any, ...]] | None] = SimpleQueue()
-        threading.Thread(target=self._run, name="atari lab", daemon=True).start()
+        self._thread = threading.Thread(target=self._run, name="atari lab", daemon=True)
+        self._thread.start()
 
     async def call(self, function: Callable[..., T], *arguments: Any) -> T:
         """The result of a call, or its error. A call that is cancelled before it begins is left out."""
@@ -24,8 +27,14 @@ class Worker:
         return await asyncio.wrap_future(future)
 
     def stop(self) -> None:
-        """End the thread after the calls that wait."""
+        """End the thread, also in the middle of a call: Ctrl-C must not wait for an export of half an hour of play."""
         self._calls.put(None)
+        self._thread.join(_SECONDS_TO_END)
+        if self._thread.is_alive():
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(
+                ctypes.c_ulong(self._thread.ident or 0), ctypes.py_object(SystemExit)
+            )
+            self._thread.join(_SECONDS_TO_END)
 
     def _run(self) -> None:
         while (call := self._calls.get()) is not None:
