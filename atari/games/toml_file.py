@@ -75,15 +75,20 @@ def _check_keys(text: str) -> None:
 def _check_texts(value: Any, place: str) -> None:
     """Check all texts of a value, keys included; `place` names it in errors, such as "ram.ball_x.note"."""
     if isinstance(value, str):
-        lines = place.rpartition(".")[2] in _OF_LINES
-        check_text(value, place, MOST_LINES if lines else MOST_LINE)
-        if not lines and ("\n" in value or "\t" in value):
-            raise ValueError(f"{place} must be one line without tabs, got {value!r:.60}")
+        if place.rpartition(".")[2] in _OF_LINES:
+            check_text(value, place, MOST_LINES)
+        else:
+            _check_line(value, place, MOST_LINE)
     elif isinstance(value, dict):
         for key, one in value.items():
-            if "\n" in check_text(key, f"a key of {place or 'the file'}", MOST_KEY):
-                raise ValueError(f"a key of {place or 'the file'} must be one line, got {key!r:.60}")
+            _check_line(key, f"a key of {place or 'the file'}", MOST_KEY)
             _check_texts(one, f"{place}.{key}" if place else key)
     elif isinstance(value, list):
         for number, one in enumerate(value):
             _check_texts(one, f"{place}[{number}]")
+
+
+def _check_line(text: str, place: str, most: int) -> None:
+    check_text(text, place, most)
+    if "\n" in text or "\t" in text:
+        raise ValueError(f"{place} must be one line without tabs, got {text!r:.60}")

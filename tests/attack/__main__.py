@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-ATTACKERS = ("roms", "api", "files", "threads", "memory")
+ATTACKERS = ("roms", "api", "files", "texts", "threads", "memory", "inspector")
 HANGS_AFTER = 60.0  # seconds without a new seed
 
 

@@ -111,6 +111,7 @@ def test_a_control_character_is_refused_with_its_place(
         ('title = "a\\n[x]"', "title must be one line without tabs"),
         ('title = "a\\tb"', "title must be one line without tabs"),
         ('"a\\nb" = 1', "a key of the file must be one line"),
+        ('"a\\tb" = 1', "a key of the file must be one line"),
         (f'title = "{"a" * 2001}"', "title has 2,001 characters, and 2,000 are allowed"),
         (f"[rules]\nstep = '{'a' * 20_001}'", "rules.step has 20,001 characters, and 20,000 are allowed"),
         (f"{'a' * 101} = 1", "a key of the file has 101 characters, and 100 are allowed"),

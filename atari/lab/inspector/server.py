@@ -9,6 +9,7 @@ import asyncio
 import contextlib
 import errno
 import hmac
+import logging
 import secrets
 import tempfile
 import time
@@ -22,6 +23,7 @@ import gymnasium
 
 try:
     from aiohttp import WSCloseCode, web
+    from aiohttp.http_exceptions import HttpProcessingError
 except ImportError as error:
     raise gymnasium.error.DependencyNotInstalled(
         "the inspector needs aiohttp: pip install 'atari-envs[lab]'"
@@ -31,6 +33,10 @@ from atari.lab.inspector import export
 from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
 from atari.lab.inspector.tab import SECONDS_AFTER_ERROR, Tab
 from atari.lab.inspector.worker import Worker
+
+_log = logging.getLogger(__name__)
+_log.addFilter(lambda record: not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError)))
+"""The log of aiohttp's server, without the tracebacks of requests that are no HTTP: these are answered by 400."""
 
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 _MOST_MESSAGE = 1 << 13  # bytes
@@ -80,7 +86,7 @@ class Inspector:
         Raises:
             OSError: the port is taken.
         """
-        self._runner = web.AppRunner(self.app(), access_log=None, shutdown_timeout=_SECONDS_TO_CLOSE)
+        self._runner = web.AppRunner(self.app(), access_log=None, logger=_log, shutdown_timeout=_SECONDS_TO_CLOSE)
         await self._runner.setup()
         try:
             await web.TCPSite(self._runner, "127.0.0.1", port).start()
