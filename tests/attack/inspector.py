@@ -85,10 +85,11 @@ def served(source: random.Random) -> Iterator[Inspector]:
     try:
         asyncio.run_coroutine_threadsafe(inspector.start(), loop).result(20)
         yield inspector
-        asyncio.run_coroutine_threadsafe(inspector.stop(), loop).result(5)
     finally:
+        asyncio.run_coroutine_threadsafe(inspector.stop(), loop).result(5)
         loop.call_soon_threadsafe(loop.stop)
         thread.join()
+        loop.close()
 
 
 @contextlib.contextmanager

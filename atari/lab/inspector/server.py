@@ -14,6 +14,7 @@ import secrets
 import tempfile
 import time
 from collections.abc import Awaitable, Callable, Mapping
+from functools import partial
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -73,11 +74,15 @@ class Inspector:
 
     def app(self) -> web.Application:
         """The application."""
-        app = web.Application(middlewares=[self._guard], client_max_size=1 << 16)
-        app.router.add_get("/{token}/", self._file)
-        app.router.add_get("/{token}/ws", self._socket)
-        app.router.add_get("/{token}/export/{name}", self._export)
-        app.router.add_get("/{token}/{name}", self._file)
+        app = web.Application(client_max_size=1 << 16)
+        for path, handler in (
+            ("/{token}/", self._file),
+            ("/{token}/ws", self._socket),
+            ("/{token}/export/{name}", self._export),
+            ("/{token}/{name}", self._file),
+        ):
+            app.router.add_get(path, partial(self._guard, handler))
+        app.router.add_route("*", "/{rest:.*}", partial(self._guard, self._nothing))
         return app
 
     async def start(self, port: int = 0) -> None:
@@ -115,9 +120,8 @@ class Inspector:
 
     # --- requests
 
-    @web.middleware
     async def _guard(
-        self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
+        self, handler: Callable[[web.Request], Awaitable[web.StreamResponse]], request: web.Request
     ) -> web.StreamResponse:
         """Refuse other hosts, other origins and other tokens, and add the headers."""
         hosts = (f"127.0.0.1:{self.port}", f"localhost:{self.port}")
@@ -136,12 +140,17 @@ class Inspector:
                 response = await handler(request)
             except web.HTTPException as refused:
                 response = web.Response(status=refused.status, text=refused.text)
+            except ConnectionError:
+                response = web.Response(status=400, text="The connection was lost.")
             except Exception as error:
                 self.session.fail(error)
                 response = web.Response(status=500, text=str(error))
         if not response.prepared:
             response.headers.update(_HEADERS)
         return response
+
+    async def _nothing(self, request: web.Request) -> web.StreamResponse:
+        raise web.HTTPNotFound(text=f"There is no {request.path!r} here.")
 
     async def _file(self, request: web.Request) -> web.StreamResponse:
         name = request.match_info.get("name", "index.html")
