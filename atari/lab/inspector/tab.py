@@ -41,8 +41,8 @@ class Tab:
 
     async def serve(self) -> None:
         """Send frames and run commands until the connection ends."""
-        for message in (protocol.hello, protocol.state):
-            await self.socket.send_json(await self._worker.call(message, self._session))
+        for first in (protocol.hello, protocol.state):
+            await self.socket.send_json(await self._worker.call(first, self._session))
         tasks = [asyncio.create_task(self._repeat(step)) for step in (self._run_command, self._send_frame)]
         try:
             async for message in self.socket:
