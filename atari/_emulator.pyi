@@ -1,5 +1,6 @@
 """
-The native emulator, bound. Use it through atari.cores.NativeCore, which checks options and finds ROMs.
+The binding of the native emulator. Use it through atari.cores.NativeCore, which checks options and
+finds ROMs.
 """
 
 from collections.abc import Sequence
@@ -18,7 +19,7 @@ class Game:
 
     @property
     def cartridge_type(self) -> str:
-        """The bank switching that was given or recognised, for example "F8"."""
+        """The bank switching, given or recognised, such as "F8"."""
 
 def make_game(
     *,
@@ -52,8 +53,8 @@ STATE_VERSION: int = 3
 
 class State:
     """
-    A state in memory, as `Emulator.clone_state` returned it, or made of the bytes of `serialize`.
-    Immutable. States are equal if the machine is the same, with the generator if they include it.
+    A state in memory: the result of `Emulator.clone_state`, or read from the bytes of
+    `serialize`. Immutable. Two states are equal if their bytes of `serialize` are equal.
     """
 
     def __init__(self, serialized: bytes) -> None: ...
@@ -109,7 +110,7 @@ def make_write(
 
 class Emulator:
     """
-    A running game. The lock of the interpreter is released while it emulates.
+    A running game. It releases Python's interpreter lock while it emulates.
     """
 
     def __init__(
@@ -128,7 +129,7 @@ class Emulator:
         player_probabilities: Sequence[float] = [],
     ) -> None:
         """
-        `plain`: by the plain interpreter and TIA, which are slower and give the same.
+        `plain`: the plain interpreter and TIA play, which are slower and give the same results.
         """
 
     def seed(self, seed: int) -> None: ...
@@ -136,17 +137,23 @@ class Emulator:
     def act(self, action: int, strength: float = 1.0) -> int: ...
     def act_until(self, action: int, frames: int, strength: float = 1.0) -> tuple[int, int]:
         """
-        Play up to `frames` frames, until the game is over or truncated, or has another number of lives. Returns
-        the sum of the rewards, and how many frames were played.
+        Play until the game is over or truncated or the number of lives changes, but at most `frames` frames.
+        Returns the sum of the rewards and the number of frames played.
         """
 
     def act_players(self, actions: Sequence[int]) -> list[int]:
-        """Hold an action of each of the first players; a reward for each."""
+        """
+        Hold an action for each of the first players; returns a reward for each.
+        """
 
     @property
     def player_lives(self) -> list[int]:
         """The lives of each player that the rules know."""
 
+    @property
+    def mode(self) -> int: ...
+    @property
+    def difficulty(self) -> int: ...
     def set_mode(self, mode: int) -> None: ...
     def set_difficulty(self, difficulty: int) -> None: ...
     @property
@@ -170,34 +177,34 @@ class Emulator:
     def redraw(self, out: numpy.typing.NDArray[numpy.uint8] | None = None) -> numpy.typing.NDArray[numpy.uint8]: ...
     def add_write(self, write: Write, now: bool = False) -> None:
         """
-        Apply a write at each frame from here on, and with `now` at once; ValueError if there are MOST_WRITES.
+        Apply a write at each later frame, and with `now` at once; ValueError if there are MOST_WRITES.
         """
 
     def remove_write(self, write: Write) -> int:
-        """End a write; returns the slot that it had, or -1."""
+        """End a write; returns its slot, or -1."""
 
     @property
     def writes(self) -> list[Write | None]:
         """
-        The writes by slot, None where one has ended. They are applied in this order.
+        The writes by slot; None for a slot whose write has ended. They are applied in this order.
         """
 
     @writes.setter
     def writes(self, arg: Sequence[Write | None], /) -> None: ...
     def save(self) -> bytes:
-        """The whole state as bytes, of the layout of this build."""
+        """The whole state as bytes, in the layout of this build."""
 
     def load(self, state: bytes) -> None:
         """Continue from `save`; ValueError if the bytes cannot be a state."""
 
     def clone_state(self, include_rng: bool = False) -> State:
         """
-        The whole state in memory; `include_rng` says whether restoring it takes the generator along.
+        The whole state in memory; `include_rng` says whether the state includes the generator.
         """
 
     def restore_state(self, state: State) -> None:
         """
-        Continue from a state of `clone_state`; ValueError if it is of another game or core.
+        Continue from a state of `clone_state`; ValueError if the state belongs to another game or core.
         """
 
     def close(self) -> None: ...
@@ -227,7 +234,7 @@ class OnReset(enum.Enum):
 
 class Unit(enum.Enum):
     """
-    The time that FIRE is played, and after which lives are compared: a frame, or a whole skip.
+    How long FIRE is pressed, and how often lives are compared: a frame, or a whole skip.
     """
 
     FRAME = 0
@@ -236,7 +243,7 @@ class Unit(enum.Enum):
 
 class Seeding(enum.Enum):
     """
-    How generators are seeded: as by AtariEnv.reset, or as by ale-py's vector.
+    How generators are seeded: like AtariEnv.reset, or like ale-py's vector.
     """
 
     GYMNASIUM = 0
@@ -277,7 +284,7 @@ class Padding(enum.Enum):
     RESET = 1
 
 class Autoreset(enum.Enum):
-    """As gymnasium.vector.AutoresetMode."""
+    """The modes of gymnasium.vector.AutoresetMode."""
 
     NEXT_STEP = 0
 
@@ -430,8 +437,8 @@ class VectorSettings:
 
 class LaneSpec:
     """
-    The differences between the environments of a vector. `seed` is nine words: the emulator's, and
-    eight of the episode's generator.
+    The differences between the lanes of a vector. `seed` is nine words: one for the emulator, and eight for
+    the generator of episodes.
     """
 
     def __init__(self) -> None: ...
@@ -462,7 +469,8 @@ class LaneSpec:
 
 class RamOf(enum.Enum):
     """
-    The RAM now, that of the last result, or of that the one before a reset in the last step.
+    The present RAM, the RAM of the last result, or the RAM of the result before a reset in the
+    last step.
     """
 
     NOW = 0
@@ -483,14 +491,14 @@ class Batch:
         ram: numpy.typing.NDArray[numpy.uint8] | None,
     ) -> None:
         """
-        `pixels` and `ram` are the arrays for observations; None where an observation has no such part.
+        `pixels` and `ram` are the arrays for observations; None if observations have no such part.
         """
 
     @property
     def arrays(self) -> dict[str, numpy.typing.NDArray[Any]]:
         """
-        The other arrays by their names (vector/batch.def): (rows,), and (rows, players) where several
-        players have a value each. Final pixels and RAM are (rows, bytes).
+        The other arrays by their names (vector/batch.def): (rows,), or (rows, players) if each
+        player has a value. Final pixels and RAM are (rows, bytes).
         """
 
     def aimed_at(
@@ -501,7 +509,7 @@ class Batch:
         """
 
 class MemberSnapshot:
-    """The state of an environment of a vector, in memory. It can be pickled."""
+    """The state of a lane in memory. It can be pickled."""
 
     def __getstate__(self) -> tuple[bytes, int]: ...
     def __setstate__(self, arg: tuple[bytes, int], /) -> None: ...
@@ -517,7 +525,7 @@ class ArrayLender:
     @property
     def lent(self) -> bool:
         """
-        Whether a loan exists: an array made of one, or a view or tensor of that.
+        Whether a loan exists: an array made from it, or a view or a tensor of such an array.
         """
 
 class VectorLock:
@@ -549,9 +557,9 @@ class VectorEngine:
         environments: numpy.typing.NDArray[numpy.int64] | None = None,
     ) -> None:
         """
-        Begin a step of the environments of the last batch; the batch is where results go if it is of all of them.
-        `environments` are those to step, in the order of the actions. If a batch has all, they may be some: the
-        rows of the others show the last results again.
+        Begin a step of the environments of the last batch. If `batch` has rows for all environments, the
+        results go there. `environments` are stepped, in the order of the actions. They may be some of all;
+        then the rows of the others show their last results again.
         """
 
     def reset(
@@ -563,12 +571,14 @@ class VectorEngine:
         new_games: bool = False,
     ) -> None:
         """
-        Begin a reset of the environments in `mask`; `seeds` as above. With `new_games`, none continues its game
-        after a lost life.
+        Begin a reset of the environments in `mask`; `seeds` has nine words for each, as in `LaneSpec`. With
+        `new_games`, no environment continues its game after a lost life.
         """
 
     def receive(self, batch: Batch) -> bool:
-        """Wait for a batch of results; whether an episode or a game ended in it."""
+        """
+        Wait for a batch of results; returns whether an episode or a game ended in it.
+        """
 
     @property
     def sent(self) -> bool:
@@ -599,11 +609,13 @@ class VectorEngine:
         visible: numpy.typing.NDArray[numpy.bool],
         of: RamOf,
     ) -> None:
-        """As `copy_rams`, then `labels.evaluate` with the copies."""
+        """
+        Copy RAM like `copy_rams`, then call `labels.evaluate` with the copies.
+        """
 
     def set_ram(self, environment: int, index: int, value: int) -> None: ...
     def add_write(self, environment: int, write: Write, now: bool = False) -> None:
-        """As Emulator.add_write."""
+        """Call Emulator.add_write of an environment."""
 
     def remove_write(self, environment: int, write: Write) -> None: ...
     def numbers(self, environment: int) -> list[int]:
@@ -616,18 +628,18 @@ class VectorEngine:
 
 class ObservationStack:
     """
-    The pooled, resized and stacked frames that an agent observes, or the RAM with PixelFormat.RAM, as a lane of
-    `VectorEngine` makes them.
+    The pooled, resized and stacked frames that an agent observes, equal to those of a lane of `VectorEngine`.
+    With PixelFormat.RAM it stacks the RAM.
 
-    A frame is a core, which is read, or a C-contiguous uint8 array of palette indices, (rows, 160). Frames of a
-    core are rendered only where an image needs them. Raises ValueError if a size is not served or a core has
-    other rows or another TV format, TypeError for another frame. RAM is that of a core, or an array (128,).
+    A frame is a core, or a C-contiguous uint8 array of palette indices, (rows, 160). A core's frame is
+    rendered only if an image needs it. Raises ValueError if a size is not supported or a core has other rows
+    or another TV format, TypeError for another frame. RAM comes from a core, or is an array (128,).
     """
 
     def __init__(self, settings: ObservationSettings, rows: int, format: str) -> None: ...
     def begin(self, frame: object, new_stack: bool = True) -> None:
         """
-        Begin an episode with the present frame; with `new_stack`, without the images before it.
+        Begin an episode with the present frame; `new_stack` drops the images before it.
         """
 
     def repeat(self, new_stack: bool = False) -> None:
@@ -635,8 +647,8 @@ class ObservationStack:
 
     def frame_played(self, frame: object, left: int, ended: bool) -> None:
         """
-        A frame of a skip was played, and `left` are to come; `ended`: the episode has ended with it. Must be
-        called where 1 is left; a core must then play exactly one frame before `skip_ended`.
+        A frame of a skip was played, and `left` remain; `ended`: the episode ended with this frame. The call
+        with `left` 1 is required; a core must then play exactly one frame before `skip_ended`.
         """
 
     def skip_ended(self, frame: object, left: int, ended: bool) -> None:
@@ -644,12 +656,12 @@ class ObservationStack:
 
     def observation(self) -> numpy.typing.NDArray[numpy.uint8]:
         """
-        A new array, (stack_num, img_height, img_width), of colours with a last axis of 3, of RAM (stack_num, 128);
-        the oldest first.
+        A new array, (stack_num, img_height, img_width), with a last axis of 3 for colours; for RAM (stack_num,
+        128). The oldest image is the first.
         """
 
     def save(self) -> bytes:
-        """The images, and what the next may need of the last ones, as bytes."""
+        """The images, and the frames that the next image may need, as bytes."""
 
     def load(self, state: bytes) -> None:
         """
@@ -661,7 +673,8 @@ class ObservationStack:
 
 class XlaPort:
     """
-    A vector engine for functions compiled by JAX, until this object has gone.
+    Access to a vector engine for functions compiled by JAX, as long as this
+    object exists.
     """
 
     def __init__(self, engine: VectorEngine, pixels: bool, ram: bool) -> None: ...
@@ -696,9 +709,9 @@ class ReplayGeometry:
         packed_bytes: int | None,
     ) -> None:
         """
-        `rows` and `margin` are steps of each lane. `parts` has for each the bytes of a frame, the bytes from a
-        pixel to the one below, and the most frames of an observation. `autoreset` is 0 NEXT_STEP, 1 SAME_STEP,
-        2 DISABLED. With `packed_bytes`, frames are compressed into so many bytes.
+        `rows` and `margin` are steps of each lane. Each of `parts` has the bytes of a frame, the bytes from a
+        pixel to the one below, and the most frames of an observation. `autoreset` is 0 NEXT_STEP, 1
+        SAME_STEP, 2 DISABLED. With `packed_bytes`, the compressed frames get this number of bytes.
         """
 
     @staticmethod
@@ -707,12 +720,12 @@ class ReplayGeometry:
 
     @property
     def block_bytes(self) -> int:
-        """Bytes of the block that a memory of these sizes lies in."""
+        """Bytes of the block that holds a memory of these sizes."""
 
     @property
     def packed_offset(self) -> int:
         """
-        Where the compressed frames begin, which are written bit by bit as they are needed.
+        The offset of the compressed frames, which are written when they are needed.
         """
 
 class ReplayMemory:
@@ -722,7 +735,7 @@ class ReplayMemory:
 
     def __init__(self, geometry: ReplayGeometry, block: numpy.typing.NDArray[numpy.uint8]) -> None:
         """
-        `block` has `geometry.block_bytes` bytes: zeros, or those of a memory of this geometry, then call `load`.
+        `block` has `geometry.block_bytes` bytes: zeros, or a memory of this geometry; then call `load`.
         """
 
     def next_place(self) -> int:
@@ -730,7 +743,7 @@ class ReplayMemory:
 
     def places(self, part: int) -> tuple[int, int]:
         """
-        Where the frames of a part begin in the block, and for how many rows there is a place.
+        The offset of a part's frames in the block, and the number of rows that have a place.
         """
 
     def seed(self, seed: int) -> None: ...
@@ -738,7 +751,7 @@ class ReplayMemory:
         self, mask: numpy.typing.NDArray[numpy.bool] | None, frames: Sequence[numpy.typing.NDArray[numpy.uint8]]
     ) -> None:
         """
-        Begin episodes in all lanes, with the next row's frames; or in those of `mask`, with `frames`.
+        Begin episodes in all lanes with the next row's frames, or in the lanes of `mask` with `frames`.
         """
 
     def add(
@@ -750,12 +763,12 @@ class ReplayMemory:
         finals: Sequence[numpy.typing.NDArray[numpy.uint8]],
     ) -> None:
         """
-        Complete a step of all lanes; the next row's frames have been written. `actions` are bytes.
+        Complete a step of all lanes, after the next row's frames were written. `actions` are bytes.
         """
 
     def try_add(self, actions: object, rewards: object, terminated: object, truncated: object) -> bool:
         """
-        As `add`, if the arrays are int64, int32 and bool, of one axis; returns whether they were.
+        Call `add` if the arrays are int64, int32 and bool with one axis; returns whether they are.
         """
 
     def observe(self, stacks: Sequence[int], to: Sequence[numpy.typing.NDArray[numpy.uint8]]) -> None: ...
@@ -765,7 +778,7 @@ class ReplayMemory:
         self, indices: numpy.typing.NDArray[numpy.int64], priorities: numpy.typing.NDArray[numpy.float64]
     ) -> None: ...
     def save(self) -> None:
-        """Make the present state the one that `load` finds."""
+        """Save the present state for `load`."""
 
     def load(self, verify: bool) -> None:
         """
@@ -799,17 +812,18 @@ class ReplayTarget:
         mask: numpy.typing.NDArray[numpy.bool] | None,
     ) -> None:
         """
-        For sequences `length` is theirs, and they have a mask; for transitions it is 0. Transitions of one step may
-        have no `next_observations`; then each observation has one more frame, the newest of the next one.
+        `length` is the length of sequences, which have a mask; for transitions it is 0. Transitions of one
+        step may have no `next_observations`; then each observation has one more frame, the newest frame of
+        the next one.
         """
 
 class Causes:
-    """What each byte of RAM causes; see emulator/lab/causes.hpp."""
+    """The effects of each byte of RAM; see emulator/lab/causes.hpp."""
 
     def __init__(self, *, game: Game, values: int, frames: int, threads: int, seed: int) -> None: ...
     def explore(self, states: list[State], actions: numpy.typing.NDArray[numpy.uint8], first: int) -> None:
         """
-        Count what changes of each byte cause from these states, with the actions of each state's frames.
+        Count the effects of changes of each byte from these states, with the actions of each state's frames.
         """
 
     def counts(self) -> numpy.typing.NDArray[numpy.uint32]:
@@ -831,8 +845,9 @@ class Labels:
 
     def __init__(self, labels: Sequence[tuple[int, int, bool, Sequence[int], Sequence[int]]]) -> None:
         """
-        `labels` are tuples: index 0..127, mask 0..255, whether the byte is binary-coded decimal, and the programs
-        of the value and of whether it is visible, which may be empty; variable 0 is the byte, variable 1 the result.
+        `labels` are tuples: index 0..127, mask 0..255, whether the byte is binary-coded decimal, and the
+        programs for the value and the visibility, which may be empty. Variable 0 is the byte, variable 1 the
+        result.
         """
 
     def __len__(self) -> int: ...

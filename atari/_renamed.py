@@ -1,7 +1,7 @@
 """Public names of 0.2 that have others now: each raises an error that says the new one."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, NoReturn
 
 RENAMED: Mapping[str, str] = {
     "atari.Protocol": "atari.Task",
@@ -72,6 +72,15 @@ def missing(module: str, name: str) -> Exception:
     if new is None:
         return AttributeError(f"module {module!r} has no attribute {name!r}")
     return ImportError(f"{module}.{name} is now {new}; docs/from-0.2.md has all names that changed")
+
+
+def old_names(module: str) -> Callable[[str], NoReturn]:
+    """The `__getattr__` of a module without lazy attributes: it raises the error of `missing`."""
+
+    def raise_missing(name: str) -> NoReturn:
+        raise missing(module, name)
+
+    return raise_missing
 
 
 def missing_attribute(owner: Any, name: str) -> AttributeError:

@@ -3,6 +3,7 @@
 A wrapper that plays frames uses `env.unwrapped.driver`: `step` would make an observation each time.
 """
 
+import operator
 import time
 from dataclasses import dataclass, field
 from os import PathLike
@@ -121,6 +122,7 @@ class Driver(AleGame):
 
     def draw(self, low: int, high: int) -> int:
         """A number within low..high-1 from the generator of episodes, which draws no-ops and frame skips."""
+        low, high = operator.index(low), operator.index(high)
         if self.ale_random is None:
             return int(self.np_random.integers(low, high))
         return low + self.ale_random.below(high - low)

@@ -1,9 +1,5 @@
 """A module of 0.2, whose name raises an error that says the new one."""
 
-from typing import Any
+from atari._renamed import old_names
 
-from atari._renamed import missing
-
-
-def __getattr__(name: str) -> Any:
-    raise missing("atari.protocols", name)
+__getattr__ = old_names("atari.protocols")

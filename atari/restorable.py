@@ -184,7 +184,7 @@ def _allow_step(layer: Environment) -> None:
 
 
 def _checked_layers(saved: Any, stateful: list[Environment]) -> list[dict[str, Any]]:
-    """The scalars of each layer, after a check that the wrappers are those of the snapshot."""
+    """The scalars of each layer, after a check that the snapshot has the same wrappers."""
     sound = isinstance(saved, list) and all(isinstance(part, dict) and "state" in part for part in saved)
     if not sound or not all(isinstance(part["state"], dict) for part in saved):
         raise _damaged("it has no list of wrappers")

@@ -8,16 +8,11 @@ such as `Breakout (1978) (Atari).a26`, plain or gzip-compressed.
 `atari.roms.locations.folders()` returns these folders, `atari.roms.locations.path()` your own.
 """
 
-from typing import Any
-
-from atari._renamed import missing
+from atari._renamed import old_names
 from atari.roms.autorom import install
 from atari.roms.identification import identify
 from atari.roms.importing import import_from
 from atari.roms.search import find, installed, verify
 
 __all__ = ["find", "identify", "import_from", "install", "installed", "verify"]
-
-
-def __getattr__(name: str) -> Any:
-    raise missing("atari.roms", name)
+__getattr__ = old_names("atari.roms")

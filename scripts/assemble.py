@@ -13,7 +13,7 @@ A line is `label:`, `NAME = expression`, a directive or an instruction, each wit
     bne Loop              relative
 
 Expressions are numbers (12, $0C, %1100), names, `+`, `-`, and a leading `<` or `>` for the low or high byte. The
-documented opcodes are those of `atari/emulator/machine/opcodes.def`.
+documented opcodes are those of `atari/emulator/machine/cpu/opcodes.def`.
 """
 
 import argparse
@@ -22,7 +22,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-OPCODES = Path(__file__).parent.parent / "atari" / "emulator" / "machine" / "opcodes.def"
+OPCODES = Path(__file__).parent.parent / "atari" / "emulator" / "machine" / "cpu" / "opcodes.def"
 UNDOCUMENTED = set("ANC ANE ARR ASR DCP ISB JAM LAS LAX LXA RLA RRA SAX SBX SHA SHS SHX SHY SLO SRE".split())
 LENGTHS = {"Imp": 1, "Acc": 1, "Abs": 3, "AbsX": 3, "AbsY": 3, "Ind": 3}
 WIDER = {"Zp": "Abs", "ZpX": "AbsX", "ZpY": "AbsY"}

@@ -6,6 +6,7 @@ but for the few of `UPWARD`. No module imports itself through others.
 
 import ast
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -23,7 +24,7 @@ ORDER = """
     driver env_state env restorable wrappers
     vector multiplayer making registration
     atari
-    policy policy_needs testing
+    policy testing
     recording lab learning
     classic integrations sb3
     play cli __main__
@@ -96,11 +97,15 @@ def imports(tree: ast.AST, module: str) -> Iterator[str]:
         yield from (name for name in names if name.split(".")[0] == "atari")
 
 
-TREES = {module: ast.parse(file.read_text(encoding="utf-8")) for module, file in SOURCES.items()}
-GRAPH = {
-    module: {*imports(tree, module)} - {module, *UPWARD.get(module, {}), *LATER.get(module, {})}
-    for module, tree in TREES.items()
-}
+@cache
+def tree_of(module: str) -> ast.Module:
+    return ast.parse(SOURCES[module].read_text(encoding="utf-8"))
+
+
+@cache
+def imported_by(module: str) -> set[str]:
+    """The modules that a module imports, without the exceptions of the tables."""
+    return {*imports(tree_of(module), module)} - {module, *UPWARD.get(module, {}), *LATER.get(module, {})}
 
 
 def part(module: str) -> str:
@@ -117,7 +122,7 @@ def against_the_order(module: str, imported: set[str]) -> list[str]:
 
 @pytest.mark.parametrize("module", sorted(SOURCES))
 def test_a_part_imports_only_parts_before_it(module: str) -> None:
-    assert not against_the_order(module, GRAPH[module])
+    assert not against_the_order(module, imported_by(module))
 
 
 def test_every_part_of_the_list_exists() -> None:
@@ -140,7 +145,7 @@ def test_an_import_against_the_order_is_found(module: str, line: str) -> None:
 
 def test_no_module_imports_itself_through_others() -> None:
     try:
-        TopologicalSorter(GRAPH).prepare()
+        TopologicalSorter({module: imported_by(module) for module in SOURCES}).prepare()
     except CycleError as error:
         pytest.fail(f"a circle of imports, each by the next: {', '.join(error.args[1])}")
 
@@ -148,20 +153,21 @@ def test_no_module_imports_itself_through_others() -> None:
 @pytest.mark.parametrize("module", [*UPWARD, *LATER])
 def test_imports_of_later_modules_are_made_when_a_function_is_called(module: str) -> None:
     later = (ast.FunctionDef, ast.ClassDef, ast.If)  # a method, or `if TYPE_CHECKING`
-    at_once = {name for node in TREES[module].body if not isinstance(node, later) for name in imports(node, module)}
+    at_once = {name for node in tree_of(module).body if not isinstance(node, later) for name in imports(node, module)}
     named = {*UPWARD.get(module, {}), *LATER.get(module, {})}
     assert not named & at_once
-    assert named <= {*imports(TREES[module], module)}, "take what is not imported any more out of the table"
+    assert named <= {*imports(tree_of(module), module)}, "take what is not imported any more out of the table"
 
 
 def _private(name: str) -> bool:
     return name.startswith("_") and not name.startswith("__")
 
 
-def _own_names(trees: list[ast.Module]) -> set[str]:
-    """The names that modules define: of functions, classes, variables, and attributes that they set."""
+@cache
+def own_names(of_part: str) -> set[str]:
+    """The names that the modules of a part define: functions, classes, variables, and attributes that they set."""
     found = set()
-    for node in (node for tree in trees for node in ast.walk(tree)):
+    for node in (node for module in SOURCES if part(module) == of_part for node in ast.walk(tree_of(module))):
         if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
             found.add(node.name)
         elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
@@ -171,11 +177,6 @@ def _own_names(trees: list[ast.Module]) -> set[str]:
     return found
 
 
-OWN = {
-    name: _own_names([tree for module, tree in TREES.items() if part(module) == name])
-    for name in ORDER
-    if name != "_emulator"
-}
 OF_OTHERS = {
     "_SubParsersAction",  # argparse names no public type
     "_asdict",  # a named tuple's, public in spite of its name
@@ -191,10 +192,10 @@ OF_OTHERS = {
 @pytest.mark.parametrize("module", sorted(SOURCES))
 def test_a_part_uses_no_private_name_of_another(module: str) -> None:
     own = part(module)
-    for node in ast.walk(TREES[module]):
+    for node in ast.walk(tree_of(module)):
         if isinstance(node, ast.Attribute) and _private(node.attr) and node.attr not in OF_OTHERS:
             by_itself = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
-            assert by_itself or node.attr in OWN[own], f"{module}:{node.lineno}: {ast.unparse(node)}"
+            assert by_itself or node.attr in own_names(own), f"{module}:{node.lineno}: {ast.unparse(node)}"
         if isinstance(node, ast.ImportFrom) and node.module and part(node.module) != own and "." in node.module:
             names = [*node.module.split(".")[2:], *(alias.name for alias in node.names)]
             assert not any(map(_private, names)), f"{module}:{node.lineno}: {ast.unparse(node)}"
@@ -206,7 +207,7 @@ def _is_public(module: str, name: str) -> bool:
 
 @pytest.mark.parametrize("module", sorted(module for module in SOURCES if part(module) == "classic"))
 def test_classic_imports_the_public_api_alone(module: str) -> None:
-    for node in ast.walk(TREES[module]):
+    for node in ast.walk(tree_of(module)):
         if isinstance(node, ast.ImportFrom) and str(node.module).split(".")[0] == "atari":
             if part(str(node.module)) != "classic":
                 assert all(_is_public(str(node.module), alias.name) for alias in node.names), ast.unparse(node)

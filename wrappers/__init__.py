@@ -8,9 +8,7 @@ Gymnasium has wrappers with some of these names. But its reward and image wrappe
 pickled, and its stack copies each frame twice.
 """
 
-from typing import Any
-
-from atari._renamed import missing
+from atari._renamed import old_names
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 from atari.wrappers.episodic_life import EpisodicLife
@@ -41,7 +39,4 @@ __all__ = [
     "preset",
     "preset_options",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    raise missing("atari.wrappers", name)
+__getattr__ = old_names("atari.wrappers")

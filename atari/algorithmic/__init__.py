@@ -4,7 +4,7 @@ They are also the worked example of an environment of your own. Read in this ord
 complete `gymnasium.Env`; `tape` and `grid` define the input; `tasks` has the five tasks, a few lines each;
 `registration` has their IDs; `curriculum` makes them harder, `text` renders them.
 
-The tasks are those of Zaremba et al. 2015, "Learning Simple Algorithms from Examples" (arXiv:1511.07275), with the
+The tasks come from Zaremba et al. 2015, "Learning Simple Algorithms from Examples" (arXiv:1511.07275), with the
 rules of OpenAI Gym 0.17.
 """
 

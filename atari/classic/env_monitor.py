@@ -25,7 +25,7 @@ class Monitored(Renderable, Protocol):
 class EnvMonitor:
     """Records the episodes of an environment whose `step` and `reset` the script calls itself.
 
-    Between `start` and `close`, the instance's `step` and `reset` are replaced by those of this class, which call the
+    Between `start` and `close`, the methods of this class replace the instance's `step` and `reset`. They call the
     methods of the environment's class and record.
     """
 
@@ -34,7 +34,7 @@ class EnvMonitor:
         self._recorder: EpisodeRecorder | None = None
 
     def start(self, directory: str | PathLike[str], *, seed: int | None = None, **options: Any) -> None:
-        """Begin to record, after seeding the environment if `seed` is given; `options` are those of `Monitor`.
+        """Begin to record, after seeding the environment if `seed` is given; `options` are options of `Monitor`.
 
         Raises:
             gymnasium.error.Error: it records already, or see `Monitor`.

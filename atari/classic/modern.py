@@ -21,7 +21,7 @@ class Modern(gymnasium.Env[Any, Any]):
     """An old-style environment with Gymnasium's interface.
 
     The seed of `reset` goes to the environment's `seed` method; an environment without this method does not repeat its
-    episodes. Other attributes are those of the environment, which is `classic`.
+    episodes. Other attributes come from the environment, `classic`.
 
     Args:
         classic: the environment.

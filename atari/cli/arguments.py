@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn, TypeAlias
 
 from atari.games.catalog import games
 from atari.games.game import Game
@@ -15,8 +15,7 @@ from atari.task import Task
 from atari.task.arguments import field_of_flag, game_of
 from atari.task.resolution import is_id, spelled
 
-if TYPE_CHECKING:
-    Commands = argparse._SubParsersAction[argparse.ArgumentParser]
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 
 class HelpFormatter(argparse.HelpFormatter):
@@ -74,7 +73,7 @@ GAME_HELP = (
 
 
 def add_command(
-    commands: "Commands", name: str, run: Callable[[argparse.Namespace], int], help_: str
+    commands: Commands, name: str, run: Callable[[argparse.Namespace], int], help_: str
 ) -> argparse.ArgumentParser:
     """Add a command with the option --json. `run` gets the parsed arguments and returns the exit code."""
     parser = commands.add_parser(name, help=help_, description=f"{help_[0].upper()}{help_[1:]}.")

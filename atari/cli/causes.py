@@ -9,17 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import GAME_HELP, add_command, add_rom, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
 from atari.cli.printing import print_json
 from atari.task.arguments import SCREEN, add_task, seed, show_task, task_of
 from atari.task.resolution import BY_FRAME
 
 if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
     from atari.lab.causal.map import CausalMap
 
 
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari causes`."""
     parser = add_command(
         commands, "causes", _causes, "find what each byte of a game's RAM causes, and write it as data and as a picture"

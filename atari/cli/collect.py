@@ -4,11 +4,11 @@ import argparse
 import json
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import GAME_HELP, add_command, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, number
 from atari.cli.policies import ALONE, find_played, games_of, replay_of
 from atari.cli.printing import print_json
 from atari.lab.collect import check_output, write_dataset
@@ -16,11 +16,8 @@ from atari.learning import load_policy
 from atari.recording import Replay
 from atari.task.arguments import SEEDS, add_task, seed, show_task
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
 
-
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari collect`."""
     parser = add_command(commands, "collect", _collect, "let a policy play a game, and write what happens as data")
     parser.epilog = "Example: atari collect pong --policy random --episodes 3 -o pong.h5"

@@ -3,17 +3,14 @@
 import argparse
 from collections.abc import Iterator
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import gymnasium
 
 from atari import env_ids
-from atari.cli.arguments import Parser, add_command
+from atari.cli.arguments import Commands, Parser, add_command
 from atari.cli.printing import print_json
 from atari.games.catalog import games
-
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
 
 _BASH = """\
 _atari_words() {{ compgen -W "$1" -- "$2"; }}
@@ -71,7 +68,7 @@ _COMPLETED = {
 """The kind of words that complete an argument, by its destination; files complete a path."""
 
 
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari completion`."""
     parser = add_command(commands, "completion", _completion, "print a script that completes commands with Tab")
     parser.epilog = (

@@ -5,22 +5,18 @@ sound.
 """
 
 import argparse
-from typing import TYPE_CHECKING
 
 import gymnasium
 
-from atari.cli.arguments import GAME_HELP, add_command, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, number
 from atari.cli.record import add_recording, record
 from atari.task.arguments import add_task
 from atari.task.resolution import is_id
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
-
 _STEPS = 1000
 
 
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari demo`."""
     parser = add_command(commands, "demo", _demo, "let a random agent play a game, and write a video of it")
     parser.add_argument("game", metavar="GAME", nargs="?", default="breakout", help=f"{GAME_HELP} (default: breakout)")

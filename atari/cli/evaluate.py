@@ -4,11 +4,11 @@ import argparse
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import add_command, number
+from atari.cli.arguments import Commands, add_command, number
 from atari.cli.policies import OF_GAME, find_played, games_of
 from atari.cli.printing import print_json, print_table
 from atari.learning import (
@@ -26,11 +26,8 @@ from atari.learning.evaluation.played import Entry
 from atari.learning.evaluation.protocols import find_protocol
 from atari.task.arguments import add_task, seed, show_task
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
 
-
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari evaluate`."""
     parser = add_command(commands, "evaluate", _evaluate, "let a policy play whole games by a protocol, and score it")
     parser.add_argument(

@@ -2,19 +2,16 @@
 
 import argparse
 import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from atari import env_ids, registration
-from atari.cli.arguments import GAME_HELP, add_command
+from atari.cli.arguments import GAME_HELP, Commands, add_command
 from atari.cli.printing import print_json
 from atari.task import Task
 from atari.task.arguments import add_task, given_options, task_of
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
 
-
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari explain`."""
     parser = add_command(commands, "explain", _explain, "explain what an ID, a game or a task plays, with options")
     parser.add_argument("game", metavar="GAME", help=GAME_HELP)

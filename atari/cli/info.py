@@ -5,10 +5,10 @@ import json
 import textwrap
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from atari import env_ids
-from atari.cli.arguments import GAME_HELP, add_command, find_game
+from atari.cli.arguments import GAME_HELP, Commands, add_command, find_game
 from atari.cli.printing import print_json, to_json_types
 from atari.games.game import Controllers, Game
 from atari.games.manual import Manual
@@ -18,11 +18,8 @@ from atari.recording import video_facts
 from atari.recording.video.formats import FORMATS
 from atari.task import Task
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
 
-
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari info`."""
     parser = add_command(
         commands, "info", _info, "show the facts of a game: what it is, actions, modes, rules, ROM, IDs"

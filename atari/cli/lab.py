@@ -10,18 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
-from atari.cli.arguments import GAME_HELP, add_command, add_rom, find_game, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, find_game, number
 from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
 from atari.task.resolution import BY_FRAME
 
 if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
     from atari.lab.inspector.session import Session
 
 _HIGHEST_PORT = 65535
 
 
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari lab`."""
     parser = add_command(commands, "lab", _lab, "see, search and change the RAM of a game, on a local page")
     parser.epilog = "`atari causes GAME` writes a causal map, `atari collect GAME` a data set."

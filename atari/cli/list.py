@@ -2,20 +2,17 @@
 
 import argparse
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from atari import env_ids
-from atari.cli.arguments import add_command
+from atari.cli.arguments import Commands, add_command
 from atari.cli.printing import print_json, print_table
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.pettingzoo import ENVIRONMENTS
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
 
-
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari list`."""
     parser = add_command(commands, "list", _list, "list the games, or with --ids every environment ID")
     parser.add_argument("--ids", action="store_true", help="the IDs that gymnasium.make accepts, one a line")

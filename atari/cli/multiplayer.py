@@ -6,7 +6,7 @@ from functools import partial
 
 from atari.cli.arguments import find_game
 from atari.games.pettingzoo import find_environment
-from atari.games.players import rules_of
+from atari.games.players import options_of, rules_of
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.task import Task
 from atari.task.arguments import game_of, given_options, task_of
@@ -35,15 +35,10 @@ def match_task(args: argparse.Namespace) -> Task:
     given, name = given_options(args), args.game
     environment = None if name.endswith((".toml", ".json")) else find_environment(name)
     if environment is not None:
-        name, players = environment.game, given.get("players")
-        if "mode" not in given:
-            if players is not None and players not in environment.players:
-                raise ValueError(
-                    f"{environment.id} is for {' or '.join(map(str, environment.players))} players, got {players}"
-                )
-            own = {"num_players": players} if players and "num_players" in environment.defaults else {}
-            args.mode = environment.choose(own)
-    if "players" not in given and not name.endswith(".json"):
+        name = environment.game
+        chosen = options_of(environment, {field: given[field] for field in ("mode", "players") if field in given})
+        args.mode, args.players = chosen["mode"], chosen["players"]
+    elif "players" not in given and not name.endswith(".json"):
         modes = rules_of(find_game(name, playable=False)).modes
         args.players = next((count for count in modes if getattr(args, "mode", None) in modes[count]), min(modes))
     args.fixed = {}

@@ -4,9 +4,9 @@ import argparse
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from atari.cli.arguments import GAME_HELP, HelpFormatter, add_command, add_rom, find_game, number
+from atari.cli.arguments import GAME_HELP, Commands, HelpFormatter, add_command, add_rom, find_game, number
 from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
 from atari.cli.printing import print_json
 from atari.play import Session, play
@@ -15,15 +15,12 @@ from atari.play.window import start_pygame
 from atari.task.arguments import SCREEN, add_former, add_task, given_options, seed, show_task, task_of
 from atari.task.resolution import BY_FRAME
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
-
 
 class _KeysFormatter(HelpFormatter, argparse.RawDescriptionHelpFormatter):
     """Keeps the lines of the table of keys."""
 
 
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari play`."""
     parser = add_command(commands, "play", _play, "play a game in a window, and write a replay of it")
     parser.formatter_class = _KeysFormatter

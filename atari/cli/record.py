@@ -11,13 +11,13 @@ from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tqdm import tqdm
 
 import atari
 from atari._interrupt import ctrl_c_as_event
-from atari.cli.arguments import GAME_HELP, add_command, add_overlay, add_rom, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, add_overlay, add_rom, number
 from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
 from atari.cli.policies import PolicySession, find_played, games_of, replay_of
 from atari.cli.printing import print_json
@@ -34,14 +34,11 @@ from atari.recording.video.writer import frame_rate
 from atari.task import Task
 from atari.task.arguments import add_former, add_task, game_of, given_options, seed, show_task, task_of
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
-
 Play = Callable[[Path], bool]
 """Plays games to a replay; False if it was interrupted."""
 
 
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari record`."""
     parser = add_command(commands, "record", record, "let a policy play a game, and record a video or a replay")
     parser.add_argument("game", metavar="GAME", help=f"{GAME_HELP}; with --players also a name of PettingZoo's")

@@ -4,11 +4,11 @@ import argparse
 import warnings
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import add_command, add_overlay, number
+from atari.cli.arguments import Commands, add_command, add_overlay, number
 from atari.cli.printing import print_json, print_table, print_warning
 from atari.cores import CORES
 from atari.recording import Replay
@@ -16,11 +16,8 @@ from atari.recording.video.formats import FORMATS
 from atari.recording.video.writer import frame_rate
 from atari.validation import check_integer
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
 
-
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari replay`."""
     group = commands.add_parser(
         "replay",

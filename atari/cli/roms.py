@@ -4,10 +4,10 @@ import argparse
 import contextlib
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from atari import roms
-from atari.cli.arguments import GAME_HELP, add_command, find_game
+from atari.cli.arguments import GAME_HELP, Commands, add_command, find_game
 from atari.cli.printing import print_error, print_json, print_table
 from atari.games.catalog import games
 from atari.roms.identification import Identification
@@ -15,13 +15,10 @@ from atari.roms.importing import ImportReport
 from atari.roms.locations import path
 from atari.roms.search import Check
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
-
 _REJECTED_SHOWN = 20  # a folder of all the console's ROM files has thousands of other games
 
 
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari roms`."""
     group = commands.add_parser(
         "roms",

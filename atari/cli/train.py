@@ -3,19 +3,15 @@
 import argparse
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import gymnasium
 
-from atari.cli.arguments import add_command, number
+from atari.cli.arguments import Commands, add_command, number
 from atari.cli.printing import print_json
 from atari.learning.agents import AGENTS
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
 
-
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari train`."""
     parser = add_command(commands, "train", _train, "let an agent learn to play a game")
     parser.usage = "atari train AGENT GAME [options]\n       atari train --resume RUN [options]"

@@ -8,11 +8,11 @@ from dataclasses import asdict
 from multiprocessing import get_context
 from os import cpu_count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import GAME_HELP, add_command
+from atari.cli.arguments import GAME_HELP, Commands, add_command
 from atari.cli.printing import print_json
 from atari.cores import CORES
 from atari.cores.verify import Difference, Run, read, verify
@@ -20,14 +20,11 @@ from atari.games.catalog import games
 from atari.task import Task
 from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
-
 _BASE = {"max_num_frames_per_episode": None, "frameskip": 1, "actions": "full"}
 """The test compares each frame, with its own actions. A name alone has no limit of frames."""
 
 
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari verify`."""
     parser = add_command(
         commands,

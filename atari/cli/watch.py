@@ -3,9 +3,8 @@
 import argparse
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from atari.cli.arguments import GAME_HELP, add_command, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, number
 from atari.cli.policies import ALONE, find_played, games_of, replay_of
 from atari.learning import load_policy
 from atari.learning.evaluation.protocols import PROTOCOLS
@@ -14,11 +13,8 @@ from atari.play.window import start_pygame
 from atari.recording import Replay
 from atari.task.arguments import SEEDS, add_task, seed, show_task
 
-if TYPE_CHECKING:
-    from atari.cli.arguments import Commands
 
-
-def register(commands: "Commands") -> None:
+def register(commands: Commands) -> None:
     """Add `atari watch`."""
     parser = add_command(commands, "watch", _watch, "watch a policy play whole games, in a window")
     parser.add_argument(

@@ -390,7 +390,7 @@ class AleCore:
         return self._journal
 
     def _twin(self, seed: int, journal: Journal, **options: Any) -> "AleCore":
-        """A new core of this game on which a journal has been replayed; `options` override those of this core."""
+        """A new core of this game on which a journal has been replayed; `options` override the options of this core."""
         twin = AleCore(self.game, seed=seed, rom=self._rom, **{**asdict(self._options), **options})
         twin._play_again(journal)
         return twin

@@ -103,7 +103,13 @@ class AleGame:
         }
 
     def restore_settings(self, state: dict[str, Any]) -> None:
-        """Restore a result of `settings_state` of a game with the same arguments; other keys are ignored."""
+        """Restore a result of `settings_state` of a game with the same arguments; other keys are ignored.
+
+        Raises:
+            ValueError: it is none; nothing has changed.
+        """
+        if missing := [name for name in self.settings_state() if name not in state]:
+            raise ValueError(f"restore_settings takes a result of settings_state, and {missing[0]!r} is missing")
         self.ale_settings = state["ale_settings"]
         if self.core_options != state["core_options"]:
             self.core_options = state["core_options"]

@@ -61,6 +61,16 @@ class EmulatorCore(_emulator.Emulator):
             raise ValueError(f"the snapshot is damaged: {error}") from None
         self.load(state)
 
+    def restore_state(self, state: _emulator.State) -> None:
+        """Continue from a state that `clone_state` returned; it is complete, with framebuffer, sound and held action.
+
+        Raises:
+            TypeError, ValueError: it is no such state, or belongs to another game.
+        """
+        if not isinstance(state, _emulator.State):
+            raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")
+        super().restore_state(state)
+
     def _check(self, facts: dict[str, Any]) -> None:
         """Raise an error for a snapshot from which the core cannot continue."""
         snapshot.require(facts, self._facts())
@@ -139,7 +149,6 @@ class NativeCore(EmulatorCore):
             seed=_usable(check_integer("seed", seed, 0, SEED_LIMIT - 1)),
             plain=self._plain,
         )
-        self.mode, self.difficulty = self.game.default_mode, 0
         if self._options.mode is not None:
             self.set_mode(self._options.mode)
         if self._options.difficulty is not None:
@@ -153,23 +162,11 @@ class NativeCore(EmulatorCore):
 
     def set_mode(self, mode: int) -> None:
         """Play one of the game's modes from the next reset on."""
-        self.mode = check_mode(self.game, mode)
-        super().set_mode(self.mode)
+        super().set_mode(check_mode(self.game, mode))
 
     def set_difficulty(self, difficulty: int) -> None:
         """Play one of the game's difficulties from the next frame on."""
-        self.difficulty = check_difficulty(self.game, difficulty)
-        super().set_difficulty(self.difficulty)
-
-    def restore_state(self, state: _emulator.State) -> None:
-        """Continue from a state that `clone_state` returned; it is complete, with framebuffer, sound and held action.
-
-        Raises:
-            TypeError, ValueError: it is no such state, or belongs to another game.
-        """
-        if not isinstance(state, _emulator.State):
-            raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")
-        super().restore_state(state)
+        super().set_difficulty(check_difficulty(self.game, difficulty))
 
     def with_sound(self) -> "NativeCore":
         """This core if it makes sound, else a new one that does, in the same state."""

@@ -1,8 +1,8 @@
 """Compiles the rules of a game definition to programs for the native core's stack machine.
 
 An expression is parsed by Python's own `ast` (after `atari.games.rules` has checked it against the grammar) and becomes
-pairs of words, operation and argument, in the numbering of `Op` in `atari/emulator/ale/program.hpp`. Selecting a mode
-becomes a program of the same kind with loops. The native core checks every program again before it runs one.
+pairs of words, operation and argument, in the numbering of `Op` in `atari/emulator/ale/programs/program.hpp`. Selecting
+a mode becomes a program of the same kind with loops. The native core checks every program again before it runs one.
 """
 
 import ast

@@ -226,7 +226,7 @@ def _manual(game_id: str) -> tuple[str, Manual] | None:
 
 
 def numbers(game: Game) -> dict[str, tuple[int, ...]]:
-    """The numbers that a game has: its modes, those of several players, and its difficulties."""
+    """The numbers that a game has: its modes, its modes for several players, and its difficulties."""
     multiplayer = game.multiplayer
     shared = multiplayer.modes.values() if multiplayer else ()
     return {

@@ -5,7 +5,7 @@ import ast
 from atari.games.compiler import compile_expression
 from atari.games.game import RamLabel
 
-_BYTE, _RESULT = 0, 1  # variables of `Label` in atari/emulator/ale/labels.hpp
+_BYTE, _RESULT = 0, 1  # variables of `Label` in atari/emulator/ale/programs/labels.hpp
 
 
 def value_source(label: RamLabel) -> str:

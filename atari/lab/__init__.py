@@ -1,8 +1,6 @@
 """The RAM lab: values by name, search, interventions and causes of the 128 bytes of RAM. `docs/ram.md` explains it."""
 
-from typing import Any
-
-from atari._renamed import missing
+from atari._renamed import old_names
 from atari.lab.causal.explore import causes
 from atari.lab.causal.files import shipped_causes
 from atari.lab.collect import write_dataset
@@ -25,7 +23,4 @@ __all__ = [
     "show",
     "write_dataset",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    raise missing(__name__, name)
+__getattr__ = old_names(__name__)

@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Iterable
-from typing import Any, Literal, get_args
+from typing import Any, Literal, get_args, overload
 
 import gymnasium
 import numpy as np
@@ -14,6 +14,7 @@ from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.lab import atari_ari
 from atari.lab.labels import Labels, unknown_label
+from atari.recording.vectors import is_vector
 from atari.restorable import Restorable
 from atari.validation import check_name
 from atari.vector import AtariVectorEnv
@@ -37,36 +38,8 @@ class LabelValues(dict[str, int]):
             raise KeyError(f"no label {name!r}" + (f"; did you mean {near[0]!r}?" if near else ""))
 
 
-class RamLabels(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
-    """Adds `info["labels"]`, the values of RAM labels at the time of the observation.
-
-    For a single environment it is a dict of integers by name; the value of a label that is not visible is None (see
-    `LabelValues`). `RamLabels(envs)` of an `AtariVectorEnv` is a `VectorRamLabels`.
-
-    Args:
-        env: an `AtariEnv`, or a wrapper around one, or around an `AtariVectorEnv`.
-        labels: the names of the labels; None is all.
-        names: "game" selects the names and values of `atari.games[game].ram_labels`, "atari_ari" the names of
-            AtariARI's `AtariARIWrapper`, whose values are unchanged bytes, always visible.
-
-    Raises:
-        TypeError: `env` is another environment.
-        KeyError: the game has no label of a name; the message suggests the nearest.
-        ValueError: the game has no labels, or AtariARI does not have the game.
-
-    Example:
-        >>> import atari
-        >>> from atari.lab import RamLabels
-        >>> env = RamLabels(atari.make("breakout"), ["lives", "player_x"])
-        >>> env.reset(seed=0)[1]["labels"]
-        {'lives': 5, 'player_x': 99}
-    """
-
-    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
-        """A `VectorRamLabels` for a vector; copying and pickling call this without arguments."""
-        if isinstance(env, gymnasium.vector.VectorEnv) or isinstance(getattr(env, "unwrapped", None), AtariVectorEnv):
-            return VectorRamLabels(env, *args, **kwargs)
-        return super().__new__(cls)
+class EnvRamLabels(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """Adds labels to the `info` of an `AtariEnv`: `RamLabels(env, ...)` makes it."""
 
     def __init__(
         self, env: gymnasium.Env[Any, Any], labels: Iterable[str] | None = None, names: Names = "game"
@@ -212,3 +185,41 @@ def _labels_by_game(games: Iterable[Game], chosen: tuple[str, ...] | None, names
         )
         for game, other in named.items()
     }
+
+
+class RamLabels(EnvRamLabels):
+    """Adds `info["labels"]`, the values of RAM labels at the time of the observation.
+
+    For a single environment it is a dict of integers by name; the value of a label that is not visible is None (see
+    `LabelValues`). `RamLabels(envs)` of an `AtariVectorEnv` is a `VectorRamLabels`.
+
+    Args:
+        env: an `AtariEnv`, or a wrapper around one, or around an `AtariVectorEnv`.
+        labels: the names of the labels; None is all.
+        names: "game" selects the names and values of `atari.games[game].ram_labels`, "atari_ari" the names of
+            AtariARI's `AtariARIWrapper`, whose values are unchanged bytes, always visible.
+
+    Raises:
+        TypeError: `env` is another environment.
+        KeyError: the game has no label of a name; the message suggests the nearest.
+        ValueError: the game has no labels, or AtariARI does not have the game.
+
+    Example:
+        >>> import atari
+        >>> from atari.lab import RamLabels
+        >>> env = RamLabels(atari.make("breakout"), ["lives", "player_x"])
+        >>> env.reset(seed=0)[1]["labels"]
+        {'lives': 5, 'player_x': 99}
+    """
+
+    @overload
+    def __new__(
+        cls, env: gymnasium.Env[Any, Any], labels: Iterable[str] | None = None, names: Names = "game"
+    ) -> "RamLabels": ...
+    @overload
+    def __new__(  # type: ignore[misc]
+        cls, env: VectorEnv, labels: Iterable[str] | None = None, names: Names = "game"
+    ) -> VectorRamLabels: ...
+    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
+        """A `VectorRamLabels` for a vector; copying and pickling call this without arguments."""
+        return VectorRamLabels(env, *args, **kwargs) if is_vector(env) else super().__new__(cls)

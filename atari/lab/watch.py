@@ -1,7 +1,7 @@
 """`Watch`: a wrapper that logs chosen labels and bytes of RAM while a game is played."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, overload
 
 import gymnasium
 import numpy as np
@@ -10,6 +10,7 @@ import numpy.typing as npt
 from atari._gymnasium import VectorEnv, VectorWrapper
 from atari.env import AtariEnv
 from atari.lab.ram import Ram
+from atari.recording.vectors import is_vector
 from atari.restorable import Restorable
 from atari.validation import check_name
 from atari.vector import AtariVectorEnv
@@ -41,46 +42,8 @@ class _History:
         self._log.stopped = True
 
 
-class Watch(_History, Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
-    """Log values of RAM after each reset, and after each step or emulated frame.
-
-    The log of an `AtariVectorEnv` has the values of all its lanes, or of one; `Watch(envs, ...)` makes a `VectorWatch`.
-
-    Args:
-        env: an `AtariEnv` or an `AtariVectorEnv`, in any wrappers. With each="step", a step is one of this wrapper.
-        what: names of labels, and places (0..127, or 0x80..0xFF) of bytes.
-        each: "step", or "frame" for all emulated frames, also inside a frame skip and in resets of wrappers. A vector
-            is logged by steps.
-        index: the lane of a vector to log; None logs all lanes.
-        on_change: called with name or place, the value before, and the value now, after each change but the first;
-            None is the value of a label that is not visible. It must not change the environment. Its errors end the
-            step after it was played.
-
-    Raises:
-        TypeError: `env` is neither, a name is of the wrong kind, or `index` is given for an `AtariEnv`.
-        ValueError, KeyError: there is no such label or place, none is given, or `each` is something else.
-        IndexError: there is no such lane.
-
-    Example:
-        >>> import atari
-        >>> from atari.lab import Watch
-        >>> env = Watch(atari.make("breakout"), "lives", 0xE3)
-        >>> observation, info = env.reset(seed=0)
-        >>> observation = env.step(1)[0]
-        >>> env.history["lives"].tolist()
-        [5, 5]
-        >>> envs = Watch(atari.AtariVectorEnv("breakout", 2), "lives")
-        >>> observations, info = envs.reset(seed=0)
-        >>> envs.history["lives"].tolist()
-        [[5, 5]]
-        >>> envs.close()
-    """
-
-    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
-        """A `VectorWatch` for a vector; copying and pickling call this without arguments."""
-        if isinstance(env, gymnasium.vector.VectorEnv) or isinstance(getattr(env, "unwrapped", None), AtariVectorEnv):
-            return VectorWatch(env, *args, **kwargs)
-        return super().__new__(cls)
+class EnvWatch(_History, Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
+    """Log values of RAM of an `AtariEnv`: `Watch(env, ...)` makes it."""
 
     def __init__(
         self,
@@ -176,6 +139,64 @@ class VectorWatch(_History, VectorWrapper):
         frames = [lane.frame_number for lane in self._lanes]
         self._log.append(frames[0] if self._single else frames)
         self._log.raise_error()
+
+
+class Watch(EnvWatch):
+    """Log values of RAM after each reset, and after each step or emulated frame.
+
+    The log of an `AtariVectorEnv` has the values of all its lanes, or of one; `Watch(envs, ...)` makes a `VectorWatch`.
+
+    Args:
+        env: an `AtariEnv` or an `AtariVectorEnv`, in any wrappers. With each="step", a step is one of this wrapper.
+        what: names of labels, and places (0..127, or 0x80..0xFF) of bytes.
+        each: "step", or "frame" for all emulated frames, also inside a frame skip and in resets of wrappers. A vector
+            is logged by steps.
+        index: the lane of a vector to log; None logs all lanes.
+        on_change: called with name or place, the value before, and the value now, after each change but the first;
+            None is the value of a label that is not visible. It must not change the environment. Its errors end the
+            step after it was played.
+
+    Raises:
+        TypeError: `env` is neither, a name is of the wrong kind, or `index` is given for an `AtariEnv`.
+        ValueError, KeyError: there is no such label or place, none is given, or `each` is something else.
+        IndexError: there is no such lane.
+
+    Example:
+        >>> import atari
+        >>> from atari.lab import Watch
+        >>> env = Watch(atari.make("breakout"), "lives", 0xE3)
+        >>> observation, info = env.reset(seed=0)
+        >>> observation = env.step(1)[0]
+        >>> env.history["lives"].tolist()
+        [5, 5]
+        >>> envs = Watch(atari.AtariVectorEnv("breakout", 2), "lives")
+        >>> observations, info = envs.reset(seed=0)
+        >>> envs.history["lives"].tolist()
+        [[5, 5]]
+        >>> envs.close()
+    """
+
+    @overload
+    def __new__(
+        cls,
+        env: gymnasium.Env[Any, Any],
+        *what: str | int,
+        each: Each = "step",
+        index: int | None = None,
+        on_change: OnChange | None = None,
+    ) -> "Watch": ...
+    @overload
+    def __new__(  # type: ignore[misc]
+        cls,
+        env: VectorEnv,
+        *what: str | int,
+        each: Each = "step",
+        index: int | None = None,
+        on_change: OnChange | None = None,
+    ) -> VectorWatch: ...
+    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
+        """A `VectorWatch` for a vector; copying and pickling call this without arguments."""
+        return VectorWatch(env, *args, **kwargs) if is_vector(env) else super().__new__(cls)
 
 
 class _FrameLogger:

@@ -11,7 +11,7 @@ from atari.cores import Core
 from atari.games.game import Game
 from atari.learning.policies import load_policy
 from atari.observations.frames import Frame, FrameObservations
-from atari.policy_needs import Needs, composed, needs_of
+from atari.policy.needs import Needs, composed, needs_of
 from atari.task import Task
 from atari.task.fields import GROUPS
 

@@ -33,7 +33,7 @@ OF_CORE = (
 """The fields of a task that a core honours."""
 
 _BASE = {"repeat_action_probability": 0.0, "frameskip": 1, "max_num_frames_per_episode": None}
-"""Fields of a name alone that replace those of ALE's v5."""
+"""Defaults of a game without a task, instead of the defaults of ALE's v5 environments."""
 
 _RESTORED = ("repeat_action_probability", "parameters", "corrected_scores", "end_of_reset", "random_words")
 """Options outside a snapshot, which must be equal in two cores for the same continuation."""
@@ -41,6 +41,8 @@ _RESTORED = ("repeat_action_probability", "parameters", "corrected_scores", "end
 
 class MultiplayerCore(EmulatorCore):
     """A game for two to four players. All players see one screen, and act in each frame.
+
+    It is an `atari.cores.Core` whose `act` plays an action of player 1, and NOOP of the others.
 
     Multi-Agent-ALE 0.1.12 is the reference. ale-py's announced version for several players differs in the numbers of
     modes, the end of a reset and the source of random words; each has an option.
@@ -108,7 +110,7 @@ class MultiplayerCore(EmulatorCore):
         self.game: Game = task.definition
         self.rom = rom
         self.rules = rules_of(self.game)
-        self.mode, self.players = choose_mode(self.game, task.mode, task.players)
+        mode, self.players = choose_mode(self.game, task.mode, task.players)
         self.sound = sound
         self.frame_skip = task.frames[0]
         limit = task.max_num_frames_per_episode or 0
@@ -120,7 +122,7 @@ class MultiplayerCore(EmulatorCore):
             "difficulty": task.set_difficulty,
             "end_of_reset": end_of_reset,
             "max_num_frames_per_episode": limit,
-            "mode": self.mode + (self.rules.mode_offset if mode_numbers == "ale_py" else 0),
+            "mode": mode + (self.rules.mode_offset if mode_numbers == "ale_py" else 0),
             "mode_numbers": mode_numbers,
             "parameters": dict(parameters or {}),
             "players": self.players,
@@ -145,7 +147,7 @@ class MultiplayerCore(EmulatorCore):
             one_generator=random_words == "multi_agent_ale",
             second_player_starts=end_of_reset == "multi_agent_ale",
         )
-        super().set_mode(self.mode)
+        super().set_mode(mode)
         if task.set_difficulty is not None:
             super().set_difficulty(task.set_difficulty)
         for write in writes.make_writes(self.game, task.interventions):
@@ -162,8 +164,42 @@ class MultiplayerCore(EmulatorCore):
         """Lives of each player: 0 in games without lives, -1 if the player is out."""
         return super().player_lives[: self.players]
 
-    def close(self) -> None:
-        """Do nothing: the core holds no files."""
+    def seed(self, seed: int) -> None:
+        """Start over with this seed, without loading the game again."""
+        super().seed(check_integer("seed", seed, 0, SEED_LIMIT - 1))
+
+    def set_mode(self, mode: int) -> None:
+        """Play one of the modes for these players, by Multi-Agent-ALE's number, from the next reset on."""
+        chosen, _ = choose_mode(self.game, check_integer("mode", mode, -(2**31), 2**31 - 1), self.players)
+        self.options["mode"] += chosen - self.mode
+        self.task = self.task.with_set(mode=chosen)
+        super().set_mode(chosen)
+
+    def set_difficulty(self, difficulty: int) -> None:
+        """Play one of the game's difficulties from the next frame on."""
+        if check_integer("difficulty", difficulty, 0, 3) not in self.rules.difficulties:
+            raise ValueError(
+                f"difficulty of {self.game.id} must be one of {self.rules.difficulties}, got {difficulty!r}"
+            )
+        self.task = self.task.with_set(difficulty=difficulty)
+        self.options["difficulty"] = self.task.set_difficulty
+        super().set_difficulty(difficulty)
+
+    def with_sound(self) -> "MultiplayerCore":
+        """This core if it makes sound, else a new one that does, in the same state."""
+        if self.sound:
+            return self
+        core = MultiplayerCore(
+            self.game,
+            rom=self.rom,
+            sound=True,
+            frameskip=self.frame_skip,
+            interventions=self.task.interventions,
+            **self.options,
+        )
+        core.writes = self.writes
+        core.load(self.save())
+        return core
 
     def _check(self, facts: dict[str, Any]) -> None:
         modes = self.rules.modes

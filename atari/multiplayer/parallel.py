@@ -34,7 +34,7 @@ _BASE = {
     "max_episode_steps": 100_000,
     "seeding": "ale",
 }
-"""Fields of a name alone that replace those of ALE's v5, as in PettingZoo's environments."""
+"""Defaults of a game without a task, as in PettingZoo's environments, instead of the defaults of ALE's v5."""
 
 _NO_OP = 0
 

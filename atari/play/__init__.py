@@ -6,14 +6,9 @@ of both. `speaker` and `window` output sound and frames. Controls, sessions and 
 `loop` connects them.
 """
 
-from typing import Any
-
-from atari._renamed import missing
+from atari._renamed import old_names
 from atari.play.loop import play
 from atari.play.session import Session
 
 __all__ = ["Session", "play"]
-
-
-def __getattr__(name: str) -> Any:
-    raise missing("atari.play", name)
+__getattr__ = old_names("atari.play")

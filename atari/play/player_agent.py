@@ -8,7 +8,7 @@ from atari.games.game import Game
 from atari.learning.frame_agent import FrameAgent
 from atari.multiplayer import MultiplayerCore
 from atari.observations.frames import Frame
-from atari.policy_needs import Needs
+from atari.policy.needs import Needs
 from atari.task import Task
 from atari.task.fields import ObsType
 

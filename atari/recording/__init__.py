@@ -1,8 +1,6 @@
 """Recorded gameplay: videos with sound, replays that reproduce a game exactly, and datasets made from replays."""
 
-from typing import Any
-
-from atari._renamed import missing
+from atari._renamed import old_names
 from atari.recording.datasets import to_minari
 from atari.recording.replay.record_replay import RecordReplay
 from atari.recording.replay.replay import Replay
@@ -11,7 +9,4 @@ from atari.recording.video.record_video import RecordVideo
 from atari.recording.video.writer import VideoWriter
 
 __all__ = ["RecordReplay", "RecordVideo", "Replay", "VideoWriter", "to_minari", "video_facts"]
-
-
-def __getattr__(name: str) -> Any:
-    raise missing("atari.recording", name)
+__getattr__ = old_names("atari.recording")

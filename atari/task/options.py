@@ -73,7 +73,7 @@ class VectorTaskOptions(_Shared, total=False):
 
 
 class MakeOptions(TaskOptions, total=False):
-    """The options of `atari.make`: those of a task, of an environment, and of `gymnasium.make`."""
+    """The options of `atari.make`: the options of a task, of an environment and of `gymnasium.make`."""
 
     render_mode: str | None
     core: str

@@ -6,6 +6,7 @@ import numpy as np
 
 from atari.cores import Core
 from atari.games.game import Game
+from atari.games.players import choices
 from atari.testing.contract import broken_by, check_maker, refuses, require, require_same
 from atari.testing.core_play import (
     ARRAYS,
@@ -16,6 +17,7 @@ from atari.testing.core_play import (
     made,
     new,
     play,
+    players_of,
     shape_of,
     some_actions,
     unchanged,
@@ -29,6 +31,9 @@ LIMITS = (10, 1002)
 
 def check_core(make: MakeCore, *, reference: MakeCore | None = None, steps: int = 60) -> None:
     """Check that cores keep the contract of `atari.cores.Core`.
+
+    A core for several players has their number as `players`, and `act_players`; `act` plays player 1's action, and NOOP
+    of the others.
 
     The checks cover arrays and `out`, counters, limits and ends, seeds and sticky actions, modes, RAM, snapshots and
     cloned states, `close`, and arguments that must be refused before anything changes.
@@ -54,11 +59,12 @@ def check_core(make: MakeCore, *, reference: MakeCore | None = None, steps: int 
         check_maker("check_core", reference, "NativeCore(game, **options)")
     for check in (_check_new, _check_arrays, _check_out, _check_screens, _check_sound, _check_memory, _check_choices):
         check(make)
-    for check_play in (_check_seeds, _check_counters, _check_frame_skip, _check_actions, check_snapshots):
+    for check in (_check_counters, _check_actions, _check_players):
+        check(make)
+    for check_play in (_check_seeds, _check_frame_skip, check_snapshots):
         check_play(make, steps)
-    _check_end(make)
-    _check_refusals(make)
-    _check_close(make)
+    for check in (_check_end, _check_refusals, _check_close):
+        check(make)
     if reference is not None:
         _check_reference(make, reference, steps)
 
@@ -181,23 +187,49 @@ def _check_memory(make: MakeCore) -> None:
 
 def _check_choices(make: MakeCore) -> None:
     """Check modes and difficulties."""
-    for name in ("mode", "difficulty"):
+    core = made(make)
+    for name, numbers in choices(core.game, players_of(core)).items():
         core = made(make)
-        numbers = core.game.modes if name == "mode" else core.game.difficulties
         for number in numbers[:3]:
             seen = getattr(made(make, **{name: number}), name)
             require(seen == number, f"{name} of a core made with {name}={number} must be {number}, got {seen!r}")
             getattr(core, f"set_{name}")(number)
             seen = getattr(core, name)
             require(seen == number, f"{name} must be {number} after set_{name}({number}), got {seen!r}")
-        for wrong in (max(numbers, default=0) + 1, "0"):
+            seen = getattr(core.with_sound(), name)
+            require(seen == number, f"with_sound() must keep the {name} {number}, got {seen!r}")
+            core.seed(1)
+            seen = getattr(core, name)
+            require(seen == number, f"seed() must keep the {name} {number}, got {seen!r}")
+        for wrong in (1000, "0"):
             with unchanged(core, f"set_{name}({wrong!r})"), refuses(f"set_{name}({wrong!r})", TypeError, ValueError):
                 getattr(core, f"set_{name}")(wrong)
             with refuses(f"make({name}={wrong!r})", TypeError, ValueError):
                 make(**{name: wrong})
 
 
-def _check_counters(make: MakeCore, steps: int) -> None:
+def _check_players(make: MakeCore) -> None:
+    """Check `act_players`: `act` plays the same with an action of player 1, and NOOP of the others."""
+    core, alone = made(make), made(make)
+    others = [NOOP] * (players_of(core) - 1)
+    if not others:
+        return
+    for action in some_actions(core, 20):
+        rewards, expected = core.act_players([action, *others]), alone.act(action)  # type: ignore[attr-defined]
+        call = f"act_players({[action, *others]})"
+        require(len(rewards) == players_of(core), f"{call} must return a reward for each player, got {rewards!r}")
+        require_same(
+            {"reward": expected, **visible(alone)},
+            {"reward": rewards[0], **visible(core)},
+            "the core",
+            f"{call} must play as act({action})",
+        )
+    for wrong in ([NOOP], [NOOP, NOOP, *others], [18, *others], [*others, None]):
+        with unchanged(core, f"act_players({wrong})"), refuses(f"act_players({wrong})", TypeError, ValueError):
+            core.act_players(wrong)  # type: ignore[attr-defined]
+
+
+def _check_counters(make: MakeCore) -> None:
     core = made(make, frame_skip=3)
     before = [core.frame_number, core.episode_frame_number]
     for act in range(1, 5):
@@ -249,7 +281,7 @@ def _check_frame_skip(make: MakeCore, steps: int) -> None:
             require_same(getattr(one, name)(), getattr(four, name)(), f"{name}()", f"{call} must play four frames")
 
 
-def _check_actions(make: MakeCore, steps: int) -> None:
+def _check_actions(make: MakeCore) -> None:
     expected = play(made(make), [3] * 5)
     integers: tuple[Any, ...] = (np.int64(3), np.uint8(3), np.array(3))
     for action in integers:
@@ -258,8 +290,9 @@ def _check_actions(make: MakeCore, steps: int) -> None:
             seen = play(other, [action] * 5)
         require_same(expected, seen, "play", f"act({action!r}) must play as act(3)")
     core, idler = made(make), made(make)
+    legal = core.game.legal_actions if players_of(core) == 1 else ()
     for action in range(18):
-        if core.game.legal_actions and action not in core.game.legal_actions:
+        if legal and action not in legal:
             expected, seen = play(idler, [NOOP] * 3), play(core, [action] * 3)
             require_same(expected, seen, "play", f"act({action}), which the game forbids, must play as act(0)")
 
@@ -296,7 +329,7 @@ def _last_ram(make: MakeCore, steps: int, **options: Any) -> bytes:
 def _check_refusals(make: MakeCore) -> None:
     options = {
         "seed": (-1, 2**32, 1.5, None, True),
-        "repeat_action_probability": (-0.1, 1.01, float("nan"), "0.5", None),
+        "repeat_action_probability": (-0.1, 1.01, float("nan"), "0.5"),
         "frame_skip": (0, "4"),
         "max_num_frames_per_episode": (-1, 1.0),
     }

@@ -39,6 +39,11 @@ def play(core: Core, actions: Iterable[int]) -> list[dict[str, Any]]:
     return [{"reward": core.act(action), **visible(core)} for action in actions]
 
 
+def players_of(core: Core) -> int:
+    """The number of players: an attribute of cores for several players."""
+    return getattr(core, "players", 1)
+
+
 def some_actions(core: Core, count: int, seed: int = 0) -> list[int]:
     """Random actions of the core's game."""
     return [int(one) for one in random.Random(seed).choices(core.game.minimal_actions or range(18), k=count)]

@@ -10,7 +10,7 @@ from typing_extensions import Unpack
 
 from atari.games.catalog import games
 from atari.policy import LoadedPolicy, makes_policy, show
-from atari.policy_needs import composed, needs_of
+from atari.policy.needs import composed, needs_of
 from atari.task import Task
 from atari.task.fields import GROUPS
 from atari.task.options import VectorTaskOptions

@@ -129,7 +129,7 @@ def _rollout_from(envs: Any, seed: Any, mode: AutoresetMode, actions: list[Any])
 
 
 def _check_results(envs: Any, mode: AutoresetMode, actions: list[Any]) -> Results:
-    """Check each result, and return those of seed 3."""
+    """Check each result, and return the results from `reset(seed=3)` on."""
     observation, info = envs.reset(seed=3)
     results = [copy.deepcopy((observation, info))]
     kept = [(observation, results[0][0])]

@@ -210,8 +210,8 @@ def ends_of_stacks(task: Task, terminations: Bools, truncations: Bools, info: Ma
 
     Args:
         task: with `seamless_lives` or `life_loss_info`, the vector must have `game_info`.
-        terminations, truncations: those of the step, (num_envs,).
-        info: that of the step; with SAME_STEP its "final_info".
+        terminations, truncations: results of the step, (num_envs,).
+        info: the `info` of the step; with SAME_STEP its "final_info".
     """
     ended: Bools = terminations | truncations
     if not task.life_loss_info and (not task.seamless_lives or task.on_reset == "new_game"):

@@ -54,7 +54,7 @@ LAST = {"JMP", "JSR", "RTS", *BRANCHES}
 
 def opcodes() -> list[tuple[str, str]]:
     """Operation and form of the 256 opcodes."""
-    text = (EMULATOR / "machine" / "opcodes.def").read_text()
+    text = (EMULATOR / "machine" / "cpu" / "opcodes.def").read_text()
     return re.findall(r"^OPCODE\(0x\w\w, (\w+), (\w+),", text, re.M)
 
 

@@ -1,24 +1,17 @@
-"""The pages of the notebooks of docs/notebooks/, with the outputs of a run that the build keeps in build/notebooks/."""
+"""The pages of the notebooks of docs/notebooks/, with the outputs of a run."""
 
 import base64
-import hashlib
 import html
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
-import nbformat
 from documents import ROOT
-from nbclient import NotebookClient
+from notebook_runs import kept_run
 from page import Page
 
-import atari
-
 FOLDER = ROOT / "docs" / "notebooks"
-RUNS = ROOT / "build" / "notebooks"
-_SECONDS = 300  # the most that a cell may take
 _PICTURE = re.compile(r"data:image/png;base64,([A-Za-z0-9+/=]+)")
 _TAG_GAPS = re.compile(r"\s*\n\s*")
 
@@ -29,34 +22,6 @@ def pages() -> Iterator[Page]:
         yield from _Notebook(path).pages()
 
 
-def run(path: Path) -> Any:
-    """A notebook with the outputs of its cells; it runs only if it or the package has changed since the last time.
-
-    Raises:
-        nbclient.exceptions.CellExecutionError: a cell has failed.
-    """
-    kept = RUNS / f"{path.stem}-{_version(path)}.ipynb"
-    if not kept.exists():
-        notebook = nbformat.read(path, as_version=4)
-        with TemporaryDirectory() as folder:
-            NotebookClient(notebook, timeout=_SECONDS, resources={"metadata": {"path": folder}}).execute()
-        RUNS.mkdir(parents=True, exist_ok=True)
-        for old in RUNS.glob(f"{path.stem}-*.ipynb"):
-            old.unlink()
-        nbformat.write(notebook, kept)
-    return nbformat.read(kept, as_version=4)
-
-
-def _version(path: Path) -> str:
-    """A hash of the notebook and of the installed package."""
-    package = Path(str(atari.__file__)).parent
-    files = sorted(file for file in package.rglob("*") if file.suffix in (".py", ".so", ".pyd", ".toml"))
-    found = hashlib.sha256(path.read_bytes())
-    for file in files:
-        found.update(file.read_bytes())
-    return found.hexdigest()[:16]
-
-
 class _Notebook:
     """A notebook as a page. Pictures in its outputs become files beside the page."""
 
@@ -65,7 +30,7 @@ class _Notebook:
         self.pictures: list[Page] = []
 
     def pages(self) -> Iterator[Page]:
-        parts = [part for cell in run(self.path).cells for part in self._cell(cell)]
+        parts = [part for cell in kept_run(self.path).cells for part in self._cell(cell)]
         # After the title, which is the first line.
         title, _, rest = parts[0].partition("\n")
         link = f"[Download this notebook]({self.path.name}) to run it yourself."

@@ -12,10 +12,13 @@ import atari
 from atari import _emulator
 from attack.findings import attempt
 
-# They do what they are asked for: write a file of any name, play any number of frames, or raise AttributeError for a name
-# that is not there.
-LEFT_OUT = {"saveScreenPNG", "play_frames", "call", "get_attr", "set_attr"}
+# These methods write a file of any name, or raise AttributeError for a name that does not exist.
+LEFT_OUT = {"saveScreenPNG", "call", "get_attr", "set_attr"}
 LEFT_OUT |= {"get_wrapper_attr", "set_wrapper_attr", "has_wrapper_attr"}
+
+
+FRAMES = {"play_frames", "play_until"}
+"""Methods that need `frames` by name."""
 
 
 class BadIndex:
@@ -66,20 +69,23 @@ def targets(source: random.Random) -> list[Any]:
     for made in (env, vector):
         if source.random() < 0.8:
             made.reset(seed=source.randrange(100))
-    return [env, env.core, env.ale, vector, vector._engine if hasattr(vector, "_engine") else vector]
+    return [env, env.core, env.ale, vector, vector._engine if hasattr(vector, "_engine") else vector, env.driver]
 
 
 def attack(seed: int) -> None:
     """Call random methods with random arguments; the objects must go on working, or say that they are closed."""
     source = random.Random(seed)
     objects = targets(source)
+    driver = objects[-1]
     for _ in range(60):
         target = source.choice(objects)
         names = [name for name in dir(target) if not name.startswith("_") and name not in LEFT_OUT]
         method = attempt_to_get(target, source.choice(names))
         if callable(method) and not inspect.isclass(method):
             arguments = [hostile(source) for _ in range(source.choice((0, 1, 1, 1, 2, 3)))]
-            attempt(lambda method=method, arguments=arguments: method(*arguments))
+            frames = source.choice((0, 1, 4, 70, -1, 2.5, None, "x"))
+            named = {"frames": frames} if target is driver and method.__name__ in FRAMES else {}
+            attempt(lambda method=method, arguments=arguments, named=named: method(*arguments, **named))
     for name in source.sample([name for name in dir(_emulator) if not name.startswith("_")], 6):
         made = getattr(_emulator, name)
         if callable(made):

@@ -75,3 +75,12 @@ def test_settings_are_carried_to_a_copy() -> None:
     game.core.set_mode(1)
     copy.restore_settings(game.settings_state())
     assert (copy.core.sound, copy.core.mode, copy.core_options) == (True, 1, game.core_options)
+
+
+def test_other_settings_are_refused_and_change_nothing() -> None:
+    game = loaded(NativeCore)
+    before = game.settings_state()
+    with pytest.raises(ValueError, match="takes a result of settings_state, and 'core_options' is missing"):
+        game.restore_settings({"ale_settings": before["ale_settings"], "sound": True})
+    assert game.settings_state()["core_options"] == before["core_options"]
+    assert not game.core.sound

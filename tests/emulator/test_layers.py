@@ -12,19 +12,26 @@ SOURCES = Path(__file__).parents[2] / "atari" / "emulator"
 CLIENT = Path(__file__).parents[1] / "instructions" / "play.cpp"
 
 # The folders whose files a folder's files may include, besides their own.
-FAST = {"machine", "fast", "fast/interpreter", "fast/jit", "fast/tia"}
+MACHINE = {"machine", "machine/cartridge", "machine/cpu", "machine/tia"}
+FAST = MACHINE | {"fast", "fast/interpreter", "fast/jit", "fast/tia"}
+ALE = FAST | {"ale", "ale/colours", "ale/programs"}
 ALLOWED = {
-    "machine": set[str](),
+    "machine": MACHINE,
+    "machine/cartridge": {"machine"},
+    "machine/cpu": {"machine"},
+    "machine/tia": {"machine"},
     "fast": FAST,
     "fast/interpreter": FAST,
     "fast/jit": FAST,
-    "fast/tia": {"machine", "fast"},
-    "ale": FAST,
-    "observations": FAST | {"ale"},
+    "fast/tia": MACHINE | {"fast"},
+    "ale": ALE,
+    "ale/colours": FAST,
+    "ale/programs": MACHINE,
+    "observations": ALE,
     "memory": set[str](),
-    "vector": FAST | {"ale", "observations"},
-    "lab": FAST | {"ale", "vector"},
-    "python": FAST | {"ale", "observations", "vector", "memory", "lab"},
+    "vector": ALE | {"observations"},
+    "lab": ALE | {"vector"},
+    "python": ALE | {"observations", "vector", "memory", "lab"},
 }
 
 
@@ -54,32 +61,37 @@ def test_every_folder_is_a_part() -> None:
     assert {str(file.parent.relative_to(SOURCES)) for file in sources()} == set(ALLOWED)
 
 
-# The chips of the machine by the names of their files, each with the chips that it uses.
+# The chips of the machine by their files, each with the chips that it uses.
 CHIPS: dict[str, set[str]] = {
-    "cpu": set(),
-    "cpu_instructions": {"cpu"},
-    "riot": set(),
-    "sound": set(),
-    "tia_renderer": set(),
-    "tia": {"tia_renderer"},
-    "dpc": set(),
-    "bankswitching": {"dpc"},
+    "machine/cpu/cpu": set(),
+    "machine/cpu/cpu_instructions": {"machine/cpu/cpu"},
+    "machine/riot": set(),
+    "machine/tia/sound": set(),
+    "machine/tia/tia_renderer": set(),
+    "machine/tia/tia": {"machine/tia/tia_renderer"},
+    "machine/cartridge/dpc": set(),
+    "machine/cartridge/bankswitching": {"machine/cartridge/dpc"},
 }
 
 
 def included(name: str, seen: set[str]) -> set[str]:
     """The names of all files of the machine that a file includes, directly or not."""
-    for file in (SOURCES / "machine" / f"{name}.hpp", SOURCES / "machine" / f"{name}.cpp"):
+    for file in (SOURCES / f"{name}.hpp", SOURCES / f"{name}.cpp"):
         if not file.exists():
             continue
-        for inner in re.findall(r'#include "(\w+)\.hpp"', file.read_text()):
-            if inner not in seen:
-                seen.add(inner)
-                included(inner, seen)
+        for inner in re.findall(r'#include "([\w/]+)\.hpp"', file.read_text()):
+            found = inner if "/" in inner else f"{Path(name).parent.as_posix()}/{inner}"
+            if found not in seen:
+                seen.add(found)
+                included(found, seen)
     return seen
+
+
+def test_every_chip_is_a_file() -> None:
+    assert all((SOURCES / f"{chip}.hpp").exists() for chip in CHIPS)
 
 
 @pytest.mark.parametrize("chip", CHIPS)
 def test_a_chip_includes_no_other_chip(chip: str) -> None:
-    others = (CHIPS.keys() | {"console", "state"}) - CHIPS[chip] - {chip}
+    others = (CHIPS.keys() | {"machine/console", "machine/state"}) - CHIPS[chip] - {chip}
     assert not included(chip, set()) & others

@@ -32,8 +32,8 @@ def test_every_option_is_described(agent: str) -> None:
     assert set(descriptions(options)) == {field.name for field in fields(options)}
 
 
-STEPS = {"ppo": 512, "pqn": 512, "dqn": 1200}
-"""Eight updates of PPO and PQN, and 14 of DQN, which learns from step 500 on."""
+STEPS = {"ppo": 256, "pqn": 256, "dqn": 800}
+"""Four updates of PPO and PQN, and six of DQN, which learns from step 500 on."""
 
 Weights = dict[str, Any]
 

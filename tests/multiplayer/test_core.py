@@ -1,5 +1,6 @@
 """`MultiplayerCore`: players, options, snapshots. `test_goldens.py` compares it with Multi-Agent-ALE."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -8,12 +9,52 @@ import pytest
 import atari
 from atari.cores import NativeCore
 from atari.multiplayer import MultiplayerCore
+from atari.testing import ContractError, check_core
 
 GAMES = [game.id for game in atari.games.values() if game.multiplayer]
 
 
 def test_twenty_seven_games_have_rules_for_several_players() -> None:
     assert len(GAMES) == 27
+
+
+def core_of(game: str, *, frame_skip: int = 1, **options: Any) -> MultiplayerCore:
+    """A core made with the options of cores for one player."""
+    return MultiplayerCore(game, frameskip=frame_skip, **options)
+
+
+@pytest.mark.parametrize("game", ["pong", "warlords", "combat", "flag_capture", "video_checkers"])
+def test_it_keeps_the_contract_of_cores(game: str) -> None:
+    check_core(partial(core_of, game))
+    check_core(partial(core_of, game, end_of_reset="ale_py", random_words="ale_py"), steps=12)
+
+
+class PaysTheFirst(MultiplayerCore):
+    def act_players(self, actions: Any) -> Any:
+        return super().act_players(actions)[:1]
+
+
+class LeavesPlayersOut(MultiplayerCore):
+    def act_players(self, actions: Any) -> Any:
+        return super().act_players([*actions, 0, 0, 0][: self.players])
+
+
+class PlaysTheSecond(MultiplayerCore):
+    def act_players(self, actions: Any) -> Any:
+        return super().act_players([*actions[1:], actions[0]])
+
+
+@pytest.mark.parametrize(
+    ("core_type", "sentence"),
+    [
+        (PaysTheFirst, r"act_players\(\[\d+, 0\]\) must return a reward for each player, got \[0\]"),
+        (LeavesPlayersOut, r"act_players\(\[0\]\) must raise TypeError or ValueError, but raised nothing"),
+        (PlaysTheSecond, r"act_players\(\[\d+, 0\]\) must play as act\(\d+\); the core"),
+    ],
+)
+def test_a_fault_of_act_players_gets_its_sentence(core_type: type[MultiplayerCore], sentence: str) -> None:
+    with pytest.raises(ContractError, match=sentence):
+        check_core(lambda frame_skip=1, **options: core_type("pong", frameskip=frame_skip, **options), steps=12)
 
 
 @pytest.mark.parametrize("game", GAMES)
@@ -94,6 +135,31 @@ def test_parameters_of_the_rules_can_be_set() -> None:
         return sum(sum(core.act_players([0, 0])) for _ in range(400))
 
     assert (rewards(180), rewards(100), rewards(0)) == (-2, -3, 0)
+
+
+def test_a_mode_and_a_difficulty_can_be_set() -> None:
+    core = MultiplayerCore("tennis", mode_numbers="ale_py")
+    core.set_mode(4)
+    core.set_difficulty(1)
+    assert (core.mode, core.difficulty, core.task.mode, core.task.difficulty) == (4, 1, 4, 1)
+    core.reset()
+    other = MultiplayerCore("tennis", **core.options)
+    other.reset()
+    assert np.array_equal(core.ram(), other.ram())
+    for wrong, kind in ((1, ValueError), (None, TypeError), ("2", TypeError)):
+        with pytest.raises(kind):
+            core.set_mode(wrong)
+    for wrong, kind in ((4, ValueError), (None, TypeError)):
+        with pytest.raises(kind):
+            core.set_difficulty(wrong)
+    assert (core.mode, core.difficulty) == (4, 1)
+
+
+def test_a_closed_core_says_so() -> None:
+    core = MultiplayerCore("pong")
+    core.close()
+    with pytest.raises(RuntimeError, match="this core is closed"):
+        core.act_players([0, 0])
 
 
 def test_wrong_calls_change_nothing() -> None:

@@ -31,7 +31,7 @@ PARTS = {
     "wrappers": ("wrappers/*.py",),
     "jit": ("atari/emulator/fast/jit/*.cpp",),
     "memory": ("atari/emulator/memory/*.cpp", "atari/learning/memory/*.py"),
-    "rules": ("atari/games/rules.py", "atari/games/compiler.py", "atari/emulator/ale/*.cpp"),
+    "rules": ("atari/games/rules.py", "atari/games/compiler.py", "atari/emulator/ale/**/*.cpp"),
 }
 """The parts of the package whose files are changed."""
 

@@ -319,8 +319,8 @@ def test_the_mode_says_how_many_players_there_are(
     [
         (["breakout", "--players", "2"], "there is no game of several players named 'breakout'"),
         (["combat", "--players", "3"], "combat is for 2 players, got players=3"),
-        (["pong_v3", "--players", "3"], "pong_v3 is for 2 or 4 players, got 3"),
-        (["boxing_v2", "--players", "4"], "boxing_v2 is for 2 players, got 4"),
+        (["pong_v3", "--players", "3"], "pong is for 2 or 4 players, got players=3"),
+        (["boxing_v2", "--players", "4"], "boxing is for 2 players, got players=4"),
         (["combat"], "combat has no game of one player; give --players 2"),
         (["combat", "--players", "2", "--mode", "99"], "mode of combat for 2 players must be one of 1, 2, "),
         (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be within 0..3, got 9"),

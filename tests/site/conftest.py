@@ -11,7 +11,7 @@ FOLDER = Path(__file__).parents[2] / "scripts" / "site"
 
 @pytest.fixture(scope="session")
 def site_module() -> Callable[[str], ModuleType]:
-    """Loads a module of scripts/site by the name of its file; only those that need no generator."""
+    """Loads a module of scripts/site by the name of its file; only those that import no other one."""
 
     def load(name: str) -> ModuleType:
         full = f"site_{name}"

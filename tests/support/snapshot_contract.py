@@ -62,6 +62,18 @@ class SnapshotContract(Maker):
         core.restore(saved)
         assert play(core, some_actions(core, 20)) == expected
 
+    def test_a_snapshot_has_the_mode_and_the_difficulty_that_were_set(self) -> None:
+        core, other = self.make("pong"), self.make("pong")
+        core.set_mode(1)
+        core.set_difficulty(2)
+        other.restore(core.snapshot())
+        assert (other.mode, other.difficulty) == (1, 2)
+        core.seed(3)
+        other.seed(3)
+        core.reset()
+        other.reset()
+        assert visible(core)[:4] == visible(other)[:4]
+
     def test_a_snapshot_cut_anywhere_is_refused(self) -> None:
         core = self.make(reset=False)
         good = core.snapshot()

@@ -133,6 +133,13 @@ class FixedMode(NativeCore):
         super().set_mode(before)
 
 
+class LosesMode(NativeCore):
+    def with_sound(self) -> NativeCore:
+        core = super().with_sound()
+        core.set_mode(self.game.default_mode)
+        return core
+
+
 class TakesAnyChance(NativeCore):
     def __init__(self, game: str, *, repeat_action_probability: Any = 0.25, **options: Any) -> None:
         chance = max(repeat_action_probability, 0) if isinstance(repeat_action_probability, float) else 0.25
@@ -186,6 +193,7 @@ FAULTS: dict[type[NativeCore], str] = {
     DoublesRewards: "must be as on 'native'; the core['reward'] is 1 instead of 0",
     PlaysToRedraw: "redraw() must change nothing; the core",
     LosesSound: "with_sound() must keep the state",
+    LosesMode: "with_sound() must keep the mode 1, got 0",
     FixedMode: "mode of a core made with mode=1 must be 1, got 0",
     TakesAnyChance: "make(repeat_action_probability=-0.1) must raise TypeError or ValueError",
     TakesLongSnapshots: "restore() of a snapshot with a byte more must raise ValueError",

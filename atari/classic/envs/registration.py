@@ -111,7 +111,7 @@ def register(
         reward_threshold: the mean return from which the task counts as solved.
         nondeterministic: whether its episodes differ despite equal seeds.
         max_episode_steps: the time limit; `timestep_limit` and the tag of 2016 mean the same.
-        kwargs: arguments of the class; those of `make` have precedence.
+        kwargs: arguments of the class; arguments of `make` override them.
         timestep_limit: see `max_episode_steps`.
         tags: only the time limit among them is used.
 

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <utility>
 
-#include "averaging.hpp"
-#include "colour_conversion.hpp"
+#include "ale/colours/averaging.hpp"
+#include "ale/colours/colour_conversion.hpp"
 #include "environment_parts.hpp"
 
 namespace atari {
@@ -18,6 +18,7 @@ Environment::Environment(std::shared_ptr<const Game> game, const Settings& setti
     : parts_(new Parts{game, settings, make_console(*game, settings.plain)}) {
     if (twin) parts_->loaded = twin->parts_->loaded;
     if (twin) parts_->reset_trace = twin->parts_->reset_trace;
+    parts_->state.mode = game->default_mode;
     parts_->load(seed);
 }
 
@@ -34,10 +35,10 @@ OfPlayers<int> Environment::act(const OfPlayers<int>& actions, int players, floa
     return parts_->act(actions, players, strength);
 }
 
-int Environment::mode() const { return parts_->mode; }
-void Environment::set_mode(int mode) { parts_->mode = parts_->state.mode = mode; }
-int Environment::difficulty() const { return parts_->difficulty; }
-void Environment::set_difficulty(int difficulty) { parts_->difficulty = parts_->state.difficulty = difficulty; }
+int Environment::mode() const { return parts_->state.mode; }
+void Environment::set_mode(int mode) { parts_->state.mode = mode; }
+int Environment::difficulty() const { return parts_->state.difficulty; }
+void Environment::set_difficulty(int difficulty) { parts_->state.difficulty = difficulty; }
 
 int Environment::lives(int player) const {
     return parts_->state.variables[parts_->game->lives[static_cast<size_t>(player)]];

@@ -47,7 +47,7 @@ struct GameDefinition : GameRules {
     bool hmove_blanks = true;
     bool paddles[2] = {false, false};  // left and right jack; otherwise a joystick
     bool swap_ports = false, swap_paddles = false;
-    std::vector<int32_t> step, select_mode;  // words of programs (program.hpp)
+    std::vector<int32_t> step, select_mode;  // words of programs (programs/program.hpp)
 };
 
 struct Game;  // a compiled game definition: immutable, shared by all environments of the game

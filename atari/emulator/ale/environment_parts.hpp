@@ -10,7 +10,7 @@
 #include "game.hpp"
 #include "machine/console.hpp"
 #include "reset_trace.hpp"
-#include "writes.hpp"
+#include "ale/programs/writes.hpp"
 
 namespace atari {
 
@@ -20,7 +20,6 @@ struct Environment::Parts {
     Settings settings;
     std::unique_ptr<Console> console;  // a FastConsole, unless `settings.plain`
     EnvironmentState state{};
-    int mode = game->default_mode, difficulty = 0;        // used by the next reset
     std::shared_ptr<const EnvironmentSnapshot> loaded{};  // the state after a load; null if it depends on the seed
     std::shared_ptr<const ResetTrace> reset_trace{};      // may be null
     // The writes that every further frame applies. They are options of an environment: a snapshot has their state, but

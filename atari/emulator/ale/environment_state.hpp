@@ -8,8 +8,8 @@
 #include "environment.hpp"
 #include "machine/console.hpp"
 #include "machine/random.hpp"
-#include "program.hpp"
-#include "writes.hpp"
+#include "ale/programs/program.hpp"
+#include "ale/programs/writes.hpp"
 
 namespace atari {
 

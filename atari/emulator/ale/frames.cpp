@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "environment_parts.hpp"
-#include "evaluate.hpp"
+#include "ale/programs/evaluate.hpp"
 
 namespace atari {
 

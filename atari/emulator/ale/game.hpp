@@ -7,8 +7,8 @@
 #include "environment.hpp"
 #include "fast/fast_cartridge.hpp"
 #include "machine/console.hpp"
-#include "palettes.hpp"
-#include "program.hpp"
+#include "ale/colours/palettes.hpp"
+#include "ale/programs/program.hpp"
 
 namespace atari {
 

@@ -17,6 +17,7 @@ constexpr int kSelectFrames = 20000;  // far more than any game needs to select 
 // the loaded state is kept, and a later load copies it. (tests/cores/test_native.py compares both)
 void Environment::Parts::load(uint32_t seed) {
     const WriteState before_load = state.writes;
+    const int mode = state.mode, difficulty = state.difficulty;
     if (!loaded) {
         boot(seed);
         state = EnvironmentState{};

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "machine/cartridge.hpp"
+#include "machine/cartridge/cartridge.hpp"
 #include "fast/interpreter/decoder.hpp"
 #include "fast/jit/translated_code.hpp"
 

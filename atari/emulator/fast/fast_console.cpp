@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "machine/tia_registers.hpp"
+#include "machine/tia/tia_registers.hpp"
 
 namespace atari {
 

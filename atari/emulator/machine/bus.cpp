@@ -2,8 +2,8 @@
 // instructions are templates on the bus, and are compiled here.
 #include "console.hpp"
 
-#include "cpu_instructions.hpp"
-#include "tia_registers.hpp"
+#include "machine/cpu/cpu_instructions.hpp"
+#include "machine/tia/tia_registers.hpp"
 
 namespace atari {
 

@@ -2,11 +2,12 @@
 // with it.
 //
 // Each chip is a file of its own that includes no other chip:
-//   Cpu (cpu.hpp)                     the processor; it reaches the others through the bus alone
-//   Riot (riot.hpp)                   RAM, timer and ports
-//   ReferenceTia, TiaRenderer         the TIA's registers (tia.hpp), its pixels and collisions (tia_renderer.hpp)
-//   Sound (sound.hpp)                 the TIA's two channels
-//   CartridgeSlot (bankswitching.hpp) the window that shows a cartridge; DPC (dpc.hpp)
+//   Cpu (cpu/cpu.hpp)                   the processor; it reaches the others through the bus alone
+//   Riot (riot.hpp)                     RAM, timer and ports
+//   ReferenceTia (tia/tia.hpp)          the TIA's registers
+//   TiaRenderer (tia/tia_renderer.hpp)  its pixels and collisions
+//   Sound (tia/sound.hpp)               its two channels
+//   CartridgeSlot (cartridge/)          the window that shows a cartridge: bankswitching.hpp, dpc.hpp
 // A chip's state is a part of `Machine`. A bus access brings the address, the cycle count, and for some reads the byte
 // last on the data bus; the chips compute their state from that count. `Console` decodes addresses, and does what
 // concerns two chips: WSYNC, the end of a frame, and the reset.
@@ -19,14 +20,14 @@
 #include <cstdint>
 #include <memory>
 
-#include "bankswitching.hpp"
+#include "machine/cartridge/bankswitching.hpp"
 #include "console_config.hpp"
 #include "framebuffers.hpp"
 #include "inline.hpp"
 #include "random.hpp"
 #include "state.hpp"
-#include "tia.hpp"
-#include "tia_renderer.hpp"
+#include "machine/tia/tia.hpp"
+#include "machine/tia/tia_renderer.hpp"
 
 namespace atari {
 

@@ -9,12 +9,12 @@
 #include <type_traits>
 #include <vector>
 
-#include "cartridge.hpp"
-#include "cpu.hpp"
+#include "machine/cartridge/cartridge.hpp"
+#include "machine/cpu/cpu.hpp"
 #include "inputs.hpp"
 #include "riot.hpp"
-#include "sound.hpp"
-#include "tia_state.hpp"
+#include "machine/tia/sound.hpp"
+#include "machine/tia/tia_state.hpp"
 
 namespace atari {
 

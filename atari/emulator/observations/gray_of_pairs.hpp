@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "ale/palettes.hpp"
+#include "ale/colours/palettes.hpp"
 
 namespace atari {
 

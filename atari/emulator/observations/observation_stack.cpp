@@ -4,8 +4,8 @@
 #include <cstring>
 #include <utility>
 
-#include "ale/colour_conversion.hpp"
-#include "ale/labels.hpp"
+#include "ale/colours/colour_conversion.hpp"
+#include "ale/programs/labels.hpp"
 #include "gray_of_pairs.hpp"
 #include "pooling.hpp"
 

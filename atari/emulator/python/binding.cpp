@@ -118,12 +118,14 @@ NB_MODULE(_emulator, m) {
     count_forks();
     static_cast<void>(std::current_exception());  // allocates this thread's memory for exceptions (thread_pool.cpp)
     m.attr("END") = static_cast<int>(Op::kEnd);
-    m.doc() = "The native emulator, bound. Use it through atari.cores.NativeCore, which checks options and finds ROMs.";
+    m.doc() =
+        "The binding of the native emulator. Use it through atari.cores.NativeCore, which checks options and\n"
+        "finds ROMs.";
 
     nb::class_<Shared<Game>>(m, "Game", "A game, compiled: cartridge, console, rules. Immutable; emulators share it.")
         .def_prop_ro(
             "cartridge_type", [](const Shared<Game>& game) { return game.value->cartridge->type_name(); },
-            "The bank switching that was given or recognised, for example \"F8\".");
+            "The bank switching, given or recognised, such as \"F8\".");
 
     m.def("make_game", &bound_game, nb::kw_only(), "image"_a, "cartridge"_a, "format"_a, "detect_format"_a,
           "first_line"_a, "height"_a, "hmove_blanks"_a, "paddles"_a, "swap_ports"_a, "swap_paddles"_a, "paddle_range"_a,
@@ -148,26 +150,27 @@ NB_MODULE(_emulator, m) {
         };
     };
 
-    nb::class_<Emulator>(m, "Emulator", "A running game. The lock of the interpreter is released while it emulates.")
+    nb::class_<Emulator>(m, "Emulator", "A running game. It releases Python's interpreter lock while it emulates.")
         .def(nb::init<const Shared<Game>&, double, int, int, bool, bool, uint32_t, bool, bool, bool,
                       const std::vector<double>&>(),
              nb::kw_only(), "game"_a, "repeat_action_probability"_a, "frame_skip"_a, "max_num_frames_per_episode"_a,
              "sound"_a, "color_averaging"_a, "seed"_a, "plain"_a = false, "one_generator"_a = false,
              "second_player_starts"_a = false, "player_probabilities"_a = std::vector<double>{},
-             "`plain`: by the plain interpreter and TIA, which are slower and give the same.")
+             "`plain`: the plain interpreter and TIA play, which are slower and give the same results.")
         .def("seed", call(&Environment::seed), "seed"_a)
         .def("reset", call(&Environment::reset))
         .def("act", &Emulator::act, "action"_a.none(), "strength"_a.none() = 1.0,
              nb::sig("def act(self, action: int, strength: float = 1.0) -> int"))
-        .def(
-            "act_until", &Emulator::act_until, "action"_a.none(), "frames"_a, "strength"_a.none() = 1.0,
-            nb::sig("def act_until(self, action: int, frames: int, strength: float = 1.0) -> tuple[int, int]"),
-            "Play up to `frames` frames, until the game is over or truncated, or has another number of lives. Returns\n"
-            "the sum of the rewards, and how many frames were played.")
+        .def("act_until", &Emulator::act_until, "action"_a.none(), "frames"_a, "strength"_a.none() = 1.0,
+             nb::sig("def act_until(self, action: int, frames: int, strength: float = 1.0) -> tuple[int, int]"),
+             "Play until the game is over or truncated or the number of lives changes, but at most `frames` frames.\n"
+             "Returns the sum of the rewards and the number of frames played.")
         .def("act_players", &Emulator::act_players, "actions"_a,
              nb::sig("def act_players(self, actions: collections.abc.Sequence[int]) -> list[int]"),
-             "Hold an action of each of the first players; a reward for each.")
+             "Hold an action for each of the first players; returns a reward for each.")
         .def_prop_ro("player_lives", &Emulator::player_lives, "The lives of each player that the rules know.")
+        .def_prop_ro("mode", number(&Environment::mode))
+        .def_prop_ro("difficulty", number(&Environment::difficulty))
         .def("set_mode", call(&Environment::set_mode), "mode"_a)
         .def("set_difficulty", call(&Environment::set_difficulty), "difficulty"_a)
         .def_prop_ro("lives", [](Emulator& x) { return x.briefly([](Environment& e) { return e.lives(); }); })
@@ -203,16 +206,16 @@ NB_MODULE(_emulator, m) {
             "index"_a, "value"_a)
         .def("redraw", array(&Environment::redraw, true), "out"_a = nb::none(), nb::sig(RETURNS_ARRAY("redraw")))
         .def("add_write", &Emulator::add_write, "write"_a, "now"_a = false,
-             "Apply a write at each frame from here on, and with `now` at once; ValueError if there are MOST_WRITES.")
-        .def("remove_write", &Emulator::remove_write, "write"_a, "End a write; returns the slot that it had, or -1.")
+             "Apply a write at each later frame, and with `now` at once; ValueError if there are MOST_WRITES.")
+        .def("remove_write", &Emulator::remove_write, "write"_a, "End a write; returns its slot, or -1.")
         .def_prop_rw("writes", &Emulator::writes, &Emulator::set_writes,
-                     "The writes by slot, None where one has ended. They are applied in this order.")
-        .def("save", &Emulator::save, "The whole state as bytes, of the layout of this build.")
+                     "The writes by slot; None for a slot whose write has ended. They are applied in this order.")
+        .def("save", &Emulator::save, "The whole state as bytes, in the layout of this build.")
         .def("load", &Emulator::load, "state"_a, "Continue from `save`; ValueError if the bytes cannot be a state.")
         .def("clone_state", &Emulator::clone_state, "include_rng"_a = false,
-             "The whole state in memory; `include_rng` says whether restoring it takes the generator along.")
+             "The whole state in memory; `include_rng` says whether the state includes the generator.")
         .def("restore_state", &Emulator::restore_state, "state"_a,
-             "Continue from a state of `clone_state`; ValueError if it is of another game or core.")
+             "Continue from a state of `clone_state`; ValueError if the state belongs to another game or core.")
         .def("close", &Emulator::close);
 
     m.def("palette", &colours_of, "format"_a, nb::sig("def palette(format: str) -> " ARRAY),

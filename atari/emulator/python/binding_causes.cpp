@@ -92,14 +92,14 @@ class CausesBinding : Exclusive {
 }  // namespace
 
 void register_causes(nb::module_& m) {
-    nb::class_<CausesBinding>(m, "Causes", "What each byte of RAM causes; see emulator/lab/causes.hpp.")
+    nb::class_<CausesBinding>(m, "Causes", "The effects of each byte of RAM; see emulator/lab/causes.hpp.")
         .def(nb::init<const Shared<Game>&, int, int, int, uint64_t>(), nb::kw_only(), "game"_a, "values"_a, "frames"_a,
              "threads"_a, "seed"_a)
         .def(
             "explore", &CausesBinding::explore, "states"_a, "actions"_a, "first"_a,
             nb::sig("def explore(self, states: list[State], actions: numpy.typing.NDArray[numpy.uint8], first: int) -> "
                     "None"),
-            "Count what changes of each byte cause from these states, with the actions of each state's frames.")
+            "Count the effects of changes of each byte from these states, with the actions of each state's frames.")
         .def("counts", &CausesBinding::counts, nb::sig("def counts(self) -> numpy.typing.NDArray[numpy.uint32]"),
              "The fields of `ByteCauses`, a row for each byte.")
         .def("effects", &CausesBinding::effects, nb::sig("def effects(self) -> numpy.typing.NDArray[numpy.int32]"),

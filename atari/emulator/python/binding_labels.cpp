@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include "ale/labels.hpp"
+#include "ale/programs/labels.hpp"
 #include "threads.hpp"
 
 namespace nb = nanobind;
@@ -70,10 +70,10 @@ std::vector<int32_t> possible_values(const Shared<Labels>& labels, int label, Ra
 
 void register_labels(nb::module_& m) {
     nb::class_<Shared<Labels>>(m, "Labels", "Labels of RAM bytes, compiled. Use it through atari.lab.")
-        .def(
-            "__init__", &make_labels, "labels"_a,
-            "`labels` are tuples: index 0..127, mask 0..255, whether the byte is binary-coded decimal, and the programs\n"
-            "of the value and of whether it is visible, which may be empty; variable 0 is the byte, variable 1 the result.")
+        .def("__init__", &make_labels, "labels"_a,
+             "`labels` are tuples: index 0..127, mask 0..255, whether the byte is binary-coded decimal, and the\n"
+             "programs for the value and the visibility, which may be empty. Variable 0 is the byte, variable 1 the\n"
+             "result.")
         .def("__len__", [](const Shared<Labels>& labels) { return labels.value->size(); })
         .def("evaluate", &evaluate, "ram"_a, nb::arg("values").noconvert(), nb::arg("visible").noconvert(),
              nb::sig("def evaluate(self, ram: " ARRAY("uint8") ", values: " ARRAY("int32") ", visible: " ARRAY(

@@ -295,17 +295,17 @@ void register_memory(nb::module_& m) {
     nb::class_<Geometry>(m, "ReplayGeometry", "The sizes of a replay memory. ValueError if a number is out of range.")
         .def("__init__", &make_geometry, nb::kw_only(), "lanes"_a, "rows"_a, "margin"_a, "finals"_a, "parts"_a,
              "action_bytes"_a, "autoreset"_a, "repeat_first"_a, "exponent"_a.none(), "saved"_a, "packed_bytes"_a.none(),
-             "`rows` and `margin` are steps of each lane. `parts` has for each the bytes of a frame, the bytes from a\n"
-             "pixel to the one below, and the most frames of an observation. `autoreset` is 0 NEXT_STEP, 1 SAME_STEP,\n"
-             "2 DISABLED. With `packed_bytes`, frames are compressed into so many bytes.")
+             "`rows` and `margin` are steps of each lane. Each of `parts` has the bytes of a frame, the bytes from a\n"
+             "pixel to the one below, and the most frames of an observation. `autoreset` is 0 NEXT_STEP, 1\n"
+             "SAME_STEP, 2 DISABLED. With `packed_bytes`, the compressed frames get this number of bytes.")
         .def_static("least_packed_bytes", &memory::least_packed_bytes, "geometry"_a,
                     "The least `packed_bytes` with which a memory of these sizes works.")
         .def_prop_ro(
             "block_bytes", [](const Geometry& geometry) { return memory::Layout(geometry).bytes; },
-            "Bytes of the block that a memory of these sizes lies in.")
+            "Bytes of the block that holds a memory of these sizes.")
         .def_prop_ro(
             "packed_offset", [](const Geometry& geometry) { return memory::Layout(geometry).packed; },
-            "Where the compressed frames begin, which are written bit by bit as they are needed.");
+            "The offset of the compressed frames, which are written when they are needed.");
     nb::class_<BoundMemory>(m, "ReplayMemory",
                             "The frames and steps of a replay memory. Use it through atari.learning.")
         .def(
@@ -315,7 +315,7 @@ void register_memory(nb::module_& m) {
             },
             "geometry"_a, "block"_a,
             nb::sig("def __init__(self, geometry: ReplayGeometry, block: " ARRAY("uint8") ") -> None"),
-            "`block` has `geometry.block_bytes` bytes: zeros, or those of a memory of this geometry, then call `load`.")
+            "`block` has `geometry.block_bytes` bytes: zeros, or a memory of this geometry; then call `load`.")
         .def(
             "next_place",
             [](BoundMemory& bound) {
@@ -330,7 +330,7 @@ void register_memory(nb::module_& m) {
                     return std::pair(memory.frames_offset(part), memory.places());
                 });
             },
-            "part"_a, "Where the frames of a part begin in the block, and for how many rows there is a place.")
+            "part"_a, "The offset of a part's frames in the block, and the number of rows that have a place.")
         .def(
             "seed",
             [](BoundMemory& bound, uint64_t seed) {
@@ -339,15 +339,15 @@ void register_memory(nb::module_& m) {
             "seed"_a)
         .def("reset", &reset, "mask"_a.none(), "frames"_a,
              nb::sig("def reset(self, mask: " ARRAY("bool") " | None, frames: Sequence[" ARRAY("uint8") "]) -> None"),
-             "Begin episodes in all lanes, with the next row's frames; or in those of `mask`, with `frames`.")
+             "Begin episodes in all lanes with the next row's frames, or in the lanes of `mask` with `frames`.")
         .def("add", &add, "actions"_a, "rewards"_a, "terminated"_a, "truncated"_a, "finals"_a,
              nb::sig("def add(self, actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminated: " ARRAY(
                  "bool") ", truncated: " ARRAY("bool") ", finals: Sequence[" ARRAY("uint8") "]) -> None"),
-             "Complete a step of all lanes; the next row's frames have been written. `actions` are bytes.")
+             "Complete a step of all lanes, after the next row's frames were written. `actions` are bytes.")
         .def("try_add", &try_add, "actions"_a, "rewards"_a, "terminated"_a, "truncated"_a,
              nb::sig("def try_add(self, actions: object, rewards: object, terminated: object, truncated: object) "
                      "-> bool"),
-             "As `add`, if the arrays are int64, int32 and bool, of one axis; returns whether they were.")
+             "Call `add` if the arrays are int64, int32 and bool with one axis; returns whether they are.")
         .def("observe", &observe, "stacks"_a, "to"_a,
              nb::sig("def observe(self, stacks: Sequence[int], to: Sequence[" ARRAY("uint8") "]) -> None"))
         .def(
@@ -362,7 +362,7 @@ void register_memory(nb::module_& m) {
                  "def update_priorities(self, indices: " ARRAY("int64") ", priorities: " ARRAY("float64") ") -> None"))
         .def(
             "save", [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.save(); }); },
-            "Make the present state the one that `load` finds.")
+            "Save the present state for `load`.")
         .def(
             "load",
             [](BoundMemory& bound, bool verify) {
@@ -390,8 +390,9 @@ void register_memory(nb::module_& m) {
                 "def __init__(self, memory: ReplayMemory, count: int, length: int, stacks: Sequence[int], "
                 "observations: Sequence[" ARRAY("uint8") "], next_observations: Sequence[" ARRAY("uint8") "], actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminations: " ARRAY(
                     "bool") ", truncations: " ARRAY("bool") ", indices: " ARRAY("int64") ", discounts: " ARRAY("float32") " | None, weights: " ARRAY("float32") " | None, mask: " ARRAY("bool") " | None) -> None"),
-            "For sequences `length` is theirs, and they have a mask; for transitions it is 0. Transitions of one step may\n"
-            "have no `next_observations`; then each observation has one more frame, the newest of the next one.");
+            "`length` is the length of sequences, which have a mask; for transitions it is 0. Transitions of one\n"
+            "step may have no `next_observations`; then each observation has one more frame, the newest frame of\n"
+            "the next one.");
 }
 
 }  // namespace atari

@@ -11,7 +11,7 @@
 #include <tuple>
 #include <vector>
 
-#include "ale/labels.hpp"
+#include "ale/programs/labels.hpp"
 #include "bound_emulator.hpp"
 #include "observations/observation_stack.hpp"
 
@@ -179,28 +179,27 @@ void unpickle(BoundStack* self, const Pickled& state) {
 void register_observations(nb::module_& m) {
     nb::class_<BoundStack>(
         m, "ObservationStack",
-        "The pooled, resized and stacked frames that an agent observes, or the RAM with PixelFormat.RAM, as a lane of\n"
-        "`VectorEngine` makes them.\n\n"
-        "A frame is a core, which is read, or a C-contiguous uint8 array of palette indices, (rows, 160). Frames of a\n"
-        "core are rendered only where an image needs them. Raises ValueError if a size is not served or a core has\n"
-        "other rows or another TV format, TypeError for another frame. RAM is that of a core, or an array (128,).")
+        "The pooled, resized and stacked frames that an agent observes, equal to those of a lane of `VectorEngine`.\n"
+        "With PixelFormat.RAM it stacks the RAM.\n\n"
+        "A frame is a core, or a C-contiguous uint8 array of palette indices, (rows, 160). A core's frame is\n"
+        "rendered only if an image needs it. Raises ValueError if a size is not supported or a core has other rows\n"
+        "or another TV format, TypeError for another frame. RAM comes from a core, or is an array (128,).")
         .def(nb::init<const ObservationSettings&, int, const std::string&>(), "settings"_a, "rows"_a, "format"_a)
         .def("begin", &BoundStack::begin, "frame"_a, "new_stack"_a = true,
              nb::sig("def begin(self, frame: object, new_stack: bool = True) -> None"),
-             "Begin an episode with the present frame; with `new_stack`, without the images before it.")
+             "Begin an episode with the present frame; `new_stack` drops the images before it.")
         .def("repeat", &BoundStack::repeat, "new_stack"_a = false, "Add the last image again.")
         .def("frame_played", &BoundStack::frame_played, "frame"_a, "left"_a, "ended"_a,
              nb::sig("def frame_played(self, frame: object, left: int, ended: bool) -> None"),
-             "A frame of a skip was played, and `left` are to come; `ended`: the episode has ended with it. Must be\n"
-             "called where 1 is left; a core must then play exactly one frame before `skip_ended`.")
+             "A frame of a skip was played, and `left` remain; `ended`: the episode ended with this frame. The call\n"
+             "with `left` 1 is required; a core must then play exactly one frame before `skip_ended`.")
         .def("skip_ended", &BoundStack::skip_ended, "frame"_a, "left"_a, "ended"_a,
              nb::sig("def skip_ended(self, frame: object, left: int, ended: bool) -> None"),
              "Add the image of a skip, `left` frames before its end.")
-        .def(
-            "observation", &BoundStack::observation, nb::sig("def observation(self) -> " ARRAY),
-            "A new array, (stack_num, img_height, img_width), of colours with a last axis of 3, of RAM (stack_num, 128);\n"
-            "the oldest first.")
-        .def("save", &BoundStack::save, "The images, and what the next may need of the last ones, as bytes.")
+        .def("observation", &BoundStack::observation, nb::sig("def observation(self) -> " ARRAY),
+             "A new array, (stack_num, img_height, img_width), with a last axis of 3 for colours; for RAM (stack_num,\n"
+             "128). The oldest image is the first.")
+        .def("save", &BoundStack::save, "The images, and the frames that the next image may need, as bytes.")
         .def("load", &BoundStack::load, "state"_a,
              "Continue from `save` of a stack with the same settings; ValueError if the bytes have another length.")
         .def("__getstate__", &BoundStack::pickled)

@@ -24,11 +24,10 @@ void register_settings(nb::module_& m) {
         .value("NOOP", OnReset::kNoop)
         .value("CONTINUE", OnReset::kContinue)
         .value("NEW_GAME", OnReset::kNewGame);
-    nb::enum_<Unit>(m, "Unit",
-                    "The time that FIRE is played, and after which lives are compared: a frame, or a whole skip.")
+    nb::enum_<Unit>(m, "Unit", "How long FIRE is pressed, and how often lives are compared: a frame, or a whole skip.")
         .value("FRAME", Unit::kFrame)
         .value("SKIP", Unit::kSkip);
-    nb::enum_<Seeding>(m, "Seeding", "How generators are seeded: as by AtariEnv.reset, or as by ale-py's vector.")
+    nb::enum_<Seeding>(m, "Seeding", "How generators are seeded: like AtariEnv.reset, or like ale-py's vector.")
         .value("GYMNASIUM", Seeding::kGymnasium)
         .value("ALE", Seeding::kAle);
     nb::enum_<PixelFormat>(
@@ -47,7 +46,7 @@ void register_settings(nb::module_& m) {
     nb::enum_<Padding>(m, "Padding", "The content of a new stack: zeros, or the first frame of the episode.")
         .value("ZERO", Padding::kZero)
         .value("RESET", Padding::kReset);
-    nb::enum_<Autoreset>(m, "Autoreset", "As gymnasium.vector.AutoresetMode.")
+    nb::enum_<Autoreset>(m, "Autoreset", "The modes of gymnasium.vector.AutoresetMode.")
         .value("NEXT_STEP", Autoreset::kNextStep)
         .value("SAME_STEP", Autoreset::kSameStep)
         .value("DISABLED", Autoreset::kDisabled);
@@ -92,8 +91,8 @@ void register_settings(nb::module_& m) {
         .def_rw("autoreset", &VectorSettings::autoreset);
     nb::class_<LaneSpec>(
         m, "LaneSpec",
-        "The differences between the environments of a vector. `seed` is nine words: the emulator's, and\n"
-        "eight of the episode's generator.")
+        "The differences between the lanes of a vector. `seed` is nine words: one for the emulator, and eight for\n"
+        "the generator of episodes.")
         .def(nb::init<>())
         .def_prop_rw(
             "game", [](const LaneSpec& x) { return Shared<Game>{x.game}; },

@@ -147,7 +147,9 @@ auto call(BoundEngine& engine, int environment, Arguments... arguments) {
 void register_vector(nb::module_& m) {
     register_settings(m);
     nb::enum_<VectorEngine::RamOf>(
-        m, "RamOf", "The RAM now, that of the last result, or of that the one before a reset in the last step.")
+        m, "RamOf",
+        "The present RAM, the RAM of the last result, or the RAM of the result before a reset in the\n"
+        "last step.")
         .value("NOW", VectorEngine::RamOf::kNow)
         .value("RESULT", VectorEngine::RamOf::kResult)
         .value("FINAL", VectorEngine::RamOf::kFinal);
@@ -156,15 +158,14 @@ void register_vector(nb::module_& m) {
     batch.def("__init__", &make_batch, "engine"_a, "pixels"_a.none(), "ram"_a.none(),
               nb::sig("def __init__(self, engine: VectorEngine, pixels: " ARRAY("uint8") " | None, ram: " ARRAY(
                   "uint8") " | None) -> None"),
-              "`pixels` and `ram` are the arrays for observations; None where an observation has no such part.");
+              "`pixels` and `ram` are the arrays for observations; None if observations have no such part.");
     batch.def_prop_ro("arrays", &arrays_of, nb::sig("def arrays(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
-                      "The other arrays by their names (vector/batch.def): (rows,), and (rows, players) where several\n"
-                      "players have a value each. Final pixels and RAM are (rows, bytes).");
+                      "The other arrays by their names (vector/batch.def): (rows,), or (rows, players) if each\n"
+                      "player has a value. Final pixels and RAM are (rows, bytes).");
     batch.def("aimed_at", &aimed_at, "pixels"_a.none(), "ram"_a.none(),
               nb::sig("def aimed_at(self, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8") " | None) -> Batch"),
               "A batch with other arrays of observations, which shares the other arrays.");
-    nb::class_<BoundSnapshot>(m, "MemberSnapshot",
-                              "The state of an environment of a vector, in memory. It can be pickled.")
+    nb::class_<BoundSnapshot>(m, "MemberSnapshot", "The state of a lane in memory. It can be pickled.")
         .def("__getstate__",
              [](const BoundSnapshot& state) {
                  if (!state.snapshot) return std::tuple(nb::bytes(state.bytes.data(), state.bytes.size()), state.image);
@@ -182,7 +183,7 @@ void register_vector(nb::module_& m) {
         .def(nb::init<nb::object>(), "array"_a, nb::sig("def __init__(self, array: " ARRAY("uint8") ") -> None"))
         .def("lend", &ArrayLender::lend)
         .def_prop_ro("lent", &ArrayLender::lent,
-                     "Whether a loan exists: an array made of one, or a view or tensor of that.");
+                     "Whether a loan exists: an array made from it, or a view or a tensor of such an array.");
     nb::class_<VectorLock>(m, "VectorLock",
                            "The lock of a vector environment, for `with`. RuntimeError in a forked process.")
         .def(nb::init<>())
@@ -193,23 +194,20 @@ void register_vector(nb::module_& m) {
     EngineClass engine(m, "VectorEngine",
                        "Environments played by a pool of threads. Use it through atari.AtariVectorEnv.");
     engine.def("__init__", &make_engine, "lanes"_a, "episode"_a, "observation"_a, "settings"_a)
-        .def(
-            "start", &BoundEngine::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
-            "environments"_a = nb::none(),
-            nb::sig("def start(self, actions: " ARRAY("int64") ", strengths: " ARRAY(
-                "float32") " | None, batch: Batch | None, environments: " ARRAY("int64") " | None = None) -> None"),
-            "Begin a step of the environments of the last batch; the batch is where results go if it is of all of "
-            "them.\n"
-            "`environments` are those to step, in the order of the actions. If a batch has all, they may be some: the\n"
-            "rows of the others show the last results again.")
-        .def(
-            "reset", &BoundEngine::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(), "new_games"_a = false,
-            nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY(
-                "uint32") ", batch: Batch | None, new_games: bool = False) -> None"),
-            "Begin a reset of the environments in `mask`; `seeds` as above. With `new_games`, none continues its game\n"
-            "after a lost life.")
+        .def("start", &BoundEngine::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
+             "environments"_a = nb::none(),
+             nb::sig("def start(self, actions: " ARRAY("int64") ", strengths: " ARRAY(
+                 "float32") " | None, batch: Batch | None, environments: " ARRAY("int64") " | None = None) -> None"),
+             "Begin a step of the environments of the last batch. If `batch` has rows for all environments, the\n"
+             "results go there. `environments` are stepped, in the order of the actions. They may be some of all;\n"
+             "then the rows of the others show their last results again.")
+        .def("reset", &BoundEngine::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(), "new_games"_a = false,
+             nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY(
+                 "uint32") ", batch: Batch | None, new_games: bool = False) -> None"),
+             "Begin a reset of the environments in `mask`; `seeds` has nine words for each, as in `LaneSpec`. With\n"
+             "`new_games`, no environment continues its game after a lost life.")
         .def("receive", &BoundEngine::receive, "batch"_a,
-             "Wait for a batch of results; whether an episode or a game ended in it.")
+             "Wait for a batch of results; returns whether an episode or a game ended in it.")
         .def_prop_ro("sent", &BoundEngine::sent, "Whether a batch has been sent and not received.")
         .def("snapshot", &BoundEngine::snapshot, "environments"_a)
         .def("restore", &BoundEngine::restore, "environments"_a, "states"_a)

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "ale/labels.hpp"
-#include "ale/writes.hpp"
+#include "ale/programs/labels.hpp"
+#include "ale/programs/writes.hpp"
 #include "bound_engine.hpp"
 
 using namespace nanobind::literals;
@@ -73,7 +73,7 @@ void register_vector_ram(EngineClass& engine) {
             "labels"_a, "environments"_a, nb::arg("values").noconvert(), nb::arg("visible").noconvert(), "of"_a,
             nb::sig("def evaluate_labels(self, labels: Labels, environments: " ARRAY("int32") ", values: " ARRAY(
                 "int32") ", visible: " ARRAY("bool") ", of: RamOf) -> None"),
-            "As `copy_rams`, then `labels.evaluate` with the copies.")
+            "Copy RAM like `copy_rams`, then call `labels.evaluate` with the copies.")
         .def(
             "set_ram",
             [](BoundEngine& x, int i, int index, int value) {
@@ -86,7 +86,7 @@ void register_vector_ram(EngineClass& engine) {
                 if (!x.get(i, [&](Environment& e) { return e.parts().add_write(write.value, now); }))
                     throw nb::value_error(kTooManyWrites);
             },
-            "environment"_a, "write"_a, "now"_a = false, "As Emulator.add_write.")
+            "environment"_a, "write"_a, "now"_a = false, "Call Emulator.add_write of an environment.")
         .def(
             "remove_write",
             [](BoundEngine& x, int i, const Shared<Write>& write) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "ale/writes.hpp"
+#include "ale/programs/writes.hpp"
 #include "threads.hpp"
 
 namespace nb = nanobind;

@@ -265,7 +265,9 @@ nb::dict targets() {
 }  // namespace
 
 void register_xla(nb::module_& m) {
-    nb::class_<XlaPort>(m, "XlaPort", "A vector engine for functions compiled by JAX, until this object has gone.")
+    nb::class_<XlaPort>(m, "XlaPort",
+                        "Access to a vector engine for functions compiled by JAX, as long as this\n"
+                        "object exists.")
         .def(nb::init<nb::handle_t<BoundEngine>, bool, bool>(), "engine"_a, "pixels"_a, "ram"_a,
              nb::sig("def __init__(self, engine: VectorEngine, pixels: bool, ram: bool) -> None"))
         .def("results", &XlaPort::results, nb::sig("def results(self) -> list[tuple[str, str, tuple[int, ...]]]"),

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "ale/labels.hpp"
+#include "ale/programs/labels.hpp"
 #include "state.hpp"
 #include "threads.hpp"
 #include "vector/lanes.hpp"

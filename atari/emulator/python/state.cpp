@@ -116,8 +116,8 @@ void register_state(nb::module_& m) {
     };
     const auto itself = [](nb::object state, nb::args) { return state; };
     nb::class_<State>(m, "State",
-                      "A state in memory, as `Emulator.clone_state` returned it, or made of the bytes of `serialize`.\n"
-                      "Immutable. States are equal if the machine is the same, with the generator if they include it.")
+                      "A state in memory: the result of `Emulator.clone_state`, or read from the bytes of\n"
+                      "`serialize`. Immutable. Two states are equal if their bytes of `serialize` are equal.")
         .def("__init__", &parse, "serialized"_a)
         .def("serialize", &serialized, "The state as bytes, for this release and machine.")
         .def("equals", &equal, "other"_a)

@@ -18,7 +18,7 @@ from atari.validation import check_integer
 
 _HELPERS = {**HELPERS, "random": Helper(2, 2, 0)}
 _VARIABLES = {"old": 1, "frame": 2, "v": 3}
-"""The numbers of the variables of a write's programs, equal to `WriteVariable` in `atari/emulator/ale/writes.hpp`."""
+"""The numbers of a write's variables, as in `WriteVariable` of `atari/emulator/ale/programs/writes.hpp`."""
 
 _RESULT = 0
 _ANY_PLACE = range(256)

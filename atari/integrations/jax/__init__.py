@@ -4,13 +4,8 @@
 imported when `xla` is called.
 """
 
-from typing import Any
-
-from atari._renamed import missing
+from atari._renamed import old_names
 from atari.integrations.jax.functions import xla
 
 __all__ = ["xla"]
-
-
-def __getattr__(name: str) -> Any:
-    raise missing("atari.integrations.jax", name)
+__getattr__ = old_names("atari.integrations.jax")

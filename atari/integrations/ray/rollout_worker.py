@@ -13,7 +13,7 @@ from atari._gymnasium import AutoresetMode
 from atari.cores.options import SEED_LIMIT
 from atari.integrations.ray.rollout import Frames, Rollout
 from atari.learning.policies import load_policy
-from atari.policy_needs import needs_of
+from atari.policy.needs import needs_of
 from atari.task.fields import GROUPS
 from atari.vector import AtariVectorEnv
 from atari.vector.results import ends_of_stacks

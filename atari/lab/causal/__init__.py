@@ -4,10 +4,6 @@
 `picture.py` draws a map, and `data/` has the essence of the maps of all games. `atari.lab` has the functions.
 """
 
-from typing import Any
+from atari._renamed import old_names
 
-from atari._renamed import missing
-
-
-def __getattr__(name: str) -> Any:
-    raise missing(__name__, name)
+__getattr__ = old_names(__name__)

@@ -3,14 +3,9 @@
 The option `interventions` of `AtariEnv` and `AtariVectorEnv` applies them; `atari.games.interventions` has the files.
 """
 
-from typing import Any
-
-from atari._renamed import missing
+from atari._renamed import old_names
 from atari.games.interventions import load
 from atari.lab.interventions.check import check
 
 __all__ = ["check", "load"]
-
-
-def __getattr__(name: str) -> Any:
-    raise missing(__name__, name)
+__getattr__ = old_names(__name__)

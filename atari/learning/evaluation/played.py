@@ -8,7 +8,7 @@ from typing import Any
 
 from atari.games.game import Game
 from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol, in_words
-from atari.policy_needs import Needs, composed
+from atari.policy.needs import Needs, composed
 from atari.task import PRESETS, Task
 from atari.task.fields import GROUPS
 from atari.task.resolution import is_id

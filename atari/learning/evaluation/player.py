@@ -8,7 +8,7 @@ import numpy.typing as npt
 from atari.learning.evaluation.played import Entry, played_task
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.policy import LoadedPolicy
-from atari.policy_needs import needs_of
+from atari.policy.needs import needs_of
 from atari.task.fields import GROUPS, NO_LIMIT
 from atari.vector import AtariVectorEnv
 

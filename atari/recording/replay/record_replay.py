@@ -2,7 +2,7 @@
 
 import weakref
 from os import PathLike
-from typing import Any
+from typing import Any, overload
 
 import gymnasium
 import numpy as np
@@ -16,68 +16,19 @@ from atari.recording.replay.events import Kind
 from atari.recording.replay.players import RecordMatch
 from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, header_of
 from atari.recording.replay.vector_shadow import make_shadow
-from atari.recording.vectors import is_vector, recorded_vector
+from atari.recording.vectors import is_vector, not_recorded, recorded_vector
 from atari.restorable import Restorable
 from atari.validation import check_integer
 from atari.vector.seeds import seed_values
 
 
-class RecordReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
-    """Records everything that is played, by any wrapper, in one replay, which `Replay.load` reads.
-
-    - Of an `AtariEnv`, in any wrappers, the replay has the calls of the core: no-op resets, the frames of a frame skip,
-      sticky actions, `set_ram`, `restore`, seeds, and the writes of `atari.lab.Freeze` and `Poke`. As the outermost
-      wrapper, `RecordReplay` also records where steps end, which `to_minari` needs.
-    - Of an `AtariVectorEnv`, `RecordReplay(envs, path, index=0)` records environment `index` alone. The vector needs
-      batches of all environments; after a reset without a recorder, the first reset needs a seed.
-    - Of a `MultiplayerCore` with frameskip=1, the replay has the seeds, resets, actions, snapshots and writes to RAM.
-      The recorder has the methods of the core, but for `set_mode` and `set_difficulty`, because the file has both.
-
-    Close the recorder to complete the file. If the process is killed, the file holds everything but the last seconds.
-
-    If the environment was not reset before, it gets a random seed, which the file holds. If the recording begins in
-    the middle of a game, the file begins with a snapshot, and the replay plays only on the same core. The same holds
-    after `restore` of a snapshot that was not taken during the recording.
-
-    Args:
-        env: the environment, the vector or the core.
-        path: the file, with the suffix ".a26". Its folder is created, and a file of this name replaced.
-
-    Raises:
-        TypeError: the environment is another one.
-        ValueError: the name has another suffix; there is no environment `index`; the environment is being recorded
-            already, or the vector or the core cannot be recorded.
-        OSError: the file cannot be written.
-
-    If the file cannot be written any more, for example because the disk is full, the recording ends. The error is
-    deferred: the next call of `step`, `reset` or `close` raises it as an `OSError` before it changes anything. The
-    environment can continue from there.
-
-    Example:
-        >>> import atari
-        >>> from atari.recording import RecordReplay, Replay
-        >>> env = RecordReplay(atari.make("pong"), "game.a26")
-        >>> observation, info = env.reset(seed=0)
-        >>> for _ in range(20):
-        ...     observation, reward, terminated, truncated, info = env.step(2)
-        >>> env.close()
-        >>> Replay.load("game.a26").frames_total
-        80
-        >>> envs = RecordReplay(atari.AtariVectorEnv("pong", 4), "third.a26", index=2)
-        >>> observations, info = envs.reset(seed=0)
-        >>> envs.close()
-    """
-
-    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
-        """The recorder of this kind of environment; copying calls this without arguments."""
-        if is_vector(env):
-            return RecordVectorReplay(env, *args, **kwargs)
-        return RecordMatch(env, *args, **kwargs) if isinstance(env, MultiplayerCore) else super().__new__(cls)
+class RecordEnvReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """Records an `AtariEnv` in a replay: `RecordReplay(env, path)` makes it."""
 
     def __init__(self, env: gymnasium.Env[Any, Any], path: str | PathLike[str]) -> None:
         inner = getattr(env, "unwrapped", env)
         if not isinstance(inner, AtariEnv):
-            raise TypeError(f"RecordReplay records an AtariEnv or an AtariVectorEnv, got {type(inner).__name__}")
+            raise not_recorded(env, "RecordReplay")
         if isinstance(inner.core, RecordedCore):
             raise ValueError("this environment is being recorded already; close that RecordReplay first")
         RecordConstructorArgs.__init__(self, path=path)
@@ -219,3 +170,62 @@ class RecordVectorReplay(VectorWrapper):
                 f"environment {self._index} differs from its recording; was its mode or state set from outside, "
                 f"or its action changed by a wrapper inside this one? {self.path} ends before this step"
             )
+
+
+class RecordReplay(RecordEnvReplay):
+    """Records everything that is played, by any wrapper, in one replay, which `Replay.load` reads.
+
+    - Of an `AtariEnv`, in any wrappers, the replay has the calls of the core: no-op resets, the frames of a frame skip,
+      sticky actions, `set_ram`, `restore`, seeds, and the writes of `atari.lab.Freeze` and `Poke`. As the outermost
+      wrapper, `RecordReplay` also records where steps end, which `to_minari` needs.
+    - Of an `AtariVectorEnv`, `RecordReplay(envs, path, index=0)` records environment `index` alone. The vector needs
+      batches of all environments; after a reset without a recorder, the first reset needs a seed.
+    - Of a `MultiplayerCore` with frameskip=1, the replay has the seeds, resets, actions, snapshots and writes to RAM.
+      The recorder has the methods of the core, but for `set_mode` and `set_difficulty`, because the file has both.
+
+    Close the recorder to complete the file. If the process is killed, the file holds everything but the last seconds.
+
+    If the environment was not reset before, it gets a random seed, which the file holds. If the recording begins in
+    the middle of a game, the file begins with a snapshot, and the replay plays only on the same core. The same holds
+    after `restore` of a snapshot that was not taken during the recording.
+
+    Args:
+        env: the environment, the vector or the core.
+        path: the file, with the suffix ".a26". Its folder is created, and a file of this name replaced.
+
+    Raises:
+        TypeError: the environment is another one.
+        ValueError: the name has another suffix; there is no environment `index`; the environment is being recorded
+            already, or the vector or the core cannot be recorded.
+        OSError: the file cannot be written.
+
+    If the file cannot be written any more, for example because the disk is full, the recording ends. The error is
+    deferred: the next call of `step`, `reset` or `close` raises it as an `OSError` before it changes anything. The
+    environment can continue from there.
+
+    Example:
+        >>> import atari
+        >>> from atari.recording import RecordReplay, Replay
+        >>> env = RecordReplay(atari.make("pong"), "game.a26")
+        >>> observation, info = env.reset(seed=0)
+        >>> for _ in range(20):
+        ...     observation, reward, terminated, truncated, info = env.step(2)
+        >>> env.close()
+        >>> Replay.load("game.a26").frames_total
+        80
+        >>> envs = RecordReplay(atari.AtariVectorEnv("pong", 4), "third.a26", index=2)
+        >>> observations, info = envs.reset(seed=0)
+        >>> envs.close()
+    """
+
+    @overload
+    def __new__(cls, env: gymnasium.Env[Any, Any], path: str | PathLike[str]) -> "RecordReplay": ...
+    @overload
+    def __new__(cls, env: VectorEnv, path: str | PathLike[str], index: int = 0) -> RecordVectorReplay: ...  # type: ignore[misc]
+    @overload
+    def __new__(cls, env: MultiplayerCore, path: str | PathLike[str]) -> RecordMatch: ...  # type: ignore[misc]
+    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
+        """The recorder of this kind of environment; copying calls this without arguments."""
+        if is_vector(env):
+            return RecordVectorReplay(env, *args, **kwargs)
+        return RecordMatch(env, *args, **kwargs) if isinstance(env, MultiplayerCore) else super().__new__(cls)

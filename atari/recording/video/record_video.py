@@ -2,13 +2,14 @@
 
 import os
 from collections.abc import Callable
-from typing import Any
+from typing import Any, overload
 
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
+from atari._gymnasium import VectorEnv
 from atari.env import AtariEnv
-from atari.recording.vectors import is_vector
+from atari.recording.vectors import is_vector, not_recorded
 from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.recording.video.record_video_base import RecordVideoBase, make_folder
 from atari.recording.video.recorder import VideoRecorder, VideoSettings
@@ -17,11 +18,81 @@ from atari.recording.video.writer import frame_rate
 from atari.restorable import Restorable
 
 
-class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """Records videos of an `AtariEnv`: `RecordVideo(env, video_folder, ...)` makes it."""
+
+    def __init__(
+        self,
+        env: gymnasium.Env[Any, Any],
+        video_folder: str | os.PathLike[str],
+        episode_trigger: Trigger | None = None,
+        step_trigger: Trigger | None = None,
+        video_length: int = 0,
+        name_prefix: str = "rl-video",
+        fps: float | None = None,
+        disable_logger: bool = True,
+        gc_trigger: Callable[[int], bool] | None = None,
+        *,
+        format: str = "mp4",
+        scale: int = 2,
+        sound: bool = True,
+        overlay: tuple[str, ...] | None = None,
+        keep: str = "all",
+    ) -> None:
+        given = {name: value for name, value in locals().items() if name not in ("self", "env", "__class__")}
+        RecordConstructorArgs.__init__(self, **given)
+        inner = getattr(env, "unwrapped", env)
+        if not isinstance(inner, AtariEnv):
+            raise not_recorded(env, "RecordVideo", "; for other environments use gymnasium.wrappers.RecordVideo")
+        super().__init__(env)
+        self._atari = inner
+        rate = frame_rate(inner.game) if fps is None else fps
+        self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay, keep)
+        self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
+        self.video_folder = make_folder(video_folder)
+        if self._settings.sound:
+            inner.driver.make_sound()
+        self._watch()
+
+    def _watch(self) -> None:
+        inner = self._atari  # the recorder must not refer to this wrapper, which ends the video when it is collected
+        self._make_recorder(lambda: inner.task)
+        self._atari.driver.observers.append(FrameObserver(self._atari, self._recorder))
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset the environment, end the last episode's video, and begin one if a trigger selects it."""
+        self._recorder.raise_deferred_error()
+        self._before_episode()
+        result = self.env.reset(seed=seed, options=options)
+        self._schedule.episode_id += 1
+        if self.recording and not self._recorder.frames:  # the reset played nothing, as after a lost life
+            self._recorder.write_frame(self._atari.core)
+        self._count()
+        return result
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Play a step and record its frames."""
+        self._recorder.raise_deferred_error()
+        self._before_step()
+        result = self.env.step(action)
+        self._schedule.step_id += 1
+        self._count()
+        return result
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out the open video: a copy keeps the counters and records from its next trigger on."""
+        return {name: value for name, value in vars(self).items() if name not in ("_recorder", "_finalizer")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._watch()
+
+
+class RecordVideo(RecordEnvVideo):
     """Records videos of chosen episodes.
 
-    The arguments, the file names and the recorded episodes equal those of `gymnasium.wrappers.RecordVideo`, and for a
-    vector those of `gymnasium.wrappers.vector.RecordVideo`. The videos differ: they have every emulated frame, also the
+    `gymnasium.wrappers.RecordVideo` has the same arguments and file names and records the same episodes, and so has
+    `gymnasium.wrappers.vector.RecordVideo` for a vector. The videos differ: they have every emulated frame, also the
     frames inside a frame skip and the no-ops of a reset, whichever wrapper plays them. They have the console's frame
     rate, its 2:1 pixels and its sound. Frames are written while they are played, and `render_mode` has no effect.
     `video_facts` reads the task that was played from a file.
@@ -71,12 +142,9 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
         ['rl-video-episode-0.mp4']
     """
 
-    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
-        """A `RecordVectorVideo` of a vector; copying calls this without arguments."""
-        return RecordVectorVideo(env, *args, **kwargs) if is_vector(env) else super().__new__(cls)
-
-    def __init__(
-        self,
+    @overload
+    def __new__(
+        cls,
         env: gymnasium.Env[Any, Any],
         video_folder: str | os.PathLike[str],
         episode_trigger: Trigger | None = None,
@@ -92,57 +160,14 @@ class RecordVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, 
         sound: bool = True,
         overlay: tuple[str, ...] | None = None,
         keep: str = "all",
-    ) -> None:
-        given = {name: value for name, value in locals().items() if name not in ("self", "env", "__class__")}
-        RecordConstructorArgs.__init__(self, **given)
-        inner = getattr(env, "unwrapped", env)
-        if not isinstance(inner, AtariEnv):
-            raise TypeError(
-                f"RecordVideo records an AtariEnv or an AtariVectorEnv, got {type(inner).__name__}; for other "
-                "environments use gymnasium.wrappers.RecordVideo"
-            )
-        super().__init__(env)
-        self._atari = inner
-        rate = frame_rate(inner.game) if fps is None else fps
-        self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay, keep)
-        self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
-        self.video_folder = make_folder(video_folder)
-        if self._settings.sound:
-            inner.driver.make_sound()
-        self._watch()
-
-    def _watch(self) -> None:
-        inner = self._atari  # the recorder must not refer to this wrapper, which ends the video when it is collected
-        self._make_recorder(lambda: inner.task)
-        self._atari.driver.observers.append(FrameObserver(self._atari, self._recorder))
-
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Reset the environment, end the last episode's video, and begin one if a trigger selects it."""
-        self._recorder.raise_deferred_error()
-        self._before_episode()
-        result = self.env.reset(seed=seed, options=options)
-        self._schedule.episode_id += 1
-        if self.recording and not self._recorder.frames:  # the reset played nothing, as after a lost life
-            self._recorder.write_frame(self._atari.core)
-        self._count()
-        return result
-
-    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
-        """Play a step and record its frames."""
-        self._recorder.raise_deferred_error()
-        self._before_step()
-        result = self.env.step(action)
-        self._schedule.step_id += 1
-        self._count()
-        return result
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Leave out the open video: a copy keeps the counters and records from its next trigger on."""
-        return {name: value for name, value in vars(self).items() if name not in ("_recorder", "_finalizer")}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._watch()
+    ) -> "RecordVideo": ...
+    @overload
+    def __new__(  # type: ignore[misc]
+        cls, env: VectorEnv, video_folder: str | os.PathLike[str], *args: Any, **options: Any
+    ) -> RecordVectorVideo: ...
+    def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
+        """A `RecordVectorVideo` of a vector; copying calls this without arguments."""
+        return RecordVectorVideo(env, *args, **kwargs) if is_vector(env) else super().__new__(cls)
 
 
 class FrameObserver:

@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "fast/jit/assembler.hpp"
-#include "ale/colour_conversion.hpp"
+#include "ale/colours/colour_conversion.hpp"
 #include "machine/console.hpp"
-#include "machine/cpu_instructions.hpp"
+#include "machine/cpu/cpu_instructions.hpp"
 #include "fast/fast_console.hpp"
 #include "observations/area_resize.hpp"
 #include "observations/pooling.hpp"

@@ -385,13 +385,21 @@ def test_half_an_hour_of_random_play_fits_in_a_hundred_kilobytes(tmp_path: Path)
     assert 10 * size < 100_000
 
 
+class AtariVecEnv:
+    """The attribute by which recorders know the class of `atari.sb3`."""
+
+    vector = atari.AtariVectorEnv("pong", 1)
+
+
 def test_wrong_uses(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="records an AtariEnv or an AtariVectorEnv, got CartPoleEnv"):
         RecordReplay(gymnasium.make("CartPole-v1"), tmp_path / "a.a26")
     with pytest.raises(TypeError, match="records an AtariEnv or an AtariVectorEnv, got str"):
-        RecordReplay("pong", tmp_path / "a.a26")  # type: ignore[arg-type]
+        RecordReplay("pong", tmp_path / "a.a26")  # type: ignore[call-overload]
     with pytest.raises(TypeError, match="index"):
-        RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26", index=1)  # type: ignore[call-arg]
+        RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26", index=1)  # type: ignore[call-overload]
+    with pytest.raises(TypeError, match=r"no AtariVecEnv of Stable-Baselines3; use atari\.sb3\.RecordReplay"):
+        RecordReplay(AtariVecEnv(), tmp_path / "a.a26")  # type: ignore[call-overload]
     with pytest.raises(ValueError, match="must end in"):
         RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.mp4")
     env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26")

@@ -5,7 +5,7 @@
 #include <compare>
 #include <cstddef>
 
-#include "machine/cartridge.hpp"
+#include "machine/cartridge/cartridge.hpp"
 
 namespace atari {
 namespace {

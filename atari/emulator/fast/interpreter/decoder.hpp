@@ -11,9 +11,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "machine/opcodes.hpp"
+#include "machine/cpu/opcodes.hpp"
 #include "machine/state.hpp"
-#include "machine/tia_registers.hpp"
+#include "machine/tia/tia_registers.hpp"
 
 namespace atari {
 

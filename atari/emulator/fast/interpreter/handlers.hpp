@@ -7,8 +7,8 @@
 
 #include "fast/fast_console.hpp"
 #include "machine/inline.hpp"
-#include "machine/dpc.hpp"
-#include "machine/opcodes.hpp"
+#include "machine/cartridge/dpc.hpp"
+#include "machine/cpu/opcodes.hpp"
 
 namespace atari {
 

@@ -5,7 +5,7 @@
 
 #include "machine/console_config.hpp"
 #include "machine/inline.hpp"
-#include "machine/tia_positions.hpp"
+#include "machine/tia/tia_positions.hpp"
 
 namespace atari {
 

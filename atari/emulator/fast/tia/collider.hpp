@@ -4,12 +4,12 @@
 // already set. Only the latest such write of each register is noted. It is applied when its object could collide. The
 // registers that act are chosen again when an object moves, grows or appears.
 //
-// tests/emulator/test_fast_equals_plain.py compares this with the reference TIA (tia.cpp, tia_renderer.cpp).
+// tests/emulator/test_fast_equals_plain.py compares this with the reference TIA (machine/tia/).
 #pragma once
 
 #include <cstdint>
 
-#include "machine/masks.hpp"
+#include "machine/tia/masks.hpp"
 #include "machine/state.hpp"
 #include "write_log.hpp"
 

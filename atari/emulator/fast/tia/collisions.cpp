@@ -6,7 +6,7 @@
 
 #include "collider.hpp"
 #include "machine/console_config.hpp"
-#include "machine/object_mask.hpp"
+#include "machine/tia/object_mask.hpp"
 
 namespace atari {
 namespace {

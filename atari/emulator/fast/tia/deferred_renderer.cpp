@@ -5,11 +5,11 @@
 #include <cstring>
 
 #include "machine/console_config.hpp"
-#include "machine/object_mask.hpp"
+#include "machine/tia/object_mask.hpp"
 #include "machine/inline.hpp"
 #include "paint.hpp"
-#include "machine/tia_positions.hpp"
-#include "machine/tia_registers.hpp"
+#include "machine/tia/tia_positions.hpp"
+#include "machine/tia/tia_registers.hpp"
 
 namespace atari {
 namespace {

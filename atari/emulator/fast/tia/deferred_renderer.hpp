@@ -4,13 +4,13 @@
 // needed, the renderer runs the log again from the state at the beginning of the frame. Between two changes only line
 // ends have an effect, so whole spans are rendered at once.
 //
-// tests/emulator/test_fast_equals_plain.py compares this with the reference TIA (tia.cpp, tia_renderer.cpp).
+// tests/emulator/test_fast_equals_plain.py compares this with the reference TIA (machine/tia/).
 #pragma once
 
 #include <cstdint>
 
 #include "line_difference.hpp"
-#include "machine/masks.hpp"
+#include "machine/tia/masks.hpp"
 #include "paint.hpp"
 #include "machine/state.hpp"
 #include "write_log.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "machine/masks.hpp"
+#include "machine/tia/masks.hpp"
 #include "fast/simd.hpp"
 
 namespace atari {

@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "machine/state.hpp"
-#include "machine/tia_registers.hpp"
+#include "machine/tia/tia_registers.hpp"
 #include "write_log.hpp"
 
 namespace atari {

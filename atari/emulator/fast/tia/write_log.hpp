@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "machine/state.hpp"
-#include "machine/tia_registers.hpp"
+#include "machine/tia/tia_registers.hpp"
 
 namespace atari {
 

@@ -7,7 +7,7 @@ const LEVELS = 6; // of heat
 const MILLISECONDS_A_LEVEL = 130;
 
 export class Grid {
-  // `names(index)` are the names of a byte; `choose(index)` is called when one is chosen.
+  // `names(index)` are the names of a byte; `choose(index)` is called when a byte is chosen.
   constructor(names, choose) {
     this.names = names;
     this.choose = choose;
@@ -136,7 +136,7 @@ export class BytePanel {
     this.name();
   }
 
-  // A sentence about the byte, and what the causal map has about it.
+  // Show a sentence about the byte, and the sentence of the causal map.
   say(text) {
     setText(this.note, [text, this.facts[this.index]].filter(Boolean).join(" "));
   }

@@ -89,7 +89,7 @@ export class Screen {
     this.context.putImageData(this.image, 0, 0);
   }
 
-  // Which pixels light up: bits of a mask, the first pixel in the highest bit; or null.
+  // Light up pixels: the bits of a mask, the first pixel in the highest bit; or none with null.
   light(bits) {
     if (!bits) {
       this.mask = null;

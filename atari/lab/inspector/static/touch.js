@@ -25,7 +25,7 @@ export class TouchStick {
     this.#follow(this.button, () => this.#set({ fire: true }), () => this.#set({ fire: false }));
   }
 
-  // Each of the two follows its own finger.
+  // The stick and the button each follow their own finger.
   #follow(element, down, up) {
     let finger = null;
     element.addEventListener("pointerdown", (event) => {

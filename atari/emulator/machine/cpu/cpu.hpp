@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "flag.hpp"
+#include "machine/flag.hpp"
 
 namespace atari {
 

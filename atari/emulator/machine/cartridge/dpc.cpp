@@ -53,16 +53,17 @@ uint8_t music(CartridgeState& cart, uint32_t cycles) {
 void clock_dpc_random(CartridgeState& cart) { cart.random = kRandom[cart.random]; }
 
 uint8_t read_dpc(CartridgeState& cart, const uint8_t* image, unsigned offset, uint32_t cycles) {
+    const unsigned i = offset & 7, counter = cart.counter[i];
+    // The data are read before the stores below, or handlers would save a register for `image`.
+    const uint8_t data = image[8192 + 2047 - counter], low = counter & 0xff;
     clock_dpc_random(cart);
-    const unsigned function = offset >> 3 & 7, i = offset & 7;
-    const unsigned counter = cart.counter[i], low = counter & 0xff;
     if (low == cart.top[i]) cart.flag[i] = 0xff;
     else if (low == cart.bottom[i]) cart.flag[i] = 0;
     if (i < 5 || !cart.music[i]) cart.counter[i] = (counter - 1) & 0x7ff;
-    switch (function) {
+    switch (offset >> 3 & 7) {
         case 0: return i < 4 ? cart.random : music(cart, cycles);
-        case 1: return image[8192 + 2047 - counter];
-        case 2: return image[8192 + 2047 - counter] & cart.flag[i];
+        case 1: return data;
+        case 2: return data & cart.flag[i];
         case 7: return cart.flag[i];
         default: return 0;
     }

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "masks.hpp"
-#include "raster.hpp"
+#include "machine/raster.hpp"
 #include "tia_registers.hpp"
 
 namespace atari {

@@ -1,15 +1,12 @@
 // The reference TIA's registers, without sound: writes, reads, and the end of a frame. It needs no other chip.
 //
-// The chip does not count clocks: it computes its state from the cycle count that each access brings along. A frame's
-// end and WSYNC concern the processor, too: `write` reports the first, and `Console` does the second.
+// A frame's end and WSYNC concern the processor, too: `write` reports the first, and `Console` does the second.
 #pragma once
 
 #include <cstdint>
 
-#include "console_config.hpp"
-#include "inputs.hpp"
+#include "machine/inputs.hpp"
 #include "tia_renderer.hpp"
-#include "tia_state.hpp"
 
 namespace atari {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "dpc.hpp"
-#include "raster.hpp"
+#include "machine/raster.hpp"
 
 namespace atari {
 

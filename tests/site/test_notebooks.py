@@ -1,8 +1,9 @@
 """The notebooks of docs/notebooks run, and are stored without outputs."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from types import ModuleType
 
 import pytest
 
@@ -29,12 +30,10 @@ def test_outputs_are_not_stored(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", RUNS)
-def test_it_runs(name: str, tmp_path: Path) -> None:
-    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
-    for needed in ("ipykernel", "matplotlib", *(["torch"] if name == "training" else [])):
+def test_it_runs(name: str, tmp_path: Path, site_module: Callable[[str], ModuleType]) -> None:
+    for needed in ("nbclient", "ipykernel", "matplotlib", *(["torch"] if name == "training" else [])):
         pytest.importorskip(needed)
-    notebook: Any = nbformat.read(RUNS[name], as_version=4)
-    nbclient.NotebookClient(notebook, timeout=240, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    notebook = site_module("notebook_runs").run(RUNS[name], tmp_path)
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     shown = [output.data["text/html"] for output in outputs if "text/html" in output.get("data", {})]
     assert any("data:image/png" in page for page in shown)  # an environment or a replay shows itself

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "console_config.hpp"
-#include "framebuffers.hpp"
+#include "machine/console_config.hpp"
+#include "machine/framebuffers.hpp"
 #include "masks.hpp"
 #include "tia_state.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "flag.hpp"
-#include "raster.hpp"
+#include "machine/flag.hpp"
+#include "machine/raster.hpp"
 
 namespace atari {
 

@@ -12,7 +12,7 @@
 #include <initializer_list>
 
 #include "masks.hpp"
-#include "raster.hpp"
+#include "machine/raster.hpp"
 
 namespace atari {
 

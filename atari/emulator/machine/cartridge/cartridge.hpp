@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "flag.hpp"
+#include "machine/flag.hpp"
 
 namespace atari {
 
