@@ -35,10 +35,6 @@ from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
 from atari.lab.inspector.tab import SECONDS_AFTER_ERROR, Tab
 from atari.lab.inspector.worker import Worker
 
-_log = logging.getLogger(__name__)
-_log.addFilter(lambda record: not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError)))
-"""The log of aiohttp's server, without the tracebacks of requests that are no HTTP: these are answered by 400."""
-
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 _MOST_MESSAGE = 1 << 13  # bytes
 _SECONDS_TO_CLOSE = 0.3
@@ -91,7 +87,7 @@ class Inspector:
         Raises:
             OSError: the port is taken.
         """
-        self._runner = web.AppRunner(self.app(), access_log=None, logger=_log, shutdown_timeout=_SECONDS_TO_CLOSE)
+        self._runner = web.AppRunner(self.app(), access_log=None, logger=_logger(), shutdown_timeout=_SECONDS_TO_CLOSE)
         await self._runner.setup()
         try:
             await web.TCPSite(self._runner, "127.0.0.1", port).start()
@@ -225,6 +221,17 @@ class Inspector:
                 await asyncio.sleep(SECONDS_AFTER_ERROR)
             if self._tab is not None:
                 self._tab.update()
+
+
+def _logger() -> logging.Logger:
+    """The log of aiohttp's server, without the tracebacks of requests that are no HTTP: these are answered by 400.
+
+    `logging` does not keep it, so that it does not keep this module to the end of the process.
+    """
+    log = logging.Logger(__name__)
+    log.parent = logging.getLogger()
+    log.addFilter(lambda record: not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError)))
+    return log
 
 
 def serve(
