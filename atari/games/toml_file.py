@@ -19,6 +19,7 @@ MOST_PARTS = 32
 
 MOST_KEY, MOST_LINE, MOST_LINES = 100, 2000, 20_000
 """The most characters of a key, of a text of one line, and of a text of several lines."""
+_DEEPEST = 40
 _OF_LINES = ("step", "corrected_step", "description")
 """The keys whose texts may have several lines."""
 
@@ -35,8 +36,8 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
 
     Raises:
         ValueError: the file has more than `MOST_BYTES` bytes, a key of more than `MOST_PARTS` parts, or is not valid
-            TOML; or a text is too long, or has control characters, or several lines where one is expected. The
-            message names the file and the place. Or the file is a device or a pipe.
+            TOML; a text is too long, or has control characters, or several lines where one is expected; tables and
+            lists are nested too deeply. The message names the file and the place. Or it is a device or a pipe.
         FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
     """
     check_file(path)
@@ -72,8 +73,10 @@ def _check_keys(text: str) -> None:
             )
 
 
-def _check_texts(value: Any, place: str) -> None:
+def _check_texts(value: Any, place: str, depth: int = 0) -> None:
     """Check all texts of a value, keys included; `place` names it in errors, such as "ram.ball_x.note"."""
+    if depth > _DEEPEST:
+        raise ValueError(f"{place} is nested too deeply")
     if isinstance(value, str):
         if place.rpartition(".")[2] in _OF_LINES:
             check_text(value, place, MOST_LINES)
@@ -82,10 +85,10 @@ def _check_texts(value: Any, place: str) -> None:
     elif isinstance(value, dict):
         for key, one in value.items():
             _check_line(key, f"a key of {place or 'the file'}", MOST_KEY)
-            _check_texts(one, f"{place}.{key}" if place else key)
+            _check_texts(one, f"{place}.{key}" if place else key, depth + 1)
     elif isinstance(value, list):
         for number, one in enumerate(value):
-            _check_texts(one, f"{place}[{number}]")
+            _check_texts(one, f"{place}[{number}]", depth + 1)
 
 
 def _check_line(text: str, place: str, most: int) -> None:

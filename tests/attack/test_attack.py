@@ -41,5 +41,5 @@ def test_the_runner_reports_findings(
     )
     monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}")
     monkeypatch.setattr(runner, "HANGS_AFTER", 1.0)
-    assert runner.watch("made_up", 5, 0.5) == (body == "pass")
+    assert runner.watch("made_up", 5, 3.0) == (body == "pass")
     assert report in capsys.readouterr().out

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import tomli_w
 
 import atari
@@ -19,6 +20,7 @@ from atari.games.manual import load_manual
 from atari.lab import interventions
 from atari.learning.evaluation.protocols import PROTOCOLS
 from atari.learning.evaluation.results import GameResult, Result
+from atari.recording import VideoWriter
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -52,7 +54,7 @@ def attack(seed: int) -> None:
     source = random.Random(seed)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for kind in (game_file, manual_file, interventions_file, task_file, result_file):
+        for kind in (game_file, manual_file, interventions_file, task_file, video_file, result_file):
             kind(source, folder)
 
 
@@ -157,6 +159,16 @@ def task_file(source: random.Random, folder: Path) -> None:
     with contextlib.suppress(TypeError):
         refused_or_read(lambda: atari.Task.from_json(text))
     printed("explain", str(folder / "task.json"))
+
+
+def video_file(source: random.Random, folder: Path) -> None:
+    """What a video says of itself is refused, or printed."""
+    facts = {"task": TASK, "package": "atari-envs 0.2.0", "core_seeds": [1, 2]}
+    comment = json.dumps(mutated(source, facts)).replace("\x00", "")
+    with VideoWriter(folder / "a.mp4", atari.games["pong"], sound=False, comment=comment) as video:
+        video.write(np.zeros((210, 160, 3), np.uint8))
+    printed("info", str(folder / "a.mp4"))
+    printed("info", str(folder / "a.mp4"), "--json")
 
 
 def result_file(source: random.Random, folder: Path) -> None:
