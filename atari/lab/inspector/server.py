@@ -193,13 +193,13 @@ class Inspector:
             if old is not None:
                 await old.socket.send_json({"refused": "This session went on in another tab."})
                 await old.close(_CLOSE_TAKEN, "taken over")
-        try:
-            with contextlib.suppress(ConnectionError):
+        with contextlib.suppress(ConnectionError):
+            try:
                 await tab.serve()
-        finally:
-            if self._tab is tab:  # closed, not taken over
-                self._tab = None
-                await self._worker.call(self.session.pause)
+            finally:
+                if self._tab is tab:  # closed, not taken over
+                    self._tab = None
+                    await self._worker.call(self.session.pause)
         return socket
 
     # --- the session

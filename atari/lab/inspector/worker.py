@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 T = TypeVar("T")
 _SECONDS_TO_END = 0.3
+_ENDED = "the inspector has ended"
 
 
 class Worker:
@@ -21,9 +22,15 @@ class Worker:
         self._thread.start()
 
     async def call(self, function: Callable[..., T], *arguments: Any) -> T:
-        """The result of a call, or its error. A call that is cancelled before it begins is left out."""
+        """The result of a call, or its error. A call that is cancelled before it begins is left out.
+
+        Raises:
+            ConnectionError: the thread has ended.
+        """
         future: Future[T] = Future()
         self._calls.put((future, function, arguments))
+        if not self._thread.is_alive():
+            self._drop_calls()
         return await asyncio.wrap_future(future)
 
     def stop(self) -> None:
@@ -31,10 +38,15 @@ class Worker:
         self._calls.put(None)
         self._thread.join(_SECONDS_TO_END)
         if self._thread.is_alive():
-            ctypes.pythonapi.PyThreadState_SetAsyncExc(
-                ctypes.c_ulong(self._thread.ident or 0), ctypes.py_object(SystemExit)
-            )
+            thread = ctypes.c_ulong(self._thread.ident or 0)
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(SystemExit))
             self._thread.join(_SECONDS_TO_END)
+        self._drop_calls()
+
+    def _drop_calls(self) -> None:
+        while not self._calls.empty():
+            if (call := self._calls.get()) and call[0].set_running_or_notify_cancel():
+                call[0].set_exception(ConnectionError(_ENDED))
 
     def _run(self) -> None:
         while (call := self._calls.get()) is not None:
@@ -45,3 +57,6 @@ class Worker:
                 future.set_result(function(*arguments))
             except Exception as error:
                 future.set_exception(error)
+            except SystemExit:  # of `stop`
+                future.set_exception(ConnectionError(_ENDED))
+                return
