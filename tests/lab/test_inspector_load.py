@@ -240,6 +240,37 @@ def test_ctrl_c_ends_it_at_once(lab: tuple["subprocess.Popen[str]", str], flood:
     assert seconds < 2
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no signals")
+def test_a_page_that_reads_nothing_holds_up_neither_another_nor_ctrl_c(
+    lab: tuple["subprocess.Popen[str]", str],
+) -> None:
+    server, url = lab
+
+    async def block(page: Any) -> None:
+        """Read nothing until the server's buffers are full."""
+        page._conn.transport.pause_reading()
+        await page.send_str('{"do": "play"}')
+        for _ in range(80):
+            await page.send_str('{"do": "pixels", "index": 57}')
+            await asyncio.sleep(0.05)
+
+    async def run() -> float:
+        async with aiohttp.ClientSession() as client:
+            first = await client.ws_connect(url + "ws")
+            await block(first)
+            second = await asyncio.wait_for(client.ws_connect(url + "ws?take=1"), 2)
+            await asyncio.wait_for(receive(second, "frame"), 2)
+            await block(second)
+            begun = time.monotonic()
+            server.send_signal(signal.SIGINT)
+            while server.poll() is None and time.monotonic() < begun + 20:
+                await asyncio.sleep(0.01)
+            return time.monotonic() - begun
+
+    assert asyncio.run(asyncio.wait_for(run(), 60)) < 2
+    assert server.returncode == 130
+
+
 def test_a_port_is_free_again_after_it_has_stopped() -> None:
     port = serve(lambda inspector, client: seconds_of_get(inspector, client)).port  # type: ignore[arg-type, return-value]
     with socket.socket() as again:

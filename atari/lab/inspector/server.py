@@ -32,12 +32,11 @@ except ImportError as error:
 
 from atari.lab.inspector import export
 from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
-from atari.lab.inspector.tab import SECONDS_AFTER_ERROR, Tab
+from atari.lab.inspector.tab import SECONDS_AFTER_ERROR, SECONDS_TO_CLOSE, Tab
 from atari.lab.inspector.worker import Worker
 
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 _MOST_MESSAGE = 1 << 13  # bytes
-_SECONDS_TO_CLOSE = 0.3
 _MOST_LAG = 0.1  # seconds; after a longer delay the frames that were due are left out
 _HEADERS = {
     "Cache-Control": "no-store",
@@ -87,7 +86,7 @@ class Inspector:
         Raises:
             OSError: the port is taken.
         """
-        self._runner = web.AppRunner(self.app(), access_log=None, logger=_logger(), shutdown_timeout=_SECONDS_TO_CLOSE)
+        self._runner = web.AppRunner(self.app(), access_log=None, logger=_logger(), shutdown_timeout=SECONDS_TO_CLOSE)
         await self._runner.setup()
         try:
             await web.TCPSite(self._runner, "127.0.0.1", port).start()
@@ -180,7 +179,7 @@ class Inspector:
     async def _socket(self, request: web.Request) -> web.StreamResponse:
         """The tab's connection. There is one at a time; a second one gets a message, and may take the session over."""
         socket = web.WebSocketResponse(
-            heartbeat=20, max_msg_size=_MOST_MESSAGE, compress=False, timeout=_SECONDS_TO_CLOSE
+            heartbeat=20, max_msg_size=_MOST_MESSAGE, compress=False, timeout=SECONDS_TO_CLOSE
         )
         await socket.prepare(request)
         old = None if self._tab is None or self._tab.socket.closed else self._tab
@@ -189,10 +188,8 @@ class Inspector:
             await socket.close()
             return socket
         self._tab = tab = Tab(socket, self.session, self._worker)
-        with contextlib.suppress(ConnectionError):
-            if old is not None:
-                await old.socket.send_json({"refused": "This session went on in another tab."})
-                await old.close(_CLOSE_TAKEN, "taken over")
+        if old is not None:
+            await old.close(_CLOSE_TAKEN, "taken over", refused="This session went on in another tab.")
         with contextlib.suppress(ConnectionError):
             try:
                 await tab.serve()

@@ -1,6 +1,7 @@
 """`Tab`: the connection of a page to a session, with bounded queues."""
 
 import asyncio
+import contextlib
 import time
 from collections.abc import Awaitable, Callable
 from typing import Any
@@ -17,6 +18,7 @@ MOST_COMMANDS = 1000
 SECONDS_AFTER_ERROR = 1.0
 """Between the repetitions of an error."""
 
+SECONDS_TO_CLOSE = 0.3
 _TOO_MANY = 4002
 _SECONDS_UNTIL_REFRESH = 0.25
 
@@ -55,9 +57,16 @@ class Tab:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def close(self, code: int, reason: str) -> None:
-        """Close the connection; the page shows the reason."""
-        await self.socket.close(code=code, message=reason.encode())
+    async def close(self, code: int, reason: str, refused: str = "") -> None:
+        """Close the connection; the page shows `refused` or the reason. A page that does not read is not waited for."""
+
+        async def close() -> None:
+            if refused:
+                await self.socket.send_json({"refused": refused})
+            await self.socket.close(code=code, message=reason.encode())
+
+        with contextlib.suppress(asyncio.TimeoutError, ConnectionError):
+            await asyncio.wait_for(close(), SECONDS_TO_CLOSE)
 
     def update(self) -> None:
         """Send a frame if the session has changed since the last one, or that was a while ago."""
