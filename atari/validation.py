@@ -50,7 +50,7 @@ def check_probability(name: str, value: Any) -> float:
     """`value` as a float within 0..1."""
     try:
         number = math.nan if isinstance(value, (bool, str)) else float(value)
-    except (TypeError, ValueError):
+    except (OverflowError, TypeError, ValueError):
         number = math.nan
     if math.isnan(number):
         raise TypeError(f"{name} must be a number within 0..1, got {value!r}")
@@ -93,7 +93,7 @@ def check_strength(strength: Any) -> float:
     """`strength` as a finite float that cannot overflow a paddle's position."""
     try:
         number = None if isinstance(strength, str) else float(strength)
-    except (TypeError, ValueError):
+    except (OverflowError, TypeError, ValueError):
         number = None
     if number is None:
         raise TypeError(f"strength must be a number, got {strength!r}")

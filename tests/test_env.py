@@ -71,6 +71,7 @@ def test_fields_that_need_wrappers_are_refused() -> None:
         ("repeat_action_probability", -0.25, ValueError, "repeat_action_probability must be within 0..1, got -0.25"),
         ("repeat_action_probability", 1.5, ValueError, "repeat_action_probability must be within 0..1, got 1.5"),
         ("repeat_action_probability", float("nan"), TypeError, "must be a number within 0..1, got nan"),
+        ("repeat_action_probability", 10**400, TypeError, "must be a number within 0..1, got 1000"),
         ("repeat_action_probability", "0.25", TypeError, "must be a number within 0..1, got '0.25'"),
         ("continuous_action_threshold", 1.5, ValueError, "continuous_action_threshold must be within 0..1, got 1.5"),
         ("continuous_action_threshold", None, TypeError, "must be a number within 0..1, got None"),

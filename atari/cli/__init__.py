@@ -5,18 +5,20 @@ is 0, 1 for a failure, 2 for a wrong command line, 130 after Ctrl-C.
 """
 
 import argparse
+import contextlib
 import difflib
 import io
 import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from typing import TextIO, cast
 
 import gymnasium
 
 import atari
 from atari.cli.arguments import Parser
-from atari.cli.printing import print_error
+from atari.cli.printing import Escaping, print_error
 
 _COMMANDS = tuple(
     "list info explain roms verify demo record replay play train watch evaluate collect lab causes completion".split()
@@ -49,8 +51,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
         sys.stdout.reconfigure(errors="backslashreplace")  # a file's name can contain bytes that are no text
     try:
-        code = _run(argv)
-        print(end="", flush=True)  # a closed pipe raises here, not at the interpreter's exit
+        with contextlib.redirect_stdout(cast(TextIO, Escaping(sys.stdout))):
+            code = _run(argv)
+            print(end="", flush=True)  # a closed pipe raises here, not at the interpreter's exit
     except BrokenPipeError:  # `atari list | head -1`: the reader has closed the pipe
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0

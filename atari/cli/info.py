@@ -10,6 +10,7 @@ from typing import Any
 from atari import env_ids
 from atari.cli.arguments import GAME_HELP, Commands, add_command, find_game
 from atari.cli.printing import print_json, to_json_types
+from atari.files.json_text import check_kind
 from atari.games.game import Controllers, Game
 from atari.games.manual import Manual
 from atari.games.multiplayer import Multiplayer
@@ -50,7 +51,7 @@ def _of_video(args: argparse.Namespace) -> int:
         played = json.dumps(facts.get("task", facts))
     print(f"{args.game}: written by {facts['package']}\n{played}")
     if "core_seeds" in facts:
-        print(f"  {'core seeds':13} {', '.join(map(str, facts['core_seeds']))}")
+        print(f"  {'core seeds':13} {', '.join(map(str, check_kind(facts['core_seeds'], 'core_seeds', list)))}")
     return 0
 
 

@@ -6,7 +6,23 @@ import json
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
+
+from atari.files.json_text import escaped
+
+
+class Escaping:
+    """A stream that writes control characters as escapes: texts of files and names of files cannot steer a terminal."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        """Write a text."""
+        return self._stream.write(escaped(text))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
 
 
 def to_json_types(value: Any) -> Any:
@@ -41,9 +57,9 @@ def print_error(error: Exception) -> None:
         sentence = error.strerror + (f": {error.filename}" if error.filename else "")
     else:
         sentence = " ".join(str(error).split())
-    print(f"atari: error: {sentence}", file=sys.stderr)
+    print(f"atari: error: {escaped(sentence)}", file=sys.stderr)
 
 
 def print_warning(warning: object) -> None:
     """Print a warning to stderr, in one line."""
-    print(f"atari: warning: {warning}", file=sys.stderr)
+    print(f"atari: warning: {escaped(str(warning))}", file=sys.stderr)

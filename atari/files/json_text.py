@@ -112,6 +112,12 @@ def check_text(text: str, what: str, most: int = 1000) -> str:
     return text
 
 
+def escaped(text: str) -> str:
+    """`text` for a terminal: control characters other than line feeds and tabs as escapes such as \\x1b."""
+    shown = (one if one.translate(_SPACES).isprintable() else one.encode("unicode_escape").decode() for one in text)
+    return "".join(shown)
+
+
 def seal(table: Mapping[str, Any]) -> dict[str, Any]:
     """A table with its checksum under the key "sha256", which `check_seal` compares."""
     return {**table, "sha256": _digest(table)}

@@ -209,8 +209,6 @@ def load_game(path: Path) -> Game:
     table = read_toml(path, "a game definition")
     try:
         return parse_game(path.stem, table)
-    except RecursionError:
-        raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
     except (ValueError, TypeError, AttributeError) as error:
         raise ValueError(f"{path}: {error}") from error
 

@@ -75,8 +75,6 @@ def load_manual(path: Path, numbers: Mapping[str, Collection[int]]) -> Manual:
     table = read_toml(path, "a manual")
     try:
         return parse_manual(table, numbers)
-    except RecursionError:
-        raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
     except (ValueError, TypeError, AttributeError) as error:
         raise ValueError(f"{path}: {error}") from error
 

@@ -7,8 +7,6 @@ from typing import Any, Literal, TypeVar, get_args, get_origin
 
 from atari.actions import PLAYER_ACTIONS, Action
 
-_DEEPEST = 16
-
 T = TypeVar("T")
 
 
@@ -23,14 +21,12 @@ def build(kind: type[T], table: Mapping[str, Any], where: str) -> T:
     return kind(**{key: tuple(value) if isinstance(value, list) else value for key, value in table.items()})
 
 
-def check_numbers(value: Any, where: str, depth: int = 0) -> None:
+def check_numbers(value: Any, where: str) -> None:
     """Check that all numbers in a value fit in the emulator's 32 bits."""
-    if depth > _DEEPEST:
-        raise ValueError(f"{where} is nested too deeply")
     if isinstance(value, int) and not -(2**31) <= value < 2**31:
         raise ValueError(f"{where} is not an integer of 32 bits")
     for key, item in value.items() if isinstance(value, Mapping) else enumerate(value) if type(value) is list else ():
-        check_numbers(item, f"{where}.{key}" if where else str(key), depth + 1)
+        check_numbers(item, f"{where}.{key}" if where else str(key))
 
 
 def check_keys(table: Mapping[str, Any], where: str, required: Iterable[str], optional: Iterable[str] = ()) -> None:

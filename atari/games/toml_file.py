@@ -1,10 +1,11 @@
-"""`read_toml`: the tables of a user's TOML file, with limits on the parser's work."""
+"""`read_toml`: the tables of a TOML file that may come from a stranger: limits on the parser's work, and on texts."""
 
 import re
 import sys
 from pathlib import Path
 from typing import Any
 
+from atari.files.json_text import check_text
 from atari.validation import check_file
 
 if sys.version_info >= (3, 11):
@@ -15,6 +16,12 @@ else:
 MOST_BYTES = 256 << 10
 MOST_PARTS = 32
 """The most parts of a key; `screen.colours.first` has 3. The parser's time grows with the square of their number."""
+
+MOST_KEY, MOST_LINE, MOST_LINES = 100, 2000, 20_000
+"""The most characters of a key, of a text of one line, and of a text of several lines."""
+_DEEPEST = 40
+_OF_LINES = ("step", "corrected_step", "description")
+"""The keys whose texts may have several lines."""
 
 _STRING = r""""(?:[^"\\\n]|\\.)*"?|'[^'\n]*'?"""  # an unterminated string ends with its line
 _KEY = rf"(?:[A-Za-z0-9_-]+|{_STRING})(?:[ \t]*\.[ \t]*(?:[A-Za-z0-9_-]+|{_STRING}))*"
@@ -29,7 +36,8 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
 
     Raises:
         ValueError: the file has more than `MOST_BYTES` bytes, a key of more than `MOST_PARTS` parts, or is not valid
-            TOML; the message names the file. Or the file is a device or a pipe.
+            TOML; a text is too long, or has control characters, or several lines where one is expected; tables and
+            lists are nested too deeply. The message names the file and the place. Or it is a device or a pipe.
         FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
     """
     check_file(path)
@@ -41,6 +49,7 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
         text = data.decode("utf-8")
         _check_keys(text)
         tables: dict[str, Any] = tomllib.loads(text)
+        _check_texts(tables, "")
         return tables
     except RecursionError:
         raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
@@ -62,3 +71,27 @@ def _check_keys(text: str) -> None:
                 f"line {line} has a key of {parts:,} parts between dots; a key has at most {MOST_PARTS}; "
                 "use fewer levels of tables"
             )
+
+
+def _check_texts(value: Any, place: str, depth: int = 0) -> None:
+    """Check all texts of a value, keys included; `place` names it in errors, such as "ram.ball_x.note"."""
+    if depth > _DEEPEST:
+        raise ValueError(f"{place} is nested too deeply")
+    if isinstance(value, str):
+        if place.rpartition(".")[2] in _OF_LINES:
+            check_text(value, place, MOST_LINES)
+        else:
+            _check_line(value, place, MOST_LINE)
+    elif isinstance(value, dict):
+        for key, one in value.items():
+            _check_line(key, f"a key of {place or 'the file'}", MOST_KEY)
+            _check_texts(one, f"{place}.{key}" if place else key, depth + 1)
+    elif isinstance(value, list):
+        for number, one in enumerate(value):
+            _check_texts(one, f"{place}[{number}]", depth + 1)
+
+
+def _check_line(text: str, place: str, most: int) -> None:
+    check_text(text, place, most)
+    if "\n" in text or "\t" in text:
+        raise ValueError(f"{place} must be one line without tabs, got {text!r:.60}")

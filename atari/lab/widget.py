@@ -165,9 +165,13 @@ def _widget_class() -> "Callable[[Session], Any] | None":
                 self._show()
 
         def _show(self) -> None:
-            self.send({"frame": 1}, [protocol.frame(self.session)])
-            self._known_state, messages = protocol.news(self.session, self._known_state)
-            for message in messages:
-                self.send(message)
+            try:
+                self.send({"frame": 1}, [protocol.frame(self.session)])
+                self._known_state, messages = protocol.news(self.session, self._known_state)
+                for message in messages:
+                    self.send(message)
+            except Exception as error:
+                self.session.fail(error)
+                self.send({"error": self.session.error})
 
     return InspectorWidget

@@ -6,6 +6,7 @@ python -m attack roms --seed 17       one seed again, in this process
 
 import argparse
 import importlib
+import importlib.util
 import os
 import subprocess
 import sys
@@ -15,7 +16,8 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-ATTACKERS = ("roms", "api", "files", "threads", "memory", "replay", "crashes", "runs")
+ATTACKERS = ("roms", "api", "files", "texts", "threads", "memory", "inspector", "replay", "crashes", "runs")
+NEED_TORCH = ("crashes", "runs")
 HANGS_AFTER = 60.0  # seconds without a new seed
 
 
@@ -32,6 +34,9 @@ def main() -> int:
     if unknown := set(arguments.attackers) - set(ATTACKERS):
         parser.error(f"there is no attacker {sorted(unknown)[0]!r}; there are {', '.join(ATTACKERS)}")
     names = arguments.attackers or ATTACKERS
+    if not arguments.attackers and importlib.util.find_spec("torch") is None:
+        names = [name for name in ATTACKERS if name not in NEED_TORCH]
+        print(f"{', '.join(NEED_TORCH)}: NOT run, because they need PyTorch", flush=True)
     with tempfile.TemporaryDirectory() as home:
         os.environ.update(HOME=home, XDG_DATA_HOME=home)  # your own ROM files stay out of it
         return run(arguments, names)

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 import attack.__main__ as runner
-from attack import api, files, roms, threads
+from attack import api, files, inspector, roms, texts, threads
 
 
-@pytest.mark.parametrize("attacker", [api, files, roms, threads])
+@pytest.mark.parametrize("attacker", [api, files, inspector, roms, texts, threads])
 def test_a_seed_of_each_attacker(attacker: "object", tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     interval = sys.getswitchinterval()
@@ -41,5 +41,5 @@ def test_the_runner_reports_findings(
     )
     monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}")
     monkeypatch.setattr(runner, "HANGS_AFTER", 1.0)
-    assert runner.watch("made_up", 5, 0.5) == (body == "pass")
+    assert runner.watch("made_up", 5, 3.0) == (body == "pass")
     assert report in capsys.readouterr().out

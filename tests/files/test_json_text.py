@@ -70,6 +70,19 @@ def test_tables() -> None:
             json_text.check_table(bad, "x", kinds, {"c": float})
 
 
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("a\tb\n", "a\tb\n"),
+        ("ü ブ\u00a0x", "ü ブ\u00a0x"),
+        ("\x1b]0;x\x07\r\x00\x7f\x9b", r"\x1b]0;x\x07\r\x00\x7f\x9b"),
+        ("\u202e\u2028\ud800\U000e0001", r"\u202e\u2028\ud800\U000e0001"),
+    ],
+)
+def test_control_characters_are_escaped(text: str, shown: str) -> None:
+    assert json_text.escaped(text) == shown
+
+
 def test_a_changed_value_of_a_sealed_table_is_found() -> None:
     table = {"a": 1.5, "b": ["x", None]}
     sealed = json_text.parse(json.dumps(json_text.seal(table)), "x")

@@ -115,7 +115,7 @@ def test_any_value_of_a_game_file_is_good_or_a_value_error(tmp_path: Path) -> No
         ("[rules]", "[rules]\nmode_select = 3", "[rules] mode_select must be a list of tables, got 3"),
         ("[screen]", "x = " + "[" * 100_000 + "\n[screen]", "its tables or lists are nested too deeply"),
         ("[screen]", "[" + "a." * 60 + "a]\n[screen]", "line 6 has a key of 61 parts between dots"),
-        ("[screen]", "[" + "a." * 20 + "a]\n[screen]", "a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a is nested too deeply"),
+        ("[screen]", "[x]\na = " + "[" * 60 + "]" * 60 + "\n[screen]", f"x.a{'[0]' * 39} is nested too deeply"),
         ("[screen]", "#" * 300_000 + "\n[screen]", "a game definition has at most 262,144 bytes"),
         ("bcd(0x80)", "-" * 1900 + "1", "is nested too deeply"),
         ("bcd(0x80)", "1" * 2001, "[rules] step, line 1: an expression is a text of at most 2,000 characters"),

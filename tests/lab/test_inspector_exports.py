@@ -1,9 +1,12 @@
 """The inspector's session writes and opens files: replays, saved states, interventions, labels, clips."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from inspector_tools import LIVES, PADDLE, Sweeper, new_session, play
 from numpy.testing import assert_array_equal
 
@@ -19,6 +22,13 @@ if sys.version_info >= (3, 11):
     import tomllib
 else:
     import tomli as tomllib
+
+HOSTILE = st.text(st.characters(exclude_categories=["Cs"]), max_size=20) | st.sampled_from(
+    ['"', "\\", '"""', "\n[x]\n", "\r\n", "a.b", "# c", "\x1b[0m", "']", "{}", "=", "\x7f", "\x85", "\u2028"]
+)
+SHARED = new_session()
+SHARED.freeze(LIVES)
+SHARED.name(3, "mine")
 
 
 def test_a_replay_holds_bytes_in_no_frame_before_their_freeze(tmp_path: Path) -> None:
@@ -138,6 +148,18 @@ def test_interventions_are_toml() -> None:
     table = tomllib.loads(export.interventions_toml(session))
     assert table["frozen_lives"]["writes"] == [{"to": LIVES, "value": 5, "when": when} for when in ("reset", "frame")]
     assert table["poke_1_player_x"]["writes"] == [{"to": PADDLE, "value": 80, "when": 30}]
+
+
+@settings(max_examples=60, deadline=None)
+@given(title=HOSTILE, name=HOSTILE)
+def test_names_of_a_hostile_game_stay_names(title: str, name: str) -> None:
+    session = SHARED
+    session.game = replace(session.game, id=title, title=title)
+    session.readings.names[LIVES] = [name]
+    tables = tomllib.loads(export.interventions_toml(session))
+    assert list(tables) == [f"frozen_{name}"]
+    assert tables[f"frozen_{name}"]["description"] == f"{name} (byte {LIVES}) is held at 5."
+    assert list(tomllib.loads(export.labels_toml(session))["ram"]) == ["mine"]
 
 
 def test_an_environment_plays_the_exported_interventions(tmp_path: Path) -> None:

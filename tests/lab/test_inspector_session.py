@@ -363,10 +363,79 @@ def test_an_agent_that_fails_pauses() -> None:
     session.play()
     session.tick(0.1)
     assert (session.at, session.playing) == (1, False)
-    assert "the agent sweeper has failed" in session.notice
+    assert session.error.startswith("frame 1: the agent sweeper has failed")
     with pytest.raises(RuntimeError, match="has failed"):
         session.step()
     assert session.at == 1
+
+
+def test_any_error_pauses_and_is_logged_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    session = new_session()
+    play(session, 40)
+    before = session.ram()
+    with monkeypatch.context() as broken:
+        broken.setattr(session.main.core, "act", lambda *arguments: {}["a\n\x1b[0m"])
+        session.play()
+        session.tick(0.1)
+    assert (session.at, session.main.end, session.playing) == (40, 40, False)
+    assert session.error.startswith("frame 40: KeyError(")
+    (line,) = caplog.messages
+    assert line.startswith("atari lab, frame 40: ")
+    assert line.isprintable()
+    assert_array_equal(session.ram(), before)
+    session.play()
+    session.tick(0.1)  # it plays on
+    assert (session.at, session.playing) == (46, True)
+
+
+def test_bytes_are_released_before_others_are_held() -> None:
+    session = new_session()
+    for bytes_ in (range(40), range(40, 80)):
+        for index in list(session.frozen):
+            session.release(index)
+        for index in bytes_:
+            session.freeze(index)
+        session.step(5)
+    session.seek(0)
+    session.play()
+    session.tick(0.1)
+    session.tick(0.1)
+    assert (session.at, session.playing, session.error) == (12, True, "")
+    with pytest.raises(ValueError, match="at most 64 writes"):
+        session.main.freeze(dict.fromkeys(range(65), 1))
+    assert len(session.main.core.writes) == len(session.frozen) == 40  # nothing has changed
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_freezes_and_jumps_give_the_same_bytes(seed: int) -> None:
+    source = np.random.default_rng(seed)
+    session = new_session()
+    session.agent = Sweeper()
+    session.let_agent_play(True)
+    session.agent.begin(session.main.core)
+    seen = {0: session.ram()}
+    for _ in range(20):
+        for index in source.choice(128, source.integers(0, 50), replace=False).tolist():
+            if index in session.frozen:
+                session.release(index)
+            elif len(session.frozen) < 64:
+                session.freeze(index, int(source.integers(256)))
+        if session.at == session.main.end:
+            session.step(1)  # writes since the frame before are part of it
+        else:
+            seen = {frame: ram for frame, ram in seen.items() if frame <= session.at}
+            session.take_over()
+        for _ in range(source.integers(1, 40)):
+            session.step(1)
+            seen[session.at] = session.ram()
+        for frame in source.integers(0, session.at + 1, 3).tolist():
+            session.seek(frame)
+            if frame in seen:
+                assert_array_equal(session.ram(), seen[frame])
+        session.seek(session.main.end)
+        assert session.error == ""
 
 
 def test_one_fork_at_a_time() -> None:

@@ -8,6 +8,7 @@ import pytest
 
 import atari
 from atari.lab import show, widget
+from atari.lab.inspector import protocol
 
 
 def test_without_anywidget_it_is_a_picture(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -55,6 +56,20 @@ def test_the_widget(monkeypatch: pytest.MonkeyPatch) -> None:
     data = bundle[0] if isinstance(bundle, tuple) else bundle
     assert "application/vnd.jupyter.widget-view+json" in data
     assert data["text/html"].count("<td") == 128
+
+
+def test_the_widget_shows_errors(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("anywidget")
+    shown = show(atari.make("breakout"))
+    sent: list[dict[str, object]] = []
+    monkeypatch.setattr(shown, "send", lambda message, buffers=None: sent.append(message))
+    with monkeypatch.context() as broken:
+        broken.setattr(protocol, "frame", lambda session: {}["broken on purpose"])
+        shown._receive(shown, {"do": "pause"}, [])
+    assert {"error": "frame 0: KeyError('broken on purpose')"} in sent
+    sent.clear()
+    shown._receive(shown, {"do": "step", "frames": 3}, [])
+    assert {"frame": 1} in sent
 
 
 def test_the_lab_imports_no_server() -> None:

@@ -1,4 +1,9 @@
-"""Sessions of the inspector for tests, and an agent that plays them."""
+"""Sessions of the inspector for tests, an agent that plays them, and a server."""
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
+from typing import Any
 
 from atari.actions import Action
 from atari.env import AtariEnv
@@ -29,3 +34,40 @@ def play(session: Session, frames: int) -> None:
     session.agent = session.agent or Sweeper()
     session.let_agent_play(True)
     session.step(frames)
+
+
+Use = Callable[[Any, Any], Awaitable[Any]]
+
+
+def serve(use: Use, game: str = "breakout") -> Any:
+    """Run `use` with a served session and a client."""
+    import aiohttp
+
+    from atari.lab.inspector.server import Inspector
+
+    inspector = Inspector(new_session(game))
+
+    async def run() -> None:
+        await inspector.start()
+        try:
+            async with aiohttp.ClientSession() as client:
+                await asyncio.wait_for(use(inspector, client), 60)
+        finally:
+            await inspector.stop()
+
+    asyncio.run(run())
+    return inspector
+
+
+async def receive(tab: Any, wanted: str) -> Any:
+    """The next message of a kind: "frame", or a key of a JSON message."""
+    import aiohttp
+
+    while True:
+        message = await tab.receive()
+        assert message.type in (aiohttp.WSMsgType.BINARY, aiohttp.WSMsgType.TEXT), message
+        if message.type == aiohttp.WSMsgType.BINARY:
+            if wanted == "frame":
+                return message.data
+        elif wanted in (content := json.loads(message.data)):
+            return content[wanted]

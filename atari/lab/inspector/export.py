@@ -1,6 +1,9 @@
 """The exports of a session: labels and interventions as TOML, the game as a replay, a part of it as a video."""
 
 from pathlib import Path
+from typing import Any
+
+import tomli_w
 
 from atari.env import AtariEnv
 from atari.files import durable
@@ -23,13 +26,11 @@ def labels_toml(session: Session) -> str:
     """
     if not session.names:
         raise ValueError("no byte was named; choose one and give it a name")
-    lines = [
-        f"# {session.game.title}: names given in the inspector, for the table [ram] of {session.game.id}.toml",
-        "[ram]",
-    ]
-    for index, name in sorted(session.names.items()):
-        lines.append(f'{name} = {{index = {index}, kind = "other", sources = ["measured"], evidence = "seen in play"}}')
-    return "\n".join(lines) + "\n"
+    labels = {
+        name: {"index": index, "kind": "other", "sources": ["measured"], "evidence": "seen in play"}
+        for index, name in sorted(session.names.items())
+    }
+    return f"# Names given in the inspector, for the game {session.game.id!r}\n" + tomli_w.dumps({"ram": labels})
 
 
 def interventions_toml(session: Session) -> str:
@@ -41,31 +42,23 @@ def interventions_toml(session: Session) -> str:
     pokes = [change for change in session.changes if change.kind == "poke"]
     if not session.frozen and not pokes:
         raise ValueError("nothing is frozen and no byte was poked; there is no intervention to export")
-    lines = [f"# {session.game.title}: changes made in the inspector."]
+    tables: dict[str, Any] = {}
     for index, value in sorted(session.frozen.items()):
         name = _name(session, index)
-        lines += [
-            "",
-            f"[frozen_{name}]",
-            f'description = "{name} (byte {index}) is held at {value}."',
-            'source = "own"',
-            "writes = [",
-            f'    {{to = {index}, value = {value}, when = "reset"}},',
-            f'    {{to = {index}, value = {value}, when = "frame"}},',
-            "]",
-            f'check = {{frames = 600, actions = "random", holds = "ram[{index}] == {value}"}}',
-        ]
+        tables[f"frozen_{name}"] = {
+            "description": f"{name} (byte {index}) is held at {value}.",
+            "source": "own",
+            "writes": [{"to": index, "value": value, "when": when} for when in ("reset", "frame")],
+            "check": {"frames": 600, "actions": "random", "holds": f"ram[{index}] == {value}"},
+        }
     for number, change in enumerate(pokes, 1):
         name = _name(session, change.index)
-        when = change.game_frame or '"reset"'
-        lines += [
-            "",
-            f"[poke_{number}_{name}]",
-            f'description = "{name} (byte {change.index}) becomes {change.new} after {change.game_frame} frames."',
-            'source = "own"',
-            f"writes = [{{to = {change.index}, value = {change.new}, when = {when}}}]",
-        ]
-    return "\n".join(lines) + "\n"
+        tables[f"poke_{number}_{name}"] = {
+            "description": f"{name} (byte {change.index}) becomes {change.new} after {change.game_frame} frames.",
+            "source": "own",
+            "writes": [{"to": change.index, "value": change.new, "when": change.game_frame or "reset"}],
+        }
+    return f"# Changes made in the inspector, for the game {session.game.id!r}\n" + tomli_w.dumps(tables)
 
 
 def write_replay(session: Session, path: Path) -> Path:

@@ -25,17 +25,18 @@ import base64
 import json
 import struct
 from collections.abc import Callable
-from inspect import signature
+from inspect import Parameter, signature
 from typing import Any
 
 import numpy as np
 
 from atari import _emulator
+from atari.files import json_text
 from atari.lab.inspector.session import HISTORY, SPEEDS, Session
 
 VERSION = 1
 _HEAD = struct.Struct("<BBH3I2iHHI")
-_MOST_TEXT = 4096
+_MOST_BYTES, _MOST_DEPTH = 4096, 4
 MOST_PLACES = 40
 """The number of places of a search that are sent."""
 
@@ -117,20 +118,19 @@ def overlay(session: Session) -> dict[str, Any]:
 
 
 def news(session: Session, known: str) -> tuple[str, list[dict[str, Any]]]:
-    """The state as JSON, and the messages after a frame to a page that has the state `known`. Clears the notice."""
+    """The state as JSON, and the messages after a frame to a page with the state `known`. Clears error and notice."""
     shown, present = overlay(session), json.dumps(state(session))
     messages = [shown] if any(shown.values()) else []
     if present != known:
         messages.append(json.loads(present))
-    if session.notice:
-        messages.append({"notice": session.notice})
-        session.notice = ""
+    messages += [{kind: text} for kind in ("error", "notice") if (text := getattr(session, kind))]
+    session.error = session.notice = ""
     return present, messages
 
 
-_INTEGER, _TEXT, _BOOL, _NUMBER, _BYTE = (int,), (str,), (bool,), (int, float), (int, type(None))
+_INTEGER, _TEXT, _BOOL, _NUMBER, _BYTE = int, str, bool, float, (int, type(None))
 
-_COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, tuple[type, ...]]]] = {
+_COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, type | tuple[type, ...]]]] = {
     "play": (Session.play, {}),
     "pause": (Session.pause, {}),
     "step": (Session.step, {"frames": _INTEGER}),
@@ -159,7 +159,7 @@ _COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, tuple[type, ...]]]] = {
 
 
 def run(session: Session, text: str) -> list[dict[str, Any]]:
-    """Run a command of the page, and return the answers."""
+    """Run a command of the page, and return the answers. A command that fails is answered by its error."""
     try:
         name, arguments = _parse(text)
         if name not in ("pixels", "bytes"):  # these two change nothing that the page shows
@@ -167,6 +167,9 @@ def run(session: Session, text: str) -> list[dict[str, Any]]:
         result = _COMMANDS[name][0](session, **arguments)
     except (TypeError, ValueError, RuntimeError) as error:
         return [{"error": str(error)}]
+    except Exception as error:  # no mistake of the user
+        session.fail(error)
+        return []
     answers: list[dict[str, Any]] = []
     if name == "pixels":
         pixels, source = result
@@ -185,21 +188,11 @@ def _parse(text: str) -> tuple[str, dict[str, Any]]:
     Raises:
         ValueError: `text` is no command.
     """
-    if len(text) > _MOST_TEXT:
-        raise ValueError(f"a command has at most {_MOST_TEXT} characters")
-    try:
-        message = json.loads(text)
-    except (ValueError, RecursionError):
-        raise ValueError("a command is a JSON object") from None
-    if not isinstance(message, dict) or not isinstance(message.get("do"), str) or message["do"] not in _COMMANDS:
+    message = json_text.parse(text, "a command", most_bytes=_MOST_BYTES, most_depth=_MOST_DEPTH)
+    name = message.pop("do", None) if isinstance(message, dict) else None
+    if not isinstance(name, str) or name not in _COMMANDS:
         raise ValueError(f"a command is a JSON object whose `do` is one of {', '.join(_COMMANDS)}")
-    name = message.pop("do")
-    types = _COMMANDS[name][1]
-    for key, value in message.items():
-        if key not in types or type(value) not in types[key]:
-            raise ValueError(f"the command {name} takes {', '.join(types) or 'no arguments'}; {key}={value!r} is wrong")
-    try:
-        signature(_COMMANDS[name][0]).bind(None, **message)
-    except TypeError as error:
-        raise ValueError(f"the command {name} takes {', '.join(types)}: {error}") from None
-    return name, message
+    method, kinds = _COMMANDS[name]
+    parameters = signature(method).parameters
+    required = {key: kind for key, kind in kinds.items() if parameters[key].default is Parameter.empty}
+    return name, json_text.check_table(message, f"the command {name}", required, kinds)

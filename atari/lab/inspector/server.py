@@ -9,28 +9,34 @@ import asyncio
 import contextlib
 import errno
 import hmac
+import logging
 import secrets
 import tempfile
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
+from functools import partial
 from importlib import resources
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import gymnasium
 
 try:
-    from aiohttp import WSCloseCode, WSMsgType, web
+    from aiohttp import WSCloseCode, web
+    from aiohttp.http_exceptions import HttpProcessingError
 except ImportError as error:
     raise gymnasium.error.DependencyNotInstalled(
         "the inspector needs aiohttp: pip install 'atari-envs[lab]'"
     ) from error
 
-from atari.lab.inspector import export, protocol
+from atari.lab.inspector import export
 from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
+from atari.lab.inspector.tab import SECONDS_AFTER_ERROR, SECONDS_TO_CLOSE, Tab
+from atari.lab.inspector.worker import Worker
 
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
-_SECONDS_UNTIL_REFRESH = 0.25
+_MOST_MESSAGE = 1 << 13  # bytes
 _MOST_LAG = 0.1  # seconds; after a longer delay the frames that were due are left out
 _HEADERS = {
     "Cache-Control": "no-store",
@@ -51,8 +57,8 @@ class Inspector:
         self.session = session
         self.token = secrets.token_urlsafe(24)
         self.port = 0
-        self._tab: web.WebSocketResponse | None = None
-        self._state = ""  # the state that the tab has
+        self._worker = Worker()
+        self._tab: Tab | None = None
         self._runner: web.AppRunner | None = None
         self._loop: asyncio.Task[None] | None = None
 
@@ -63,11 +69,15 @@ class Inspector:
 
     def app(self) -> web.Application:
         """The application."""
-        app = web.Application(middlewares=[self._guard], client_max_size=1 << 16)
-        app.router.add_get("/{token}/", self._file)
-        app.router.add_get("/{token}/ws", self._socket)
-        app.router.add_get("/{token}/export/{name}", self._export)
-        app.router.add_get("/{token}/{name}", self._file)
+        app = web.Application(client_max_size=1 << 16)
+        for path, handler in (
+            ("/{token}/", self._file),
+            ("/{token}/ws", self._socket),
+            ("/{token}/export/{name}", self._export),
+            ("/{token}/{name}", self._file),
+        ):
+            app.router.add_get(path, partial(self._guard, handler))
+        app.router.add_route("*", "/{rest:.*}", partial(self._guard, self._nothing))
         return app
 
     async def start(self, port: int = 0) -> None:
@@ -76,7 +86,7 @@ class Inspector:
         Raises:
             OSError: the port is taken.
         """
-        self._runner = web.AppRunner(self.app(), access_log=None, shutdown_timeout=1)
+        self._runner = web.AppRunner(self.app(), access_log=None, logger=_logger(), shutdown_timeout=SECONDS_TO_CLOSE)
         await self._runner.setup()
         try:
             await web.TCPSite(self._runner, "127.0.0.1", port).start()
@@ -98,23 +108,23 @@ class Inspector:
             with contextlib.suppress(asyncio.CancelledError):
                 await self._loop
         if self._tab is not None:
-            await self._tab.close(code=WSCloseCode.GOING_AWAY, message=b"the inspector has ended")
+            await self._tab.close(WSCloseCode.GOING_AWAY, "the inspector has ended")
         if self._runner is not None:
             await self._runner.cleanup()
+        self._worker.stop()
 
     # --- requests
 
-    @web.middleware
     async def _guard(
-        self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
+        self, handler: Callable[[web.Request], Awaitable[web.StreamResponse]], request: web.Request
     ) -> web.StreamResponse:
         """Refuse other hosts, other origins and other tokens, and add the headers."""
         hosts = (f"127.0.0.1:{self.port}", f"localhost:{self.port}")
-        origin, token = request.headers.get("Origin"), request.match_info.get("token", "")
+        token = request.match_info.get("token", "")
         response: web.StreamResponse
-        if request.headers.getall("Host", []) not in ([hosts[0]], [hosts[1]]):
+        if request.headers.getall("Host", []) not in [[host] for host in hosts]:
             response = web.Response(status=403, text="The inspector is only served at 127.0.0.1.")
-        elif origin is not None and origin not in (f"http://{host}" for host in hosts):
+        elif request.headers.getall("Origin", []) not in [[], *([f"http://{host}"] for host in hosts)]:
             response = web.Response(status=403, text="Pages of other origins may not use the inspector.")
         elif not hmac.compare_digest(token.encode("utf-8", "replace"), self.token.encode()):
             response = web.Response(
@@ -125,9 +135,17 @@ class Inspector:
                 response = await handler(request)
             except web.HTTPException as refused:
                 response = web.Response(status=refused.status, text=refused.text)
+            except ConnectionError:
+                response = web.Response(status=400, text="The connection was lost.")
+            except Exception as error:
+                self.session.fail(error)
+                response = web.Response(status=500, text=str(error))
         if not response.prepared:
             response.headers.update(_HEADERS)
         return response
+
+    async def _nothing(self, request: web.Request) -> web.StreamResponse:
+        raise web.HTTPNotFound(text=f"There is no {request.path!r} here.")
 
     async def _file(self, request: web.Request) -> web.StreamResponse:
         name = request.match_info.get("name", "index.html")
@@ -138,58 +156,54 @@ class Inspector:
         return web.Response(body=(static / name).read_bytes(), content_type=kind, charset="utf-8")
 
     async def _export(self, request: web.Request) -> web.StreamResponse:
-        name, session = request.match_info["name"], self.session
+        try:
+            name, content = await self._worker.call(self._exported, request.match_info["name"], request.query)
+        except (ValueError, OSError, RuntimeError, gymnasium.error.Error) as error:
+            return web.Response(status=400, text=str(error))
+        disposition = {"Content-Disposition": f'attachment; filename="{quote(name)}"'}
+        return web.Response(body=content, content_type="application/octet-stream", headers=disposition)
+
+    def _exported(self, name: str, query: Mapping[str, str]) -> tuple[str, bytes]:
+        """The name of the file of an export, and its content."""
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder, f"{session.game.id}-{name}")
-            try:
-                if name in export.NAMES:
-                    export.write(session, name, path)
-                elif name == "clip.mp4":
-                    start, stop = (int(request.query.get(key, "-1")) for key in ("start", "stop"))
-                    await asyncio.to_thread(export.write_clip, session, path, start, stop)
-                else:
-                    raise web.HTTPNotFound(text=f"There is no export {name!r}.")
-            except (ValueError, OSError, RuntimeError, gymnasium.error.Error) as error:
-                return web.Response(status=400, text=str(error))
-            disposition = {"Content-Disposition": f'attachment; filename="{path.name}"'}
-            return web.Response(body=path.read_bytes(), content_type="application/octet-stream", headers=disposition)
+            path = Path(folder, f"export-{name}")
+            if name in export.NAMES:
+                export.write(self.session, name, path)
+            elif name == "clip.mp4":
+                start, stop = (int(query.get(key, "-1")) for key in ("start", "stop"))
+                export.write_clip(self.session, path, start, stop)
+            else:
+                raise web.HTTPNotFound(text=f"There is no export {name!r}.")
+            return f"{self.session.game.id}-{name}", path.read_bytes()
 
     async def _socket(self, request: web.Request) -> web.StreamResponse:
         """The tab's connection. There is one at a time; a second one gets a message, and may take the session over."""
-        socket = web.WebSocketResponse(heartbeat=20, max_msg_size=1 << 16, compress=False)
+        socket = web.WebSocketResponse(
+            heartbeat=20, max_msg_size=_MOST_MESSAGE, compress=False, timeout=SECONDS_TO_CLOSE
+        )
         await socket.prepare(request)
-        if self._tab is not None and not self._tab.closed:
-            if request.query.get("take") != "1":
-                await socket.send_json({"refused": "This session is open in another tab."})
-                await socket.close()
-                return socket
-            old, self._tab = self._tab, None
-            with contextlib.suppress(ConnectionError):
-                await old.send_json({"refused": "This session went on in another tab."})
-                await old.close(code=_CLOSE_TAKEN)
-        self._tab, self._state = socket, ""
-        try:
-            await socket.send_json(protocol.hello(self.session))
-            await socket.send_json(protocol.state(self.session))
-            async for message in socket:
-                if message.type == WSMsgType.TEXT:
-                    for answer in protocol.run(self.session, message.data):
-                        await socket.send_json(answer)
-        except ConnectionError:
-            pass
-        finally:
-            if self._tab is socket:  # closed, not taken over
-                self._tab = None
-                self.session.pause()
+        old = None if self._tab is None or self._tab.socket.closed else self._tab
+        if old is not None and request.query.get("take") != "1":
+            await socket.send_json({"refused": "This session is open in another tab."})
+            await socket.close()
+            return socket
+        self._tab = tab = Tab(socket, self.session, self._worker)
+        if old is not None:
+            await old.close(_CLOSE_TAKEN, "taken over", refused="This session went on in another tab.")
+        with contextlib.suppress(ConnectionError):
+            try:
+                await tab.serve()
+            finally:
+                if self._tab is tab:  # closed, not taken over
+                    self._tab = None
+                    await self._worker.call(self.session.pause)
         return socket
 
     # --- the session
 
     async def _play(self) -> None:
-        """Play the session and send its frames, 60 a second."""
+        """Play the session, 60 frames a second."""
         due = time.perf_counter()
-        sent: tuple[Any, ...] = ()
-        last = 0.0
         while True:
             due += 1 / FRAMES_PER_SECOND
             now = time.perf_counter()
@@ -197,24 +211,24 @@ class Inspector:
                 due = now
             await asyncio.sleep(max(0, due - now))
             # Always the same time, and not the time that has passed: at normal speed each message has one frame more.
-            self.session.tick(1 / FRAMES_PER_SECOND)
-            now = time.perf_counter()
-            tab = self._tab
-            if tab is None or tab.closed:
-                sent = ()
-                continue
-            key = (id(tab), self.session.version)
-            if key == sent and now - last < _SECONDS_UNTIL_REFRESH:
-                continue
-            with contextlib.suppress(ConnectionError, RuntimeError):
-                await self._send(tab)
-            sent, last = key, now
+            try:
+                await self._worker.call(self.session.tick, 1 / FRAMES_PER_SECOND)
+            except Exception as error:
+                self.session.fail(error)
+                await asyncio.sleep(SECONDS_AFTER_ERROR)
+            if self._tab is not None:
+                self._tab.update()
 
-    async def _send(self, tab: web.WebSocketResponse) -> None:
-        await tab.send_bytes(protocol.frame(self.session))
-        self._state, messages = protocol.news(self.session, self._state)
-        for message in messages:
-            await tab.send_json(message)
+
+def _logger() -> logging.Logger:
+    """The log of aiohttp's server, without the tracebacks of requests that are no HTTP: these are answered by 400.
+
+    `logging` does not keep it, so that it does not keep this module to the end of the process.
+    """
+    log = logging.Logger(__name__)
+    log.parent = logging.getLogger()
+    log.addFilter(lambda record: not (record.exc_info and isinstance(record.exc_info[1], HttpProcessingError)))
+    return log
 
 
 def serve(

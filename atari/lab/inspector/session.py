@@ -1,6 +1,7 @@
 """`Session`: all actions of a user of the inspector, without a page."""
 
 import copy
+import logging
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -10,11 +11,14 @@ import numpy as np
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.cores import ByteArray, Core
 from atari.env import AtariEnv
+from atari.files.json_text import escaped
 from atari.lab.inspector.effects import ahead, causes_of, changed_pixels
 from atari.lab.inspector.readings import Readings
 from atari.lab.inspector.timeline import NEW_GAME, Frame, Timeline
 from atari.lab.search import Search
 from atari.validation import check_action, check_integer, check_name
+
+_log = logging.getLogger(__name__)
 
 FRAMES_PER_SECOND = 60
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 16.0)
@@ -120,7 +124,8 @@ class Session:
         self.readings = Readings(self.game)
         self.version = 0
         """The number of frames that were played and commands that `protocol.run` has run."""
-        self.notice = ""
+        self.notice = self.error = ""
+        """Texts that the page has not shown yet."""
         self._debt = 0.0
         self._agent_is_new = True
         self._changes_of_main = 0
@@ -162,7 +167,7 @@ class Session:
     # --- playing
 
     def tick(self, seconds: float) -> None:
-        """Play the frames of some seconds, at the speed of the session."""
+        """Play the frames of some seconds, at the speed of the session. An error pauses it; see `fail`."""
         if not self.playing:
             self._debt = 0.0
             return
@@ -171,9 +176,16 @@ class Session:
             self._debt -= 1
             try:
                 self._play_frame()
-            except RuntimeError as error:  # the agent's
-                self.pause()
-                self.notice = str(error)
+            except Exception as error:  # also an agent's, which is the user's code
+                self.fail(error)
+
+    def fail(self, error: Exception) -> None:
+        """Pause, show an error on the page, and log it."""
+        self.pause()
+        self._debt = 0.0
+        expected = isinstance(error, (OSError, RuntimeError, TypeError, ValueError))
+        self.error = f"frame {self.at}: {error if expected else repr(error)}"
+        _log.error("atari lab, %s", escaped(self.error).replace("\n", " "))
 
     def play(self) -> None:
         """Play on: the recorded frames after the present one, then new frames."""

@@ -84,17 +84,16 @@ class Timeline:
     def play(self, frame: Frame) -> None:
         """Play a frame; the recorded frames after the present one are dropped."""
         self.cut()
-        if self.pending:
-            frame = frame._replace(before=(*self.pending.items(), *frame.before))
-            self.pending = {}
+        frame = frame._replace(before=(*self.pending.items(), *frame.before))
         if len(self._frames) >= MOST_FRAMES:
             count = _FRAMES_DROPPED
             del self._frames[:count], self._states[: count // FRAMES_PER_SNAPSHOT]
             self._ram[:-count] = self._ram[count:]
             self._scores[:-count] = self._scores[count:]
             self.first += count
-        self._frames.append(frame)
         self._make(frame)
+        self._frames.append(frame)
+        self.pending = {}
 
     def append(self, frame: Frame, reward: int) -> bool:
         """Keep a frame that the core has played already; return whether there is room for it."""
@@ -189,19 +188,20 @@ class Timeline:
         self._keep()
 
     def _hold(self, values: Mapping[int, int]) -> None:
-        if set(values.items()) == set(self._holds):
-            return
-        made: dict[tuple[int, int], Freeze] = {}
-        try:
-            for index, value in set(values.items()) - set(self._holds):
-                made[index, value] = Freeze(self.core, {index: value})
-        except (RuntimeError, ValueError):
-            for freeze in made.values():
-                freeze.release()
-            raise
-        for item in set(self._holds) - set(values.items()):
+        """Hold these bytes and no others. The others are released first, because a core has room for 64 writes."""
+        wanted, before = set(values.items()), list(self._holds)
+        for item in self._holds.keys() - wanted:
             self._holds.pop(item).release()
-        self._holds |= made
+        try:
+            for index, value in sorted(wanted - self._holds.keys()):
+                self._holds[index, value] = Freeze(self.core, {index: value})
+        except (RuntimeError, ValueError):
+            for item in self._holds.keys() - before:
+                self._holds.pop(item).release()
+            for index, value in before:
+                if (index, value) not in self._holds:
+                    self._holds[index, value] = Freeze(self.core, {index: value})
+            raise
 
     def _write(self, values: Mapping[int, int]) -> None:
         for index, value in values.items():

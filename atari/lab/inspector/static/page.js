@@ -35,10 +35,10 @@ function connect(take) {
       inspector?.message(message);
     }
   };
-  socket.onclose = () => {
+  socket.onclose = ({ reason }) => {
     if (refused) return;
     inspector?.close();
-    curtain("The emulator has ended, or the connection was lost. Start `atari lab` again, or", "Connect again", () => connect(false));
+    curtain(reason ? `The connection was closed: ${reason}.` : "The emulator has ended, or the connection was lost. Start `atari lab` again, or", "Connect again", () => connect(false));
   };
 }
 
