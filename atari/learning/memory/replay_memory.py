@@ -587,8 +587,8 @@ class ReplayMemory:
         """Save the present state, which `open` then finds, and wait until it is on the disk.
 
         After `margin` more steps, or an eighth of `final_frames` more final observations, the next step might
-        overwrite the saved state: then the memory flushes by itself, or with autoflush=False raises BufferError. When it
-        flushes does not change what it samples.
+        overwrite the saved state: then the memory flushes by itself, or with autoflush=False raises BufferError.
+        Flushes do not change what is sampled.
 
         A saved state survives the end of the process and a loss of power; these leave the last complete flush at every
         moment. The call takes as long as the disk needs for the frames since the last flush: milliseconds for a few
