@@ -29,7 +29,7 @@ class RunLog:
             ValueError: the row has other columns.
         """
         if not self._columns:
-            self._columns = list((read_rows(self._file) or [row])[0])
+            self._columns = list((read_rows(self._file) or [dict(row)])[0])
         if set(row) != set(self._columns):
             raise ValueError(f"a row of the log must have the columns {', '.join(self._columns)}, got {', '.join(row)}")
         self._rows.append(dict(row))

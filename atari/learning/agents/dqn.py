@@ -111,6 +111,7 @@ class DQN(Agent):
     options_class = DQNOptions
     fast = FAST
     sample = False
+    memory: ReplayMemory
 
     def __init__(self, options: DQNOptions, run: RunFolder | None = None) -> None:
         torch.manual_seed(options.seed)
