@@ -56,7 +56,9 @@ int Geometry::most_frames() const {
 
 int64_t Geometry::history() const { return most_frames() - 1 + (compressed ? kGroup - 1 : 0); }
 
-int64_t Geometry::kept_finals() const { return saved ? finals - std::max(lanes, finals / 8) : finals; }
+int64_t Geometry::kept_finals() const {
+    return saved && autoreset != Autoreset::kNextStep ? finals - std::max(lanes, finals / 8) : finals;
+}
 
 size_t Geometry::frame_bytes() const {
     size_t bytes = 0;
