@@ -48,8 +48,9 @@ def with_flush(content: Any) -> Any:
     """The content of a checkpoint with the flush of the memory beside the state, which formats 1 and 2 had in it."""
     if not isinstance(content, dict) or content.keys() != {"agent", "scores", "games", "seconds"}:
         return content
-    flush = content["agent"].get("memory")
-    return {"step": content["agent"]["steps"], "state": content, "flush": flush if isinstance(flush, int) else None}
+    agent = content["agent"]
+    flush = agent["memory"] if isinstance(agent.get("memory"), int) else None
+    return {"step": agent["steps"], "state": content, "weights": agent["network"], "flush": flush}
 
 
 def _game(game: str) -> dict[str, Any]:

@@ -211,16 +211,17 @@ class RunFolder:
             OSError: the disk is full, for example. The last checkpoint and the memory's flush that it names stay valid.
         """
         self._check_locked()
-        content = {"step": step, "state": dict(state), "flush": None if memory is None else memory.flushes + 1}
+        flush = None if memory is None else memory.flushes + 1
+        content = {"step": step, "state": dict(state), "weights": dict(weights), "flush": flush}
         file = self.path / "checkpoint.pt"
         self._log.sync()
         durable.write_part(file, sealed(content))  # first: without it, the folder looks as if it was lost
-        durable.write_file(self.path / "policy.pt", sealed(dict(weights)))
+        self._write_weights(weights)
         if memory is not None:
             try:
                 memory.flush()
             except OSError:
-                if memory.flushes != content["flush"]:  # the checkpoint before names the memory's last flush
+                if memory.flushes != flush:  # the checkpoint before names the memory's last flush
                     durable.remove(durable.part_of(file))
                     raise
         durable.publish(file)
@@ -276,6 +277,9 @@ class RunFolder:
         if self._lock is None:
             raise ValueError(f"{self.path} is open for reading; RunFolder.resume opens it for a training")
 
+    def _write_weights(self, weights: Mapping[str, torch.Tensor]) -> None:
+        durable.write_file(self.path / "policy.pt", sealed(dict(weights)))
+
     def _write_config(self) -> None:
         durable.write_file(self.path / "config.json", json.dumps(self.config, indent=2).encode())
 
@@ -288,11 +292,12 @@ class RunFolder:
             if not found.is_file():
                 continue
             try:
-                self._adopt(found, num_threads)
+                weights = self._adopt(found, num_threads)
             except ValueError as error:  # it was not complete, or the memory was not flushed any more
                 errors.append(str(error))
                 continue
             if found == part:
+                self._write_weights(weights)
                 durable.publish(file)
             durable.remove(part)
             return
@@ -303,11 +308,11 @@ class RunFolder:
         durable.remove(self.path / "memory.replay")
         self._log.forget_after(-1)
 
-    def _adopt(self, file: Path, num_threads: int) -> None:
-        """Take the state of a checkpoint, open the memory that it names, and forget the rows of later steps."""
+    def _adopt(self, file: Path, num_threads: int) -> Mapping[str, torch.Tensor]:
+        """Take the state of a checkpoint, open its memory, and forget the rows of later steps; returns the weights."""
         content = load_sealed(file, weights_only=False, must_be_sealed=self.config["format"] >= 3)
         content = with_flush(content)
-        if not isinstance(content, dict) or content.keys() != {"step", "state", "flush"}:
+        if not isinstance(content, dict) or content.keys() != {"step", "state", "weights", "flush"}:
             raise ValueError(f"{file} is damaged: it is no checkpoint of a training")
         memory, flush = self.path / "memory.replay", content["flush"]
         if flush is not None:
@@ -319,6 +324,8 @@ class RunFolder:
             self.memory = ReplayMemory.open(memory, flush=flush, num_threads=num_threads, autoflush=False)
         self.state = content["state"]
         self._log.forget_after(content["step"])
+        weights: Mapping[str, torch.Tensor] = content["weights"]
+        return weights
 
 
 def _check_empty(path: Path) -> None:
