@@ -145,13 +145,13 @@ class TrainingOptions:
     def __post_init__(self) -> None:
         if not isinstance(self.task, Task):
             raise TypeError(f"task must be an atari.Task, got {self.task!r}; {type(self).__name__}.of(GAME) makes one")
-        for field in dataclasses.fields(self):
-            if field.name != "task":
-                _check_kind(field.name, getattr(self, field.name), members(type(self), field.name))
         check_task(self.task)
         check_integer("seed", self.seed, 0, SEEDS - 1)
         for name, most in (("total_steps", 10**15), ("num_envs", 2**16), ("workers", 1024)):
             check_integer(name, getattr(self, name), 1, most)
+        for field in dataclasses.fields(self):
+            if field.name != "task":
+                _check_kind(field.name, getattr(self, field.name), members(type(self), field.name))
         if self.num_envs % self.workers:
             raise ValueError(f"num_envs must be a multiple of workers, got {self.num_envs} and {self.workers}")
         if self.from_ram != (self.network in ("mlp", "bits")):
@@ -282,6 +282,8 @@ def parse(options: type, name: str, text: str) -> Any:
         check_choice(name, text, ("true", "false"))
         return text == "true"
     if kind is int:
+        if text.removeprefix("-").isdecimal() and len(text) < 100:
+            return int(text)
         value = float(text)  # 1e6 is a whole number, too
         if not value.is_integer():
             raise ValueError(f"{name} must be a whole number, got {text}")

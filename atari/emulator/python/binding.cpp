@@ -115,6 +115,9 @@ NB_MODULE(_emulator, m) {
         nb::borrow<nb::dict>(m.attr("__dict__")).update(nb::borrow<nb::dict>(first->attr("__dict__")));
         return;
     }
+    // Objects that another library, such as TensorBoard, holds until the interpreter has ended are no leak, and the users
+    // of this package can do nothing about nanobind's messages.
+    nb::set_leak_warnings(false);
     count_forks();
     static_cast<void>(std::current_exception());  // allocates this thread's memory for exceptions (thread_pool.cpp)
     m.attr("END") = static_cast<int>(Op::kEnd);
