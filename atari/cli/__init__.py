@@ -60,7 +60,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         print(" ".join(("atari: interrupted", *map(str, interrupt.args))), file=sys.stderr)
         return 130
-    except (ArithmeticError, MemoryError, OSError, RuntimeError, ValueError, gymnasium.error.Error) as error:
+    except (FloatingPointError, MemoryError, OSError, RuntimeError, ValueError, gymnasium.error.Error) as error:
         print_error(error)
         return 1
     return code
