@@ -17,8 +17,6 @@ from atari.task.resolution import BY_FRAME
 if TYPE_CHECKING:
     from atari.lab.inspector.session import Session
 
-_HIGHEST_PORT = 65535
-
 
 def register(commands: Commands) -> None:
     """Add `atari lab`."""
@@ -51,8 +49,6 @@ def register(commands: Commands) -> None:
 def _lab(args: argparse.Namespace) -> int:
     if find_spec("aiohttp") is None:
         raise gymnasium.error.DependencyNotInstalled("atari lab needs aiohttp: pip install 'atari-envs[lab]'")
-    if args.port > _HIGHEST_PORT:
-        raise ValueError(f"a port is within 0..{_HIGHEST_PORT}, got {args.port}")
     from atari.lab.inspector.server import serve
 
     session = _session(args)
