@@ -37,7 +37,7 @@ def test_parse_refuses(name: str, text: str) -> None:
 @pytest.mark.parametrize(
     ("given", "text"),
     [
-        ({"num_envs": 0}, "num_envs must be 1 or more, got 0"),
+        ({"num_envs": 0}, "num_envs must be within 1..65536, got 0"),
         ({"num_envs": 3, "workers": 2}, "num_envs must be a multiple of workers"),
         ({"obs_type": "ram", "network": "small"}, "network 'small' is not for obs_type 'ram'"),
         ({"network": "mlp"}, "images need nature or small"),
