@@ -101,7 +101,7 @@ class RunFolder:
         run = cls(path, config, _locked(path))
         try:
             _check_empty(path)  # another training may have begun and ended meanwhile
-            run._write_config()
+            run._write_config(config)
         except BaseException:
             run.close()
             raise
@@ -234,8 +234,9 @@ class RunFolder:
             keep_memory: keep `memory.replay`, which a training needs that goes on from here.
         """
         self._check_locked()
-        self.config = {**self.config, "ended": reason, "keep_memory": keep_memory}
-        self._write_config()
+        config = {**self.config, "ended": reason, "keep_memory": keep_memory}
+        self._write_config(config)
+        self.config = config  # only now: `close` removes the memory of a training that is complete
 
     def load_weights(self) -> dict[str, torch.Tensor]:
         """The weights in `policy.pt`; nothing in the file is executed.
@@ -280,8 +281,8 @@ class RunFolder:
     def _write_weights(self, weights: Mapping[str, torch.Tensor]) -> None:
         durable.write_file(self.path / "policy.pt", sealed(dict(weights)))
 
-    def _write_config(self) -> None:
-        durable.write_file(self.path / "config.json", json.dumps(self.config, indent=2).encode())
+    def _write_config(self, config: Mapping[str, Any]) -> None:
+        durable.write_file(self.path / "config.json", json.dumps(config, indent=2).encode())
 
     def _restore(self, num_threads: int) -> None:
         """Read the newest checkpoint whose flush the memory has: the one that was being written, or the last one."""

@@ -429,6 +429,25 @@ def test_the_memory_is_as_large_as_the_training_and_goes_with_it(tmp_path: Path)
         assert folder.memory.steps >= 200
 
 
+def test_a_full_disk_at_the_end_keeps_the_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    training = Training.begin("dqn", make_options("dqn", total_steps=200), tmp_path / "run")
+    write = durable.write_file
+
+    def full(path: Path, data: bytes) -> None:
+        if path.name == "config.json":
+            raise OSError(28, "No space left on device")
+        write(path, data)
+
+    monkeypatch.setattr(durable, "write_file", full)
+    with pytest.raises(OSError, match="No space left"):
+        training.run()
+    training.close()
+    monkeypatch.setattr(durable, "write_file", write)
+    resumed = Training.resume(tmp_path / "run")
+    assert resumed.run() == "steps"
+    resumed.close()
+
+
 def test_ctrl_c_saves_and_says_how_to_go_on(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "atari", "train", "ppo", "pong", "--fast", "-o", str(tmp_path / "run")]
     small = ["--num-envs", "4", "--horizon", "16", "--minibatch", "32", "--total-steps", "1e6"]
