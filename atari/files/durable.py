@@ -70,7 +70,7 @@ def write_part(path: Path, data: bytes) -> Path:
     """
     part = part_of(path)
     try:
-        remove(part)  # a link too: its target stays as it is
+        remove(part)  # if it is a link, its target does not change
         file = os.open(part, os.O_WRONLY | _NEW, 0o666)
         try:
             left = memoryview(data)
@@ -137,7 +137,7 @@ def create(path: Path) -> FileIO:
     Raises:
         OSError: the file cannot be created.
     """
-    remove(path)  # a link too: its target stays as it is
+    remove(path)  # if it is a link, its target does not change
     return FileIO(os.open(path, os.O_WRONLY | _NEW, 0o666), "wb")
 
 

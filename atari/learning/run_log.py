@@ -72,7 +72,7 @@ class RunLog:
 
 
 def read_rows(file: Path) -> list[dict[str, float]]:
-    """The rows of a log until the first one that is damaged, of which a warning tells.
+    """The rows of a log before the first damaged one. A warning names the damaged line.
 
     A loss of power can damage the rows that were added last.
 

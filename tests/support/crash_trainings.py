@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -37,12 +37,8 @@ def train(agent: str, path: Path, disk: Disk, **given: Any) -> bool:
     """Train until the end, or until the disk stops the training; returns whether it has ended."""
     options = make_options(agent, "breakout", **{"checkpoint_minutes": 0.0, **TINY[agent], **given})
     try:
-        with small_updates(), on(disk):
-            training = Training.begin(agent, options, path)
-            try:
-                training.run()
-            finally:
-                training.close()
+        with small_updates(), on(disk), closing(Training.begin(agent, options, path)) as training:
+            training.run()
     except Stopped:
         return False
     return True
@@ -56,11 +52,8 @@ def go_on(path: Path, disk: Disk | None = None) -> bool:
             with RunFolder.open(path, lock=True) as folder:
                 if folder.config.get("ended"):
                     return True
-            training = Training.resume(path)
-            try:
+            with closing(Training.resume(path)) as training:
                 training.run()
-            finally:
-                training.close()
     except Stopped:
         return False
     return True

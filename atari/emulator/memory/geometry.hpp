@@ -40,8 +40,8 @@ struct Geometry {
     // Rows in the ring. The 2 are the pending row and the row that is being written.
     int64_t slots() const { return rows + history() + 2 + margin; }
     int64_t cells() const { return slots() * lanes; }
-    // The most final observations of steps that can be sampled. In a file an eighth of the space is left to those that are
-    // stored before the next save, because those of the last save stay as they are.
+    // The most final observations of steps that can be sampled. In a file, an eighth of the space is for the steps before
+    // the next save, because the final observations of the last save are not overwritten.
     int64_t kept_finals() const;
     size_t frame_bytes() const;  // bytes of a frame of all parts
 };

@@ -609,7 +609,7 @@ class ReplayMemory:
     def state(self) -> dict[str, Any]:
         """A copy of the whole memory, for checkpoints without a file. It is as large as the memory.
 
-        A file stays as it is: `open` finds its last flush.
+        This does not change a file: `open` finds its last flush.
         """
         core, block = self._core, self._block.copy()
         core.save_copy(block)
