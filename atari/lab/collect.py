@@ -155,17 +155,19 @@ def check_dataset(file: str | os.PathLike[str]) -> None:
     Raises:
         FileNotFoundError: there is no such file.
         ValueError: the file was changed after it was written, or is no such file.
+        gymnasium.error.DependencyNotInstalled: h5py or pyarrow, which reads the format, is not installed.
 
     Example:
         >>> from atari.lab import check_dataset
         >>> check_dataset("game.h5")  # doctest: +SKIP
     """
     path = check_file(Path(file))
-    found = output_format(path)
-    if found == "minari":
+    found = ENDINGS.get(path.suffix.lower())
+    if found is None:
         raise ValueError(f"{path} must end in one of {', '.join(ENDINGS)}")
+    module = _import_format(found)
     try:
-        (_check_parquet if found == "parquet" else _check_hdf5)(_import_format(found), path)
+        (_check_parquet if found == "parquet" else _check_hdf5)(module, path)
     except Exception as error:  # both libraries raise errors of all kinds
         raise ValueError(f"{path} is damaged: {error}") from error
 
