@@ -10,6 +10,9 @@ from typing import Any
 import numpy
 import numpy.typing
 
+def report_leaks() -> None:
+    """Print the objects that still exist when the interpreter has ended."""
+
 END: int = 40
 
 class Game:

@@ -1,13 +1,15 @@
-"""Gymnasium's vector classes under the names of its newest release, also with older ones.
+"""Gymnasium's vector classes under the names of its newest release, also with older ones; and a caller of `step`.
 
 Gymnasium 1.1 added `AutoresetMode`; Gymnasium 1.0 added `VectorWrapper` and the type parameters of `VectorEnv`. In some
 releases, a deleted `VectorWrapper` closes its environment, which the program may still use, or recurses without end.
 """
 
+import sys
 from enum import Enum
-from typing import TYPE_CHECKING
+from types import FrameType
+from typing import TYPE_CHECKING, Any
 
-from gymnasium import vector
+from gymnasium import vector, wrappers
 
 if TYPE_CHECKING or hasattr(vector, "AutoresetMode"):
     from gymnasium.vector import AutoresetMode, VectorEnv, VectorWrapper
@@ -47,4 +49,23 @@ if not TYPE_CHECKING and hasattr(VectorWrapper, "__del__"):
             """Do nothing."""
 
 
-__all__ = ["AutoresetMode", "VectorEnv", "VectorWrapper"]
+_RECORDERS = (wrappers, getattr(wrappers, "vector", wrappers))
+_RECORDING = {module.RecordEpisodeStatistics.step.__code__ for module in _RECORDERS}
+
+
+def adds_episode(env: Any) -> bool:
+    """Whether Gymnasium's `RecordEpisodeStatistics` around `env` is calling `step`, and will add "episode" to `info`.
+
+    It raises an error if the key exists. An inner environment does not know its wrappers, but its callers.
+    """
+    frame: FrameType | None = sys._getframe(1)
+    while frame is not None:
+        if frame.f_code in _RECORDING:
+            wrapper = frame.f_locals["self"]
+            if wrapper.unwrapped is env.unwrapped and getattr(wrapper, "_stats_key", "episode") == "episode":
+                return True
+        frame = frame.f_back
+    return False
+
+
+__all__ = ["AutoresetMode", "VectorEnv", "VectorWrapper", "adds_episode"]

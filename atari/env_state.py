@@ -165,12 +165,13 @@ class EnvState(gymnasium.Env[Any, Any]):
         return ({}, {}) if generator is None else ({"seeding": "ale"}, {"ale_random": generator.state()})
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickling and copying keep the position in the game, and the writes of `Freeze` and `Poke`."""
+        """Pickling and copying keep the position in the game, all generators, and the writes of `Freeze` and `Poke`."""
         return {
             "made_with": self._made_with,
             "whole_task": self.whole_task,
             **self.driver.settings_state(),
             "spec": copy.deepcopy(self.spec),
+            "action_space": copy.deepcopy(self.action_space),
             "restored": self.driver.restored,
             "ale_random": self.driver.ale_random,
             "np_random_seed": self._np_random_seed,
@@ -185,7 +186,7 @@ class EnvState(gymnasium.Env[Any, Any]):
         self._continue(*snapshot.unpack(state["snapshot"]), self._ale_seeding()[1])
         self._np_random_seed = state["np_random_seed"]
         self.driver.restored = state["restored"]
-        self.spec = state["spec"]
+        self.spec, self.action_space = state["spec"], state["action_space"]
 
 
 def _read_game(values: Any) -> Played:

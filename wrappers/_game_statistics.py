@@ -6,6 +6,7 @@ import gymnasium
 from gymnasium import logger, spaces
 from gymnasium.utils import RecordConstructorArgs
 
+from atari._gymnasium import adds_episode
 from atari.restorable import Restorable
 from atari.wrappers._checks import Environment, action_meanings, require_atari
 
@@ -17,7 +18,8 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
 
     Each `info` has, under EnvPool's names: "reward", the reward before clipping, a float; "elapsed_step", the steps of
     the game despite lost lives; "terminated", whether the game is over. When a game has ended, in the step or inside
-    the reset, `info` has "episode", see `atari.wrappers.preset`.
+    the reset, `info` has "episode", see `atari.wrappers.preset`. Gymnasium's `RecordEpisodeStatistics` adds this key
+    itself: inside it, the info of a step has none.
 
     In games with FIRE, the first 9,000 frames in which nothing happens give a warning: the game may wait for it.
 
@@ -67,6 +69,7 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
         over, ended = driver.core.game_over, driver.ended
         info = {**info, "reward": reward, "elapsed_step": driver.played.steps, "terminated": over}
         if ended is not None or truncated:  # `truncated` may come from a wrapper, unseen by the environment
-            info["episode"] = ended or driver.played.statistics(driver.core)
+            if not adds_episode(self):
+                info["episode"] = ended or driver.played.statistics(driver.core)
             driver.ended = None
         return info

@@ -55,8 +55,8 @@ def preset(
     - "episode", when the game has ended, over or truncated, in this step or inside this reset: the record of
       `RecordEpisodeStatistics` and of Stable-Baselines3's `Monitor` directly around the `AtariEnv`. "r" is the sum of
       all rewards, not clipped, no-ops and FIRE included; "l" the emulated frames since the emulator's reset; "t" the
-      seconds since then. So neither is needed around a preset. Gymnasium's raises an error if "episode" exists: leave
-      it out, or give it another `stats_key`.
+      seconds since then. So neither is needed around a preset. Around one, `RecordEpisodeStatistics` records what it
+      sees, clipped rewards and single lives, and "episode" of a step is its record, not the game's.
 
     Args:
         env: made with the options `preset_options(name)`: always `frameskip=1`, and, if an evaluation protocol

@@ -17,7 +17,7 @@ import gymnasium
 import numpy as np
 from ale_py import ALEInterface, ALEState, LoggerMode
 
-from atari.cores import snapshot
+from atari.cores import copies, snapshot
 from atari.cores.core import ByteArray
 from atari.cores.journal import Journal
 from atari.cores.options import SEED_LIMIT, CoreOptions, check_difficulty, check_mode
@@ -160,7 +160,7 @@ class AleCore:
         )
         self._mode, self._difficulty = self._options.mode, self._options.difficulty
         seed = check_integer("seed", seed, 0, SEED_LIMIT - 1)
-        self._rom = find(self.game.id, rom)
+        self.rom, self._rom = rom, find(self.game.id, rom)
         self._journal: Journal | None
         self.sound = self._options.sound
         # A reset sets everything that ale-py's states leave out, except the sound generator and the variables that the
@@ -355,9 +355,20 @@ class AleCore:
         self._ale, self._seed, self._journal = twin._ale, seed, twin._journal
         self._mode, self._difficulty = twin._mode, twin._difficulty
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickling and copying keep the position in the game, by a snapshot."""
+        return copies.save(self)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        copies.load(self, state)
+
     def close(self) -> None:
         """Release the emulator."""
         self._ale = _Closed()
+
+    def _arguments(self) -> dict[str, Any]:
+        """The arguments that make such a core."""
+        return {"game": self.game, "rom": self.rom, **asdict(self._options)}
 
     def _load(self, seed: int) -> None:
         """Load the ROM, which also resets ale-py's counters and generators."""

@@ -120,8 +120,7 @@ class AleGame:
             self.core.set_mode(state["mode"])
         if state["difficulty"] != self.core.difficulty:
             self.core.set_difficulty(state["difficulty"])
-        if writes.definitions(writes.slots(self.core)) != state["writes"]:
-            self.core.writes = writes.writes_of(self.game, state["writes"])  # type: ignore[attr-defined]
+        writes.restore(self.core, state["writes"])
 
     def _make_core(self) -> Core:
         core: Core = self._kind(self.game, seed=self.ale_settings.seed(), **self._arguments, **self.core_options)

@@ -12,9 +12,10 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
+from typing_extensions import Self
 
 from atari import _emulator
-from atari.cores import snapshot, writes
+from atari.cores import copies, snapshot, writes
 from atari.cores.options import SEED_LIMIT, CoreOptions, check_difficulty, check_mode
 from atari.games.catalog import games
 from atari.games.compiler import CompiledRules, compile_rules
@@ -35,7 +36,9 @@ _NO_RULES = CompiledRules(
 
 
 class EmulatorCore(_emulator.Emulator):
-    """The emulator with checked pokes, and snapshots as portable bytes; the base of our cores."""
+    """The emulator with checked pokes, copies, and snapshots as portable bytes; the base of our cores."""
+
+    sound: bool
 
     def set_ram(self, index: int, value: int) -> None:
         """Write one byte of RAM."""
@@ -70,6 +73,26 @@ class EmulatorCore(_emulator.Emulator):
         if not isinstance(state, _emulator.State):
             raise TypeError(f"restore_state takes what clone_state returned, got {type(state).__name__}")
         super().restore_state(state)
+
+    def with_sound(self) -> Self:
+        """This core if it makes sound, else a new one that does, in the same state."""
+        if self.sound:
+            return self
+        core = type(self)(**{**self._arguments(), "sound": True})
+        core.writes = self.writes
+        core.load(self.save())
+        return core
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickling and copying keep the position in the game, and the writes of `Freeze` and `Poke`."""
+        return copies.save(self)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        copies.load(self, state)
+
+    def _arguments(self) -> dict[str, Any]:
+        """The arguments that make such a core."""
+        raise NotImplementedError
 
     def _check(self, facts: dict[str, Any]) -> None:
         """Raise an error for a snapshot from which the core cannot continue."""
@@ -136,8 +159,8 @@ class NativeCore(EmulatorCore):
             color_averaging=color_averaging,
         )
         self.sound = self._options.sound
-        self._rom = find(self.game, rom)
-        image = rom_image.read_image(self._rom)
+        self.rom = rom
+        image = rom_image.read_image(find(self.game, rom))
         self.rom_md5 = rom_image.md5(image)
         super().__init__(
             game=compiled(self.game, image),
@@ -168,16 +191,9 @@ class NativeCore(EmulatorCore):
         """Play one of the game's difficulties from the next frame on."""
         super().set_difficulty(check_difficulty(self.game, difficulty))
 
-    def with_sound(self) -> "NativeCore":
-        """This core if it makes sound, else a new one that does, in the same state."""
-        if self.sound:
-            return self
-        core = type(self)(
-            self.game, rom=self._rom, interventions=self.interventions, **{**asdict(self._options), "sound": True}
-        )
-        core.writes = self.writes
-        core.load(self.save())
-        return core
+    def _arguments(self) -> dict[str, Any]:
+        own = {"game": self.game, "rom": self.rom, "interventions": self.interventions}
+        return {**own, **asdict(self._options)}
 
     def _facts(self) -> dict[str, Any]:
         return {

@@ -63,6 +63,16 @@ def writes_of(game: Game, definitions: Sequence[str | None]) -> list[_emulator.W
     return [None if definition is None else write_of(game, definition) for definition in definitions]
 
 
+def restore(core: Any, definitions_of_slots: Sequence[str | None]) -> None:
+    """Give a core the writes of a result of `definitions`, unless it has them.
+
+    Raises:
+        ValueError: see `write_of`.
+    """
+    if definitions(slots(core)) != definitions_of_slots:
+        core.writes = writes_of(core.game, definitions_of_slots)
+
+
 def first_free(slots: Sequence[_emulator.Write | None]) -> int:
     """The slot that the next write gets."""
     return next((slot for slot, write in enumerate(slots) if write is None), len(slots))

@@ -39,8 +39,9 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     """Many Atari games for Stable-Baselines3, played in C++.
 
     With `preset="baselines"` and equal seeds, its results equal those of `make_atari_env` with `VecFrameStack(..., 4)`
-    to the byte. Observations are uint8: (num_envs, stack_num, img_height, img_width), in RGB with 3 * stack_num
-    channels in place of stack_num, RAM (num_envs, 128), or a dict of both; rewards are float32.
+    to the byte, except that `reset` in the middle of a game begins a new one. Observations are uint8: (num_envs,
+    stack_num, img_height, img_width), in RGB with 3 * stack_num channels in place of stack_num, RAM (num_envs, 128), or
+    a dict of both; rewards are float32.
 
     The `info` of each environment has `lives`, `frame_number`, `episode_frame_number`, `TimeLimit.truncated`, and when
     its episode ends `terminal_observation`. When a whole game ends, with all its lives, it also has `episode`: `r`, the
@@ -57,7 +58,8 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
 
     Args:
         game, num_envs: see `AtariVectorEnv`.
-        options: options of `AtariVectorEnv`, except `autoreset_mode` and `batch_size`.
+        options: options of `AtariVectorEnv`, except `autoreset_mode` and `batch_size`. Unless given, `render_mode` is
+            "rgb_array", as in `make_atari_env`, for `VecVideoRecorder`.
 
     Raises:
         TypeError, ValueError, FileNotFoundError: see `AtariVectorEnv`.
@@ -81,11 +83,13 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     ) -> None:
         for name in {"autoreset_mode", "batch_size"} & set(options):
             raise TypeError(f"Stable-Baselines3 decides about {name}; leave it out")
+        options.setdefault("render_mode", "rgb_array")
         self._atari = AtariVectorEnv(game, num_envs, **options, autoreset_mode=AutoresetMode.SAME_STEP)
         self.vector: gymnasium.vector.VectorEnv[Any, Any, Any] = self._atari
         super().__init__(
             self._atari.num_envs, _channels_first(self._atari.single_observation_space), self._atari.single_action_space
         )
+        self.metadata = {**self.metadata, "render_fps": self._atari.metadata["render_fps"]}
         self._actions: Any = None
         self._made_at = time.time()
 
@@ -101,7 +105,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
                 "VecFrameStack stacks the observations of AtariVecEnv, which are stacks already; "
                 "leave VecFrameStack out, or make AtariVecEnv with stack_num=1"
             )
-        observation, info = self.vector.reset(seed=self._seeds)
+        observation, info = self.vector.reset(seed=self._seeds[0])
         self._reset_seeds()
         self._reset_options()
         self.reset_infos = _split(info)

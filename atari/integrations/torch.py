@@ -83,6 +83,10 @@ class TorchEnvs:
         observation, reward, terminated, truncated = map(self._shown, parts)
         return observation, reward, terminated, truncated, self._shown_info(info)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy has a copy of the vector environment, and memory of its own."""
+        return TorchEnvs, (self.envs, self.device)
+
     def close(self) -> None:
         """Close the vector environment."""
         self.envs.close()

@@ -61,8 +61,16 @@ class EnvWatch(_History, Restorable, gymnasium.Wrapper[Any, Any, Any, Any]):
         self._atari = inner
         self._log = _Log(Ram(inner, index=index), what, on_change)
         self._observer = _FrameLogger(self._append) if each == "frame" else None
+        self._observe()
+
+    def _observe(self) -> None:
         if self._observer is not None:
-            inner.driver.observers.append(self._observer)
+            self._atari.driver.observers.append(self._observer)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Log the frames of the copied environment, which has no observers."""
+        self.__dict__.update(state)
+        self._observe()
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environment."""

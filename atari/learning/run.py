@@ -266,6 +266,19 @@ class RunFolder:
         self._lock.close()
         self._lock = None
 
+    def __getstate__(self) -> dict[str, Any]:
+        """A folder that is open for reading can be copied.
+
+        Raises:
+            TypeError: the folder is locked.
+        """
+        if self._lock is not None:
+            raise TypeError(
+                f"a RunFolder that is locked for a training cannot be copied or pickled: {self.path}; "
+                "pass the path, and use RunFolder.open(path) there"
+            )
+        return vars(self)
+
     def __enter__(self) -> "RunFolder":
         return self
 

@@ -185,21 +185,9 @@ class MultiplayerCore(EmulatorCore):
         self.options["difficulty"] = self.task.set_difficulty
         super().set_difficulty(difficulty)
 
-    def with_sound(self) -> "MultiplayerCore":
-        """This core if it makes sound, else a new one that does, in the same state."""
-        if self.sound:
-            return self
-        core = MultiplayerCore(
-            self.game,
-            rom=self.rom,
-            sound=True,
-            frameskip=self.frame_skip,
-            interventions=self.task.interventions,
-            **self.options,
-        )
-        core.writes = self.writes
-        core.load(self.save())
-        return core
+    def _arguments(self) -> dict[str, Any]:
+        own = {name: self.options[name] for name in ("seed", *OWN_OPTIONS) if name != "sound"}
+        return {"game": self.task, "rom": self.rom, "sound": self.sound, **own}
 
     def _check(self, facts: dict[str, Any]) -> None:
         modes = self.rules.modes

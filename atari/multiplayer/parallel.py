@@ -11,6 +11,7 @@ from gymnasium import spaces
 from gymnasium.utils import seeding
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
+from typing_extensions import Self
 
 from atari.actions import PLAYER_ACTIONS
 from atari.cores.ale_random import AleRandom
@@ -262,6 +263,14 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
             raise
         self._random = copy.deepcopy(random)
         self.frame, self._frames_played, self._out, self.agents = frame, frames_played, out.copy(), list(agents)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickling and copying keep the position in the game; a copy opens a window of its own."""
+        return {**vars(self), "_window": None}
+
+    def __copy__(self) -> Self:
+        """A copy with a core of its own."""
+        return copy.deepcopy(self)
 
     def close(self) -> None:
         """Close the window, if there is one."""

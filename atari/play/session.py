@@ -119,6 +119,11 @@ class Session(BaseSession):
         """The game and the score, for the window's title."""
         return f"{self.game.title}   {self.score:,}"
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Show the frames of the copied environment, which has no observers."""
+        self.__dict__.update(state)
+        self._atari.driver.observers.append(self)
+
     def close(self) -> None:
         """Complete the replay and the video.
 

@@ -20,7 +20,7 @@ from gymnasium.vector.utils import batch_space
 from typing_extensions import Unpack
 
 from atari import _emulator
-from atari._gymnasium import AutoresetMode, VectorEnv
+from atari._gymnasium import AutoresetMode, VectorEnv, adds_episode
 from atari._renamed import missing_attribute
 from atari.cores import ByteArray
 from atari.games.game import Game
@@ -300,9 +300,10 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
                 raise _closed() from None
             raise
         self._phase = "idle"
-        if self._chosen is not None:
-            return pick_rows(results.read(self._masks, ended), self._chosen)
-        return results.read(self._masks, ended)
+        batch = results.read(self._masks, ended)
+        if "episode" in batch[4] and adds_episode(self):
+            del batch[4]["episode"], batch[4]["_episode"]
+        return batch if self._chosen is None else pick_rows(batch, self._chosen)
 
     def observe(self) -> tuple[Any, dict[str, Any]]:
         """The present observations and info in `reset`'s form, for example after `restore`; nothing is played."""

@@ -59,6 +59,10 @@ class Lane:
         self.game: Game = envs.games[index]
         self.added: AddedWrites = envs._added[index]
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy is the lane of a copy of the vector."""
+        return Lane, (self._envs, self.index)
+
     def _numbers(self) -> list[int]:
         with self._lock:
             return self._engine().numbers(self.index)

@@ -18,6 +18,9 @@ from atari.vector.lanes import AddedWrites
 from atari.vector.options import VectorOptions
 from atari.vector.results import Results
 
+_COPIED = ("spec", "single_action_space", "action_space")
+"""Attributes that a copy has, too; action spaces have generators of their own."""
+
 
 class LaneSnapshot(NamedTuple):
     """The state of a lane, in memory, with the text that `atari.task.storage.identity` makes from its task."""
@@ -33,6 +36,8 @@ class VectorState:
     batch_size: int
     games: tuple[Game, ...]
     spec: Any
+    action_space: Any
+    single_action_space: Any
     closed: bool
     _options: VectorOptions
     _engine: _emulator.VectorEngine | None
@@ -139,7 +144,8 @@ class VectorState:
             phase = self._phase if self.batch_size == self.num_envs else "new"
             added = [writes.definitions(added.slots) for added in self._added]
             options = replace(self._options)  # without the cached values made from them
-            facts = {"phase": phase, "spec": copy.deepcopy(self.spec)}
+            own = copy.deepcopy((self.spec, self.single_action_space, self.action_space))
+            facts = {"phase": phase, **dict(zip(_COPIED, own, strict=True))}
             return {"given": self._given, "options": options, "states": states, "writes": added, **facts}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -150,7 +156,8 @@ class VectorState:
         )
         self._load(self._open(), state["states"])
         self._phase = state["phase"]
-        self.spec = state["spec"]
+        for name in _COPIED:
+            setattr(self, name, state[name])
 
     def _load(self, engine: _emulator.VectorEngine, states: Sequence[bytes]) -> None:
         """Bring a new engine into states that `save` has returned, with the added writes."""

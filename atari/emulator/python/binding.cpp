@@ -115,9 +115,12 @@ NB_MODULE(_emulator, m) {
         nb::borrow<nb::dict>(m.attr("__dict__")).update(nb::borrow<nb::dict>(first->attr("__dict__")));
         return;
     }
-    // Objects that another library, such as TensorBoard, holds until the interpreter has ended are no leak, and the users
-    // of this package can do nothing about nanobind's messages.
+    // Another library or the program itself may hold objects until the interpreter has ended: these are no leak of this
+    // package, and its users can do nothing about nanobind's messages. tests/test_ends_of_programs.py turns them on.
     nb::set_leak_warnings(false);
+    m.def(
+        "report_leaks", [] { nb::set_leak_warnings(true); },
+        "Print the objects that still exist when the interpreter has ended.");
     count_forks();
     static_cast<void>(std::current_exception());  // allocates this thread's memory for exceptions (thread_pool.cpp)
     m.attr("END") = static_cast<int>(Op::kEnd);

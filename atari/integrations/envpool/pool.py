@@ -255,11 +255,24 @@ def make_gym(task_id: GameLike, **options: Any) -> EnvPool:
         >>> rewards.shape, dones.dtype
         ((2,), dtype('bool'))
     """
+    return _gym_class()(make_spec(task_id, **options), returns_done=True)
+
+
+def _gym_class() -> type[EnvPool]:
+    """The class of `make_gym`, of which one made here is found by no name."""
     gym = sys.modules.get("gym")
-    kind: type[EnvPool] = EnvPool
-    if gym is not None:
-        kind = type("GymEnvPool", (EnvPool, gym.Env), {"__doc__": EnvPool.__doc__})
-    return kind(make_spec(task_id, **options), returns_done=True)
+    if gym is None:
+        return EnvPool
+    return type("GymEnvPool", (EnvPool, gym.Env), {"__doc__": EnvPool.__doc__, "__reduce__": _reduced})
+
+
+def _reduced(envs: EnvPool) -> tuple[Any, ...]:
+    return _allocated, (), vars(envs)
+
+
+def _allocated() -> EnvPool:
+    kind = _gym_class()
+    return kind.__new__(kind)
 
 
 def make_gymnasium(task_id: GameLike, **options: Any) -> EnvPool:

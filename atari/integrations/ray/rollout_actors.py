@@ -180,6 +180,12 @@ class RolloutActors:
             ray.kill(seat.actor)
         self._seats = []
 
+    def __getstate__(self) -> dict[str, Any]:
+        raise TypeError(
+            "RolloutActors own processes on a cluster and cannot be copied or pickled; make new ones with the same "
+            "arguments"
+        )
+
     def __enter__(self) -> "RolloutActors":
         return self
 

@@ -14,8 +14,15 @@ from atari.validation import check_integer, import_extra
 Array = Callable[[tuple[int, ...], Any], Any]
 
 
+class _Copied:
+    """A copy of a batch has arrays of its own; the extension module does not know them yet."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "_target": []}
+
+
 @dataclass(frozen=True, eq=False)
-class Batch:
+class Batch(_Copied):
     """Transitions, see `ReplayMemory.sample`: arrays of NumPy, or tensors of PyTorch on the CPU."""
 
     observations: Any
@@ -32,7 +39,7 @@ class Batch:
 
 
 @dataclass(frozen=True, eq=False)
-class Sequences:
+class Sequences(_Copied):
     """Sequences of steps, see `ReplayMemory.sample_sequences`: arrays of NumPy, or tensors of PyTorch on the CPU."""
 
     observations: Any

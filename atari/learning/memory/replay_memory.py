@@ -648,6 +648,27 @@ class ReplayMemory:
             old.close()
             file.sync_name()
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickling and copying copy all steps, and the generator that samples.
+
+        Raises:
+            TypeError: the memory has a file.
+        """
+        if self._file is not None:
+            raise TypeError(
+                f"a ReplayMemory with a file cannot be copied or pickled: {self._file.path} is open for one object; "
+                "close it and pass the path to ReplayMemory.open, or restore its state() in a memory without a file"
+            )
+        return {"state": self.state(), "num_threads": self._threads}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        options = storage.options_of(state["state"]["options"])
+        block = storage.allocate(options)
+        block[:] = storage.block_of(state["state"], options)
+        self._begin(options, state["num_threads"], None, block, False)
+        self._core.load(True, None)
+        self._core.resume()
+
     def close(self) -> None:
         """Release the memory and the file, without a flush."""
         # In a forked process, a thread that no longer exists may hold the lock.

@@ -14,7 +14,7 @@ from atari.env import AtariEnv
 from atari.multiplayer.core import MultiplayerCore
 from atari.recording.replay.events import Kind
 from atari.recording.replay.players import RecordMatch
-from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, header_of
+from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, header_of, not_copied
 from atari.recording.replay.vector_shadow import make_shadow
 from atari.recording.vectors import is_vector, not_recorded, recorded_vector
 from atari.restorable import Restorable
@@ -80,7 +80,7 @@ class RecordEnvReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordC
             self.env.close()
 
     def __getstate__(self) -> dict[str, Any]:
-        raise TypeError("RecordReplay writes a file and cannot be copied or pickled; call stop(), or copy its env")
+        raise not_copied()
 
     def _record_continuous_action(self, action: Any) -> None:
         try:
@@ -161,6 +161,9 @@ class RecordVectorReplay(VectorWrapper):
         """Complete the file and close the environments."""
         self.stop()
         super().close(**kwargs)
+
+    def __getstate__(self) -> dict[str, Any]:
+        raise not_copied()
 
     def _compare(self) -> None:
         lane, core = self._shadow.lane, self._shadow.env.unwrapped.core

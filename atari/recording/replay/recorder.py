@@ -230,6 +230,11 @@ class ReplayRecorder(DeferredErrorMixin):
             self._deferred_error = error
 
 
+def not_copied() -> TypeError:
+    """The error for a copy of a recorder."""
+    return TypeError("RecordReplay writes a file and cannot be copied or pickled; close it, or copy what it records")
+
+
 class RecordedCore:
     """A core whose calls are recorded. See `Core` for the methods."""
 
@@ -239,6 +244,9 @@ class RecordedCore:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.inner, name)
+
+    def __getstate__(self) -> dict[str, Any]:
+        raise not_copied()
 
     def close(self) -> None:
         """Complete the file, and close the core."""

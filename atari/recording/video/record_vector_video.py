@@ -69,7 +69,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         inner = recorded_vector(env, "RecordVideo")
         super().__init__(env)
         self._vector = inner
-        self._index = index = check_integer("index", index, 0, inner.num_envs - 1)
+        self._index = check_integer("index", index, 0, inner.num_envs - 1)
         filmed = [self._index] if record_first_only else list(range(inner.num_envs))
         self._columns = _columns([inner.games[i].screen.shape for i in filmed], video_aspect_ratio)
         rate = frame_rate(inner.games[self._index]) if fps is None else fps
@@ -77,10 +77,14 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
         self.video_folder = make_folder(video_folder)
-        self._make_recorder(lambda: inner.options.tasks[index])
+        self._watch()
         self._shadows = [ShadowCore(inner, i) for i in filmed]
         self._sound_shadow = next(shadow for shadow in self._shadows if shadow.index == self._index)
         self._done = np.zeros(inner.num_envs, np.bool_)
+
+    def _watch(self) -> None:
+        inner, index = self._vector, self._index  # the recorder must not refer to this wrapper
+        self._make_recorder(lambda: inner.options.tasks[index])
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environments; if environment `index` is among them, its episode ends."""

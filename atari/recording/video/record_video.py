@@ -79,14 +79,6 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
         self._count()
         return result
 
-    def __getstate__(self) -> dict[str, Any]:
-        """Leave out the open video: a copy keeps the counters and records from its next trigger on."""
-        return {name: value for name, value in vars(self).items() if name not in ("_recorder", "_finalizer")}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self._watch()
-
 
 class RecordVideo(RecordEnvVideo):
     """Records videos of chosen episodes.

@@ -20,13 +20,23 @@ from atari.task import Task
 class RecordVideoBase:
     """The first base class of a recording wrapper.
 
-    The wrapper calls `_before_episode`, `_before_step` and `_count`, and writes its frames to `_recorder`.
+    The wrapper calls `_before_episode`, `_before_step` and `_count`, and writes its frames to `_recorder`, which its
+    method `_watch` makes.
     """
 
     video_folder: str
     _settings: VideoSettings
     _schedule: Schedule
     _best: tuple[Path, int] | None = None
+    _watch: Any
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out the open video: a copy keeps the counters and records from its next trigger on."""
+        return {name: value for name, value in vars(self).items() if name not in ("_recorder", "_finalizer")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._watch()
 
     def _make_recorder(self, task: Callable[[], Task]) -> None:
         self._recorder = VideoRecorder(self._settings, task)

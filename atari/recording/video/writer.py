@@ -170,6 +170,9 @@ class VideoWriter:
         except OSError as error:
             raise self._incomplete(error) from error
 
+    def __getstate__(self) -> dict[str, Any]:
+        raise TypeError(f"VideoWriter writes {self.path} and cannot be copied or pickled; make a new one")
+
     def _incomplete(self, error: Exception) -> Exception:
         """`error`; an OSError gets the name of the file and the number of frames in it."""
         if not isinstance(error, OSError):

@@ -1,0 +1,203 @@
+"""Every public class can be copied, in every way, and a copy plays on equally; or it refuses with a sentence.
+
+A class refuses that holds an open file, window, socket or process. REFUSED has all of these.
+"""
+
+import copy
+import pickle
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+import site_modules
+from copied import CASES, FOLDER, OTHERS, WAYS, in_new_process, plain, started
+
+import atari
+from atari.learning import ReplayMemory
+from atari.multiplayer import MultiplayerCore
+from atari.recording import RecordReplay, VideoWriter
+
+ABSTRACT = {
+    "atari.cores.core.Core": "atari.cores.native.NativeCore",
+    "atari.policy.Policy": None,
+    "atari.policy.ScoresPolicy": None,
+    "atari.algorithmic.environment.AlgorithmicEnv": "atari.algorithmic.tasks.CopyEnv",
+    "atari.algorithmic.grid.GridEnv": "atari.algorithmic.tasks.ReversedAdditionEnv",
+    "atari.algorithmic.tape.TapeEnv": "atari.algorithmic.tasks.CopyEnv",
+}
+"""Classes without objects of their own, and a class here that stands for them. Policies are the user's own objects."""
+
+ELSEWHERE = {
+    "atari.integrations.sb3.AtariVecEnv": "tests/peers/test_copies.py",
+    "atari.integrations.sb3.RecordReplay": "tests/peers/test_copies.py",
+    "atari.integrations.sb3.RecordVideo": "tests/peers/test_copies.py",
+    "atari.integrations.ray.rllib.GameScores": "tests/distributed/test_copies.py",
+    "atari.integrations.ray.rollout_actors.RolloutActors": "tests/distributed/test_copies.py",
+}
+"""Classes that need an optional library, and the file that copies them."""
+
+
+def memory_of_file(folder: Path) -> Any:
+    return ReplayMemory(10, 1, (4, 4), path=folder / "a.replay")
+
+
+def locked_run(folder: Path) -> Any:
+    pytest.importorskip("torch")
+    from atari.learning import RunFolder
+
+    return RunFolder.begin(folder / "run", "mine", atari.Task.of("pong"), {})
+
+
+REFUSED: Mapping[str, tuple[Callable[[Path], Any], str]] = {
+    "atari.recording.replay.record_replay.RecordReplay": (
+        lambda folder: RecordReplay(atari.AtariEnv("pong"), folder / "a.a26"),
+        "RecordReplay writes a file and cannot be copied or pickled; close it, or copy what it records",
+    ),
+    "RecordReplay of a vector": (
+        lambda folder: RecordReplay(atari.AtariVectorEnv("pong", 2), folder / "b.a26"),
+        "RecordReplay writes a file and cannot be copied or pickled; close it, or copy what it records",
+    ),
+    "RecordReplay of a core": (
+        lambda folder: RecordReplay(MultiplayerCore("pong"), folder / "c.a26"),
+        "RecordReplay writes a file and cannot be copied or pickled; close it, or copy what it records",
+    ),
+    "atari.recording.video.writer.VideoWriter": (
+        lambda folder: VideoWriter(folder / "a.gif", atari.games["pong"]),
+        r"VideoWriter writes .*a\.gif and cannot be copied or pickled; make a new one",
+    ),
+    "ReplayMemory with a file": (
+        memory_of_file,
+        r"a ReplayMemory with a file cannot be copied or pickled: .*a\.replay is open for one object; close it and pass "
+        r"the path to ReplayMemory\.open, or restore its state\(\) in a memory without a file",
+    ),
+    "atari.learning.run.RunFolder": (
+        locked_run,
+        r"a RunFolder that is locked for a training cannot be copied or pickled: .*; pass the path, and use "
+        r"RunFolder\.open\(path\) there",
+    ),
+}
+"""By class: a function that makes an object with an open file, and its refusal."""
+
+
+def test_every_public_class_is_copied_or_refuses() -> None:
+    public = site_modules.load("public")
+    classes = {found.path for module in public.MODULES for found in public.definitions(module) if found.kind == "class"}
+    assert len(classes) > 50
+    assert classes == ({*CASES, *REFUSED, *ABSTRACT, *ELSEWHERE} & classes)
+    assert {*CASES, *ABSTRACT, *ELSEWHERE} <= classes
+    assert {stand_in for stand_in in ABSTRACT.values() if stand_in} <= {*CASES}
+    root = Path(__file__).parent
+    for path, file in ELSEWHERE.items():
+        assert path.rpartition(".")[2] in (root.parent / file).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", [*CASES, *OTHERS])
+def test_a_copy_plays_on_equally(name: str) -> None:
+    make, play = {**CASES, **OTHERS}[name]
+    one = make()
+    copies = {way: duplicate(one) for way, duplicate in WAYS.items()}
+    expected = play(one)
+    for way, copied in copies.items():
+        assert play(copied) == expected, way
+
+
+def test_copies_play_on_equally_in_a_new_process() -> None:
+    cases = {**CASES, **OTHERS}
+    objects = {name: make() for name, (make, _) in cases.items()}
+    there = in_new_process(objects)
+    for name, one in objects.items():
+        assert there[name] == cases[name][1](one), name
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_holds_an_open_file_refuses(name: str, tmp_path: Path) -> None:
+    make, sentence = REFUSED[name]
+    one = make(tmp_path)
+    for duplicate in WAYS.values():
+        with pytest.raises(TypeError, match=sentence):
+            duplicate(one)
+    one.close()
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "atari.env.AtariEnv",
+        "atari.vector.env.AtariVectorEnv",
+        "atari.cores.native.NativeCore",
+        "atari.cores.ale.AleCore",
+        "atari.multiplayer.core.MultiplayerCore",
+        "atari.multiplayer.parallel.MultiplayerEnv",
+    ],
+)
+def test_a_shallow_copy_has_an_emulator_of_its_own(name: str) -> None:
+    make, play = CASES[name]
+    one = make()
+    other, third = copy.copy(one), copy.copy(one)
+    assert play(one) == play(other) == play(third)
+
+
+def test_a_folder_that_is_open_for_reading_is_copied(tmp_path: Path) -> None:
+    run = locked_run(tmp_path)
+    run.close()
+    opened = type(run).open(tmp_path / "run")
+    assert pickle.loads(pickle.dumps(opened)).config == opened.config
+
+
+def test_a_core_with_a_cloned_state_of_ale_py_says_why_it_has_no_copy() -> None:
+    core = atari.cores.AleCore("pong")
+    core.reset()
+    core.restore_state(core.clone_state())
+    with pytest.raises(RuntimeError, match=r"a complete snapshot is possible again only after reset\(\)"):
+        copy.deepcopy(core)
+
+
+def test_a_copy_has_a_window_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    env = atari.multiplayer.MultiplayerEnv("pong", render_mode="human")
+    env.reset(seed=0)
+    env.render()
+    other = pickle.loads(pickle.dumps(env))
+    other.close()
+    env.step({})
+    env.close()
+
+
+def test_an_environment_of_old_gyms_class_is_copied(tmp_path: Path) -> None:
+    """The class of such an environment is made when `gym` is there."""
+    program = """
+import copy, pickle
+import gym
+import numpy as np
+import atari.integrations.envpool as envpool
+envs = envpool.make_gym("Pong-v5", num_envs=2)
+envs.reset()
+copies = [copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))]
+assert all(isinstance(one, gym.Env) for one in copies)
+assert len({one.step(np.array([2, 3]))[0].tobytes() for one in (envs, *copies)}) == 1
+print("copied")
+"""
+    (tmp_path / "script.py").write_text(program)
+    command = [sys.executable, "-m", "atari.classic", "script.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert done.stdout == "copied\n", done.stderr
+
+
+def test_the_spaces_of_a_copy_draw_the_same(tmp_path: Path) -> None:
+    envs = started(atari.AtariVectorEnv("pong", 2))
+    other = copy.deepcopy(envs)
+    envs.single_action_space.seed(5)
+    third = pickle.loads(pickle.dumps(envs))
+    assert plain(other.action_space.sample()) == plain(envs.action_space.sample())
+    assert third.single_action_space.sample() == envs.single_action_space.sample()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def folder() -> Any:
+    FOLDER.mkdir(exist_ok=True)
+    yield FOLDER
+    shutil.rmtree(FOLDER, ignore_errors=True)
