@@ -5,6 +5,7 @@ their channels first, and `infos` has a dict for each environment. `AtariVectorE
 `AtariVecEnv` adds the rest, and the episode statistics of Stable-Baselines3's `Monitor`.
 """
 
+import inspect
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -89,7 +90,10 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         super().__init__(
             self._atari.num_envs, _channels_first(self._atari.single_observation_space), self._atari.single_action_space
         )
-        self.metadata = {**self.metadata, "render_fps": self._atari.metadata["render_fps"]}
+        self.metadata: dict[str, Any] = {
+            "render_modes": ["human", "rgb_array"] if self._atari.render_mode else [],
+            "render_fps": self._atari.metadata["render_fps"],
+        }
         self._actions: Any = None
         self._made_at = time.time()
 
@@ -246,6 +250,14 @@ class _Recorder(VecEnvWrapper):  # type: ignore[misc]
             raise TypeError(f"an atari.sb3.AtariVecEnv is recorded, before other wrappers; got {type(venv).__name__}")
         venv.vector = record(venv.vector)
         super().__init__(venv)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out Stable-Baselines3's table of the class, which cannot be pickled."""
+        return {name: value for name, value in vars(self).items() if name != "class_attributes"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.class_attributes = dict(inspect.getmembers(type(self)))
 
     def reset(self) -> Any:
         """Begin new games."""

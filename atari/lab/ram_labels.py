@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Iterable
-from typing import Any, Literal, get_args, overload
+from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 
 import gymnasium
 import numpy as np
@@ -212,14 +212,17 @@ class RamLabels(EnvRamLabels):
         {'lives': 5, 'player_x': 99}
     """
 
-    @overload
-    def __new__(
-        cls, env: gymnasium.Env[Any, Any], labels: Iterable[str] | None = None, names: Names = "game"
-    ) -> "RamLabels": ...
-    @overload
-    def __new__(  # type: ignore[misc]
-        cls, env: VectorEnv, labels: Iterable[str] | None = None, names: Names = "game"
-    ) -> VectorRamLabels: ...
+    if TYPE_CHECKING:  # at run time `typing` would hold the functions, and all modules, until the process has ended
+
+        @overload
+        def __new__(
+            cls, env: gymnasium.Env[Any, Any], labels: Iterable[str] | None = None, names: Names = "game"
+        ) -> "RamLabels": ...
+        @overload
+        def __new__(  # type: ignore[misc]
+            cls, env: VectorEnv, labels: Iterable[str] | None = None, names: Names = "game"
+        ) -> VectorRamLabels: ...
+
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
         """A `VectorRamLabels` for a vector; copying and pickling call this without arguments."""
         return VectorRamLabels(env, *args, **kwargs) if is_vector(env) else super().__new__(cls)

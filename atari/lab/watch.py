@@ -1,7 +1,7 @@
 """`Watch`: a wrapper that logs chosen labels and bytes of RAM while a game is played."""
 
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 
 import gymnasium
 import numpy as np
@@ -184,24 +184,27 @@ class Watch(EnvWatch):
         >>> envs.close()
     """
 
-    @overload
-    def __new__(
-        cls,
-        env: gymnasium.Env[Any, Any],
-        *what: str | int,
-        each: Each = "step",
-        index: int | None = None,
-        on_change: OnChange | None = None,
-    ) -> "Watch": ...
-    @overload
-    def __new__(  # type: ignore[misc]
-        cls,
-        env: VectorEnv,
-        *what: str | int,
-        each: Each = "step",
-        index: int | None = None,
-        on_change: OnChange | None = None,
-    ) -> VectorWatch: ...
+    if TYPE_CHECKING:  # at run time `typing` would hold the functions, and all modules, until the process has ended
+
+        @overload
+        def __new__(
+            cls,
+            env: gymnasium.Env[Any, Any],
+            *what: str | int,
+            each: Each = "step",
+            index: int | None = None,
+            on_change: OnChange | None = None,
+        ) -> "Watch": ...
+        @overload
+        def __new__(  # type: ignore[misc]
+            cls,
+            env: VectorEnv,
+            *what: str | int,
+            each: Each = "step",
+            index: int | None = None,
+            on_change: OnChange | None = None,
+        ) -> VectorWatch: ...
+
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
         """A `VectorWatch` for a vector; copying and pickling call this without arguments."""
         return VectorWatch(env, *args, **kwargs) if is_vector(env) else super().__new__(cls)

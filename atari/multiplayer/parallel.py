@@ -71,6 +71,8 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         task: the task.
         core: the `MultiplayerCore`.
         frame: steps of the episode.
+        np_random: PettingZoo's generator of the last seed, from which SuperSuit's `frame_skip_v0` draws. The game does
+            not draw from it.
 
     Raises:
         ValueError, TypeError: a name, a parameter or an option does not exist, or a field is for one player.
@@ -280,6 +282,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
 
     def _seed(self, seed: int) -> None:
         """Start the generators like the lane of a vector."""
+        self.np_random = seeding.np_random(seed)[0]
         first, second = (int(word) for word in np.random.SeedSequence(seed).generate_state(2))
         self._random = seeding.np_random(first)[0]
         if self.task.seeding == "ale":

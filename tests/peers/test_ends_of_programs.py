@@ -36,8 +36,7 @@ ENDS = {
         envs = supersuit.concat_vec_envs_v1(env, 2, num_cpus=0, base_class="gymnasium")
         envs.reset(seed=0)
     """,
-    "EnvPool beside it": """
-        import envpool
+    "EnvPool's interface": """
         import atari.integrations.envpool as ours
         envs = ours.make("Pong-v5", env_type="gymnasium", num_envs=2)
         envs.reset()

@@ -71,23 +71,28 @@ def test_the_chain_of_ppo_equals_pettingzoos(name: str) -> None:
     both = [vector(preprocessed(env)) for env in (parallel_env(name), theirs(name))]
     assert both[0].observation_space == both[1].observation_space
     assert both[0].num_envs == both[1].num_envs
-    assert digest(both[0], 120) == digest(both[1], 120)
+    assert digest(both[0], 50) == digest(both[1], 50)
+
+
+def test_random_frame_skips_equal_pettingzoos() -> None:
+    import supersuit
+
+    makes = (parallel_env, theirs)
+    both = [vector(supersuit.frame_skip_v0(make("boxing_v2", obs_type="ram"), (2, 5)), 2) for make in makes]
+    assert digest(both[0], 100) == digest(both[1], 100)
 
 
 def test_vectors_of_ram() -> None:
     both = [vector(make("pong_v3", obs_type="ram"), 8) for make in (parallel_env, theirs)]
-    assert digest(both[0], 300) == digest(both[1], 300)
+    assert digest(both[0], 150) == digest(both[1], 150)
 
 
 @pytest.mark.parametrize("base_class", ["gymnasium", "stable_baselines3"])
 def test_a_preset_in_a_vector(base_class: str) -> None:
     """This package's own preprocessing, without SuperSuit's wrappers."""
     envs = vector(parallel_env("pong_v3", preset="multiplayer_dqn", agent_indicator=True), 2, base_class=base_class)
-    if base_class == "gymnasium":
-        observations = envs.reset(seed=1)[0]
-    else:
-        envs.seed(1)
-        observations = envs.reset()
+    observations = envs.reset()
+    observations = observations[0] if base_class == "gymnasium" else observations
     assert observations.shape == (4, 84, 84, 6)
     assert envs.step(np.zeros(4, np.int64))[0].shape == (4, 84, 84, 6)
 

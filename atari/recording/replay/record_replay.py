@@ -2,7 +2,7 @@
 
 import weakref
 from os import PathLike
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import gymnasium
 import numpy as np
@@ -221,12 +221,15 @@ class RecordReplay(RecordEnvReplay):
         >>> envs.close()
     """
 
-    @overload
-    def __new__(cls, env: gymnasium.Env[Any, Any], path: str | PathLike[str]) -> "RecordReplay": ...
-    @overload
-    def __new__(cls, env: VectorEnv, path: str | PathLike[str], index: int = 0) -> RecordVectorReplay: ...  # type: ignore[misc]
-    @overload
-    def __new__(cls, env: MultiplayerCore, path: str | PathLike[str]) -> RecordMatch: ...  # type: ignore[misc]
+    if TYPE_CHECKING:  # at run time `typing` would hold the functions, and all modules, until the process has ended
+
+        @overload
+        def __new__(cls, env: gymnasium.Env[Any, Any], path: str | PathLike[str]) -> "RecordReplay": ...
+        @overload
+        def __new__(cls, env: VectorEnv, path: str | PathLike[str], index: int = 0) -> RecordVectorReplay: ...  # type: ignore[misc]
+        @overload
+        def __new__(cls, env: MultiplayerCore, path: str | PathLike[str]) -> RecordMatch: ...  # type: ignore[misc]
+
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
         """The recorder of this kind of environment; copying calls this without arguments."""
         if is_vector(env):

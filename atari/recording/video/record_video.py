@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
@@ -134,29 +134,32 @@ class RecordVideo(RecordEnvVideo):
         ['rl-video-episode-0.mp4']
     """
 
-    @overload
-    def __new__(
-        cls,
-        env: gymnasium.Env[Any, Any],
-        video_folder: str | os.PathLike[str],
-        episode_trigger: Trigger | None = None,
-        step_trigger: Trigger | None = None,
-        video_length: int = 0,
-        name_prefix: str = "rl-video",
-        fps: float | None = None,
-        disable_logger: bool = True,
-        gc_trigger: Callable[[int], bool] | None = None,
-        *,
-        format: str = "mp4",
-        scale: int = 2,
-        sound: bool = True,
-        overlay: tuple[str, ...] | None = None,
-        keep: str = "all",
-    ) -> "RecordVideo": ...
-    @overload
-    def __new__(  # type: ignore[misc]
-        cls, env: VectorEnv, video_folder: str | os.PathLike[str], *args: Any, **options: Any
-    ) -> RecordVectorVideo: ...
+    if TYPE_CHECKING:  # at run time `typing` would hold the functions, and all modules, until the process has ended
+
+        @overload
+        def __new__(
+            cls,
+            env: gymnasium.Env[Any, Any],
+            video_folder: str | os.PathLike[str],
+            episode_trigger: Trigger | None = None,
+            step_trigger: Trigger | None = None,
+            video_length: int = 0,
+            name_prefix: str = "rl-video",
+            fps: float | None = None,
+            disable_logger: bool = True,
+            gc_trigger: Callable[[int], bool] | None = None,
+            *,
+            format: str = "mp4",
+            scale: int = 2,
+            sound: bool = True,
+            overlay: tuple[str, ...] | None = None,
+            keep: str = "all",
+        ) -> "RecordVideo": ...
+        @overload
+        def __new__(  # type: ignore[misc]
+            cls, env: VectorEnv, video_folder: str | os.PathLike[str], *args: Any, **options: Any
+        ) -> RecordVectorVideo: ...
+
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
         """A `RecordVectorVideo` of a vector; copying calls this without arguments."""
         return RecordVectorVideo(env, *args, **kwargs) if is_vector(env) else super().__new__(cls)
