@@ -221,6 +221,50 @@ def test_gymnasiums_recorder_around_a_preset(make: Callable[[], Any], record: An
     assert info["seen"]["l"] == info["elapsed_step"] == step
 
 
+@pytest.mark.parametrize("name", [name for name in atari.PRESETS if name != "multiplayer_dqn"])
+def test_gymnasiums_recorder_around_a_preset_has_its_own_record(name: str) -> None:
+    env = RecordEpisodeStatistics(atari.make("breakout", preset=name))
+    env.action_space.seed(0)
+    env.reset(seed=0)
+    score, steps, ends = 0.0, 0, 0
+    while ends < 3:
+        _, reward, terminated, truncated, info = env.step(env.action_space.sample())
+        score, steps = score + reward, steps + 1
+        assert ("episode" in info) == (terminated or truncated)
+        if terminated or truncated:
+            assert (info["episode"]["r"], info["episode"]["l"]) == (score, steps)
+            score, steps, ends = 0.0, 0, ends + 1
+            env.reset()
+    assert len(env.length_queue) == 3
+
+
+@needs_autoreset_modes
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
+@pytest.mark.parametrize("preset", ["baselines", "dqn2015"])
+def test_gymnasiums_recorder_around_a_vector_with_a_preset(mode: str, preset: str) -> None:
+    envs = vector.RecordEpisodeStatistics(atari.AtariVectorEnv("breakout", 2, preset=preset, autoreset_mode=mode))
+    envs.action_space.seed(0)
+    envs.reset(seed=0)
+    scores, lengths, ends = np.zeros(2), np.zeros(2, int), 0
+    begins = np.zeros(2, bool)
+    for _ in range(500):
+        _, rewards, terminations, truncations, info = envs.step(envs.action_space.sample())
+        skipped = begins if mode == "NextStep" else np.zeros(2, bool)
+        scores, lengths = np.where(skipped, 0, scores + rewards), np.where(skipped, 0, lengths + 1)
+        done = begins = terminations | truncations
+        assert ("episode" in info) == done.any()
+        if done.any():
+            ends += 1
+            np.testing.assert_array_equal(info["episode"]["r"][done], scores[done])
+            np.testing.assert_array_equal(info["episode"]["l"][done], lengths[done])
+            scores[done], lengths[done] = 0, 0
+            if mode == "SameStep" and "episode" in info["final_info"]:
+                assert info["final_info"]["episode"]["l"].max() > 100  # whole games, in frames
+            if mode == "Disabled":
+                envs.reset(options={"reset_mask": done})
+    assert ends > 5
+
+
 def test_whole_games_are_in_info_as_the_option_says() -> None:
     for given, has in ((None, False), (True, True), (False, False)):
         envs = atari.AtariVectorEnv("ALE/Pong-v5", 1, game_info=given)
