@@ -1,0 +1,46 @@
+"""Programs that use PyTorch run to their end, and nothing of this package is left then.
+
+PyTorch holds the module `typing` to the end, and with it whatever `typing` has registered.
+"""
+
+from pathlib import Path
+
+import pytest
+from programs import REPORTING, printed_at_end
+
+pytest.importorskip("torch")
+
+ENDS = {
+    "recorders and the lab beside PyTorch": """
+        import torch, atari, atari.lab, atari.recording
+        core = atari.cores.NativeCore("pong")
+    """,
+    "a run folder with TensorBoard": """
+        import atari, torch
+        from atari.learning import RunFolder
+        network = torch.nn.Linear(128, 6)
+        envs = atari.AtariVectorEnv("pong", 2)
+        run = RunFolder.begin({folder!r} + "/run", "mine", envs.task, {{}})
+        run.log({{"step": 100, "score": -21.0}})
+        run.checkpoint(100, {{"network": network.state_dict()}}, network.state_dict())
+    """,
+    "a training": """
+        from atari.learning.agents.ppo import PPOOptions
+        from atari.learning.training import Training
+        options = PPOOptions.of("Pong-ram-v4", num_envs=2, total_steps=64, horizon=16, minibatch=32)
+        training = Training.begin("ppo", options, {folder!r} + "/ppo")
+        training.run()
+        training.close()
+    """,
+    "tensors of a vector": """
+        import torch, atari
+        envs = atari.AtariVectorEnv("pong", 2).torch()
+        observations, info = envs.reset(seed=0)
+    """,
+}
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_nothing_is_left(name: str, tmp_path: Path) -> None:
+    lines = (line.removeprefix("        ") for line in ENDS[name].format(folder=str(tmp_path)).splitlines())
+    assert "nanobind" not in printed_at_end(REPORTING + "\n".join(lines) + "\n")
