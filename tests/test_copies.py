@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import site_modules
 from copied import CASES, FOLDER, OTHERS, WAYS, in_new_process, plain, started
@@ -146,6 +147,30 @@ def test_a_folder_that_is_open_for_reading_is_copied(tmp_path: Path) -> None:
     run.close()
     opened = type(run).open(tmp_path / "run")
     assert pickle.loads(pickle.dumps(opened)).config == opened.config
+
+
+@pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda batch: pickle.loads(pickle.dumps(batch))])
+@pytest.mark.parametrize("stack", [1, 3])
+@pytest.mark.parametrize("named", [False, True])
+def test_a_copied_batch_shares_its_frames_and_can_be_filled(duplicate: Any, stack: int, named: bool) -> None:
+    shape = {"image": (6, 5)} if named else (6, 5)
+    memory = ReplayMemory(60, 2, shape, stack_num=3, seed=4)
+    frames = np.arange(60, dtype=np.uint8).reshape(2, 6, 5)
+    memory.reset({"image": frames} if named else frames)
+    for number in range(20):
+        seen = {"image": frames + number} if named else frames + number
+        memory.add(np.zeros(2, int), np.zeros(2), np.zeros(2, bool), np.zeros(2, bool), observations=seen)
+    batch = memory.make_batch(8, stack_num=stack, share=True)
+    memory.sample(8, out=batch)
+    other = duplicate(batch)
+    assert plain(vars(other)["observations"]) == plain(batch.observations)
+    memory.sample(8, out=other)
+    again = memory.sample(8, stack_num=stack)
+    for name in ("frames", "observations", "next_observations"):
+        part, first = (getattr(each, name)["image"] if named else getattr(each, name) for each in (other, batch))
+        assert not np.shares_memory(part, first)
+        assert np.shares_memory(part, other.frames["image"] if named else other.frames)
+    assert again.indices.shape == other.indices.shape
 
 
 def test_a_core_with_a_cloned_state_of_ale_py_says_why_it_has_no_copy() -> None:

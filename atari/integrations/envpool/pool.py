@@ -259,7 +259,7 @@ def make_gym(task_id: GameLike, **options: Any) -> EnvPool:
 
 
 def _gym_class() -> type[EnvPool]:
-    """The class of `make_gym`, of which one made here is found by no name."""
+    """The class of `make_gym`. If `gym` is imported, it is made here, and `pickle` finds it by no name."""
     gym = sys.modules.get("gym")
     if gym is None:
         return EnvPool

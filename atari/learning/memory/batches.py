@@ -15,10 +15,27 @@ Array = Callable[[tuple[int, ...], Any], Any]
 
 
 class _Copied:
-    """A copy of a batch has arrays of its own; the extension module does not know them yet."""
+    """Copies of batches: without the target of the extension module, which writes to the arrays of the original."""
 
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "_target": []}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Make shared frames shared again: copies of views are arrays of their own."""
+        self.__dict__.update(state)
+        frames, seen = state.get("frames"), state["observations"]
+        if isinstance(frames, Mapping):
+            pairs = {name: _views(part, seen[name]) for name, part in frames.items()}
+            first, second = ({name: pair[number] for name, pair in pairs.items()} for number in (0, 1))
+            self.__dict__.update(observations=first, next_observations=second)
+        elif frames is not None:
+            first, second = _views(frames, seen)
+            self.__dict__.update(observations=first, next_observations=second)
+
+
+def _views(frames: Any, observations: Any) -> tuple[Any, Any]:
+    """The observations and the next observations in shared frames; `observations` has the shape of the first."""
+    return (frames[:, 0], frames[:, 1]) if observations.ndim < frames.ndim else (frames[:, :-1], frames[:, 1:])
 
 
 @dataclass(frozen=True, eq=False)
