@@ -166,6 +166,11 @@ class EnvState(gymnasium.Env[Any, Any]):
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in the game, and the writes of `Freeze` and `Poke`."""
+        if self.core is not self.driver.emulated:
+            raise TypeError(
+                "env.ale was assigned, and that object plays this environment alone; assign the former env.ale before "
+                "you copy or pickle the environment"
+            )
         return {
             "made_with": self._made_with,
             "whole_task": self.whole_task,

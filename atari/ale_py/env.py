@@ -1,0 +1,5 @@
+"""`ale_py.env`: the environment, where programs import it from."""
+
+from atari.env import AtariEnv
+
+__all__ = ["AtariEnv"]
