@@ -343,7 +343,10 @@ class AtariEnv(EnvState):
             AttributeError: actions are continuous.
         """
         if self.continuous:
-            raise AttributeError("keys stand for discrete actions; this environment was made with continuous=True")
+            raise AttributeError(
+                "`get_keys_to_action` can't be provided for this Atari environment as `continuous=True`. "
+                "Keys stand for discrete actions"
+            )
         return {_keys(action): index for index, action in enumerate(self.driver.actions)}
 
     if not TYPE_CHECKING:

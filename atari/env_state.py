@@ -178,6 +178,7 @@ class EnvState(gymnasium.Env[Any, Any]):
             "spec": copy.deepcopy(self.spec),
             "restored": self.driver.restored,
             "ale_random": self.driver.ale_random,
+            "actions": self.driver.actions,
             "np_random_seed": self._np_random_seed,
             "snapshot": self.snapshot(),
         }
@@ -187,6 +188,7 @@ class EnvState(gymnasium.Env[Any, Any]):
         self.whole_task = state["whole_task"]
         self.driver.restore_settings(state)
         self.driver.ale_random = state["ale_random"]
+        self.driver.actions = state.get("actions", self.driver.actions)  # earlier pickles lack it
         self._continue(*snapshot.unpack(state["snapshot"]), self._ale_seeding()[1])
         self._np_random_seed = state["np_random_seed"]
         self.driver.restored = state["restored"]
