@@ -322,9 +322,9 @@ def _filled(name: str, read: Any, buffer: ByteArray | None) -> ByteArray:
         array: ByteArray = read(buffer)
     except ValueError as error:
         kind = f"{getattr(buffer, 'dtype', type(buffer).__name__)} {getattr(buffer, 'shape', '')}".strip()
-        raise AleBufferError(
-            f"{name}(): incompatible function arguments. The following argument types are supported: none, or a buffer, and "
-            f"{str(error).replace('out must', 'it must', 1)}, got {kind}"
+        raise AleBufferError(  # ale-py's tests expect the first sentence
+            f"{name}(): incompatible function arguments. The following argument types are supported: none, or a buffer, "
+            f"and {str(error).replace('out must', 'it must', 1)}, got {kind}"
         ) from None
     return array
 

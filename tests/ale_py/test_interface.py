@@ -48,10 +48,8 @@ def test_roms_are_those_of_ale_py() -> None:
         assert roms.get_rom_path(game).read_bytes() == ale_py.roms.get_rom_path(game).read_bytes()
     for module in (roms, ale_py.roms):
         for name in ("Pong", "nope", 3):
-            with pytest.warns(UserWarning):
+            with pytest.warns(UserWarning, match=str(name)):
                 assert module.get_rom_path(name) is None
-        with pytest.warns(UserWarning, match="Pong"):
-            module.get_rom_path("Pong")
     for kind in (ALEInterface, ale_py.ALEInterface):
         assert kind.isSupportedROM(roms.get_rom_path("combat")) is None
 

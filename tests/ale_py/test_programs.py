@@ -2,10 +2,10 @@
 
 import ale_py
 import pytest
+from ale_py_programs import PROGRAMS, Program, digest
 from env_tools import needs_new_ale_py
 
 import atari.ale_py
-from ale_py_programs import PROGRAMS, Program, digest
 
 pytestmark = needs_new_ale_py
 
