@@ -323,8 +323,8 @@ def _filled(name: str, read: Any, buffer: ByteArray | None) -> ByteArray:
     except ValueError as error:
         kind = f"{getattr(buffer, 'dtype', type(buffer).__name__)} {getattr(buffer, 'shape', '')}".strip()
         raise AleBufferError(  # ale-py's tests expect the first sentence
-            f"{name}(): incompatible function arguments. The following argument types are supported: none, or a buffer, "
-            f"and {str(error).replace('out must', 'it must', 1)}, got {kind}"
+            f"{name}(): incompatible function arguments. The following argument types are supported: none, or "
+            f"a buffer, and {str(error).replace('out must', 'it must', 1)}, got {kind}"
         ) from None
     return array
 
