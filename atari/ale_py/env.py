@@ -1,5 +1,3 @@
 """`ale_py.env`: the environment, where programs import it from."""
 
-from atari.env import AtariEnv
-
-__all__ = ["AtariEnv"]
+from atari.env import AtariEnv as AtariEnv
