@@ -36,7 +36,7 @@ class EnvState(gymnasium.Env[Any, Any]):
 
     @property
     def core(self) -> Core:
-        """The emulator core."""
+        """The emulator core; with an assigned `ale`, a core that plays and reads through that object."""
         return self.driver.core
 
     @property

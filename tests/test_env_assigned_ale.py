@@ -21,7 +21,7 @@ pytestmark = needs_new_ale_py
 
 
 class Painted:
-    """The form of HackAtari's objects: some methods of its own, the rest those of the interface in it."""
+    """An `ale` in the form of HackAtari's: some methods are its own, and the interface in it has the others."""
 
     def __init__(self, ale: Any) -> None:
         self._ale = ale
@@ -59,7 +59,7 @@ class Painted:
 
 
 class Calls:
-    """Notes the methods that are called."""
+    """An `ale` that notes which methods are called."""
 
     def __init__(self, ale: Any) -> None:
         self._ale = ale

@@ -84,7 +84,7 @@ class AssignedAle:
         return _read(self.ale.getAudio, out)
 
     def screen(self, out: ByteArray | None = None) -> ByteArray:
-        """Refused: preprocessing in C++ reads palette indices, which show no change of `getScreenRGB`.
+        """Raise an error: preprocessing in C++ reads palette indices, which show no change of `getScreenRGB`.
 
         Raises:
             ValueError: always.
