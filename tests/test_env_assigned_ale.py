@@ -15,6 +15,7 @@ from gymnasium.wrappers import AtariPreprocessing
 
 import atari
 from atari import AtariEnv
+from atari.cores import NativeCore
 from atari.recording import RecordReplay, Replay
 
 pytestmark = needs_new_ale_py
@@ -142,6 +143,14 @@ def test_a_mock_plays() -> None:
     assert (observation == 9).all()
     assert info == {"lives": 2, "episode_frame_number": 4, "frame_number": 4}
     assert env.ale.act.call_count == 4
+
+
+def test_without_an_assignment_nothing_stands_before_the_core() -> None:
+    env = AtariEnv("pong")
+    assert type(env.core) is NativeCore
+    env.ale = Painted(env.ale)
+    assert type(env.core) is not NativeCore
+    assert type(env.driver.emulated) is NativeCore
 
 
 def test_an_attribute_that_would_have_no_effect_cannot_be_set() -> None:
