@@ -130,11 +130,15 @@ class Driver(AleGame):
     def reset(self) -> None:
         """Begin a new game."""
         self.core.reset()
-        self.phase = "playing"
-        self.played = Played(first_frame=self.core.episode_frame_number)
+        self.game_was_reset()
         self.restored = False
         for observer in self.observers:
             observer.game_begun()
+
+    def game_was_reset(self) -> None:
+        """Begin the record of a new game: the emulator was reset, by `reset` or by `reset_game` of `ale`."""
+        self.phase = "playing"
+        self.played = Played(first_frame=self.emulated.episode_frame_number)
 
     def play_frames(self, action: int, strength: float = 1.0, *, frames: int) -> float:
         """Play frames with an ALE action number and return the reward.
@@ -225,7 +229,7 @@ class Driver(AleGame):
         if self.phase == "new":
             raise gymnasium.error.ResetNeeded("call env.reset() before the first env.step()")
         if not (self.core.game_over or self.core.truncated):
-            self.phase = "playing"  # the game was reset through `ale` or `core`
+            self.phase = "playing"  # the game was reset through `core`
         elif self.phase == "over":
             self.phase = "warned"
             logger.warn("env.step() was called after the episode had ended; nothing happens until env.reset()")

@@ -5,6 +5,8 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 """
 
 import inspect
+from collections.abc import Sequence
+from enum import Enum
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -17,16 +19,18 @@ from atari._renamed import missing_attribute
 from atari.actions import PLAYER_ACTIONS, Action, make_action_space
 from atari.cores import CORES
 from atari.cores.ale_interface import AleInterface
+from atari.cores.options import check_difficulty, check_mode
 from atari.driver import Driver
 from atari.env_state import EnvState
 from atari.games.interventions import Intervention
 from atari.notebook import picture, png
 from atari.rendering import Window
+from atari.roms import find
 from atari.task import Task
 from atari.task.fields import UNSET
 from atari.task.options import AddedOptions, Interventions
 from atari.task.resolution import GameLike, resolve_task
-from atari.validation import check_name
+from atari.validation import check_action, check_name
 
 ObsType = Literal["rgb", "grayscale", "ram"]
 RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
@@ -106,6 +110,18 @@ class AtariEnv(EnvState):
         if render_mode is not None:
             check_name("render_mode", render_mode, get_args(RenderMode))
         self._begin(task, render_mode, core, rom)
+        # ale-py's environment begins with these two; an override may prepare the game.
+        if type(self).seed_game is not AtariEnv.seed_game:
+            self.seed_game()
+        if type(self).load_game is not AtariEnv.load_game:
+            self.load_game()
+
+    def __init_subclass__(cls, **arguments: Any) -> None:
+        """Make `observe` and `_get_obs`, two names of one method, the one that the subclass defines."""
+        super().__init_subclass__(**arguments)
+        for name, other in (("observe", "_get_obs"), ("_get_obs", "observe")):
+            if name in vars(cls) and other not in vars(cls):
+                setattr(cls, other, vars(cls)[name])
 
     def _begin(self, task: Task, render_mode: RenderMode | None, core: str, rom: str | PathLike[str] | None) -> None:
         """Make the core and the spaces."""
@@ -114,9 +130,10 @@ class AtariEnv(EnvState):
         self.game = task.definition
         self.interventions = task.interventions
         self.render_mode = render_mode
-        self.continuous, self.sound_obs = task.continuous, task.sound_obs
-        self.continuous_action_threshold = task.continuous_action_threshold
+        self.sound_obs = task.sound_obs
         self.driver = Driver(task, core, rom)
+        self._ale: Any = AleInterface(self.driver)
+        self._own_ale = self._ale
         self._np_random_seed = -1
         self._obs_type, self._frameskip = task.obs_type, task.frameskip  # `step` reads them
         self.action_space = make_action_space(task.action_set, self.continuous)
@@ -138,9 +155,18 @@ class AtariEnv(EnvState):
         }
 
     @property
-    def ale(self) -> AleInterface:
-        """The core under the method names of ale-py's `ALEInterface`, which many wrappers expect."""
-        return AleInterface(self.driver)
+    def ale(self) -> Any:
+        """The core under the method names of ale-py's `ALEInterface`, which many wrappers expect.
+
+        As in ale-py, another object with these methods can be assigned. `reset`, `step` and `render` then play and read
+        through it (`act`, `getScreenRGB`, `lives` and the like), until the first object is assigned again.
+        """
+        return self._ale
+
+    @ale.setter
+    def ale(self, ale: Any) -> None:
+        self.driver.play_through(None if ale is self._own_ale else ale)
+        self._ale = ale
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Start a new episode; with `seed`, also restart all generators. `options` are ignored. Reopens after `close`.
@@ -159,7 +185,7 @@ class AtariEnv(EnvState):
         self.driver.reset()
         self._frames.clear()
         self._show()
-        return self.observe(), {**self.driver.info(), **seeds}
+        return self._get_obs(), {**self._get_info(), **seeds}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play `frameskip` frames.
@@ -175,8 +201,8 @@ class AtariEnv(EnvState):
         number, strength = driver.ale_action(action)
         reward = driver.play_frames(number, strength, frames=self._draw_frameskip())
         self._show()
-        core = driver.core
-        return self.observe(), reward, core.game_over, core.truncated, driver.info()
+        core, over = driver.core, driver.phase != "playing"
+        return self._get_obs(), reward, over and core.game_over, over and core.truncated, self._get_info()
 
     def observe(self) -> Any:
         """The observation of the present frame, a new array."""
@@ -189,11 +215,57 @@ class AtariEnv(EnvState):
             image = core.screen_grayscale()
         return {"image": image, "sound": core.audio()} if self.sound_obs else image
 
-    _get_obs = observe  # ale-py's names, which programs read
+    # ale-py's names, which programs read, set and override
+
+    _get_obs = observe
+
+    def _get_info(self) -> dict[str, Any]:
+        return self.driver.info()
+
+    @property
+    def has_own_step(self) -> bool:
+        """Whether a subclass changes `step`, or the information that it returns."""
+        kind = type(self)
+        return kind.step is not AtariEnv.step or kind._get_info is not AtariEnv._get_info
+
+    @property
+    def continuous(self) -> bool:
+        """Whether actions are continuous."""
+        return self._task.continuous
+
+    @property
+    def continuous_action_threshold(self) -> float:
+        """The least deflection of the stick, or pressure on fire, that counts in a continuous action."""
+        return self._task.continuous_action_threshold
 
     @property
     def _action_set(self) -> list[Action]:
         return list(self.driver.actions)
+
+    @_action_set.setter
+    def _action_set(self, actions: Sequence[Any]) -> None:
+        numbers = (action.value if isinstance(action, Enum) else action for action in actions)
+        self.driver.actions = tuple(Action(check_action(number)) for number in numbers)
+
+    @property
+    def _game(self) -> str:
+        return self.game.id
+
+    @property
+    def _game_mode(self) -> int | None:
+        return self.ale_settings.choices.get("mode", self._task.set_mode)
+
+    @_game_mode.setter
+    def _game_mode(self, mode: int | None) -> None:
+        self.ale_settings.choose("mode", None if mode is None else check_mode(self.game, mode))
+
+    @property
+    def _game_difficulty(self) -> int | None:
+        return self.ale_settings.choices.get("difficulty", self._task.set_difficulty)
+
+    @_game_difficulty.setter
+    def _game_difficulty(self, difficulty: int | None) -> None:
+        self.ale_settings.choose("difficulty", None if difficulty is None else check_difficulty(self.game, difficulty))
 
     def _repr_html_(self) -> str | None:
         """The screen, for a notebook; None after `close`."""
@@ -232,11 +304,17 @@ class AtariEnv(EnvState):
 
     def seed_game(self, seed: int | None = None) -> tuple[np.uint32, np.uint32]:
         """Seed all generators, the emulator's from the next `load_game` on, like ale-py; see `Driver.seed_game`."""
-        return self.driver.seed_game(seed)
+        words = self.driver.seed_game(seed)
+        if self._ale is not self._own_ale:
+            self._ale.setInt("random_seed", self.ale_settings.get("random_seed", int))
+        return words
 
     def load_game(self) -> None:
         """Load the game again, like ale-py; see `AleGame.load_game`."""
-        self.driver.load_game()
+        if self._ale is self._own_ale:
+            self.driver.load_game()
+        else:
+            self._ale.loadROM(find(self.game, self.driver.rom))
 
     def get_action_meanings(self) -> list[str]:
         """The names of the actions, in the order of the action space."""
@@ -265,7 +343,10 @@ class AtariEnv(EnvState):
             AttributeError: actions are continuous.
         """
         if self.continuous:
-            raise AttributeError("keys stand for discrete actions; this environment was made with continuous=True")
+            raise AttributeError(
+                "`get_keys_to_action` can't be provided for this Atari environment as `continuous=True`. "
+                "Keys stand for discrete actions"
+            )
         return {_keys(action): index for index, action in enumerate(self.driver.actions)}
 
     if not TYPE_CHECKING:

@@ -36,7 +36,7 @@ class EnvState(gymnasium.Env[Any, Any]):
 
     @property
     def core(self) -> Core:
-        """The emulator core."""
+        """The emulator core; with an assigned `ale`, a core that plays and reads through that object."""
         return self.driver.core
 
     @property
@@ -165,7 +165,16 @@ class EnvState(gymnasium.Env[Any, Any]):
         return ({}, {}) if generator is None else ({"seeding": "ale"}, {"ale_random": generator.state()})
 
     def __getstate__(self) -> dict[str, Any]:
-        """Pickling and copying keep the position in the game, all generators, and the writes of `Freeze` and `Poke`."""
+        """Pickling and copying keep the position in the game, all generators, and the writes of `Freeze` and `Poke`.
+
+        Raises:
+            TypeError: `ale` was assigned.
+        """
+        if self.core is not self.driver.emulated:
+            raise TypeError(
+                "env.ale was assigned, and that object plays this environment alone; assign the former env.ale before "
+                "you copy or pickle the environment"
+            )
         return {
             "made_with": self._made_with,
             "whole_task": self.whole_task,
@@ -174,6 +183,7 @@ class EnvState(gymnasium.Env[Any, Any]):
             "action_space": copy.deepcopy(self.action_space),
             "restored": self.driver.restored,
             "ale_random": self.driver.ale_random,
+            "actions": self.driver.actions,
             "np_random_seed": self._np_random_seed,
             "snapshot": self.snapshot(),
         }
@@ -183,6 +193,7 @@ class EnvState(gymnasium.Env[Any, Any]):
         self.whole_task = state["whole_task"]
         self.driver.restore_settings(state)
         self.driver.ale_random = state["ale_random"]
+        self.driver.actions = state.get("actions", self.driver.actions)  # earlier pickles lack it
         self._continue(*snapshot.unpack(state["snapshot"]), self._ale_seeding()[1])
         self._np_random_seed = state["np_random_seed"]
         self.driver.restored = state["restored"]

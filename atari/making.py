@@ -199,10 +199,15 @@ def given_beside(env_id: str | None, options: Mapping[str, Any]) -> dict[str, An
     if env_id is None:
         return dict(options)
     own = spec_of_id(env_id).kwargs if env_id in env_ids.ids() else gymnasium.registry[env_id].kwargs
-    given = {name: value for name, value in options.items() if name not in own or own[name] != value}
+    given = {name: value for name, value in options.items() if name not in own or not _same(own[name], value)}
     if "game" in given:
         raise ValueError(f"{env_id} is of the game {own['game']!r}, got game={given['game']!r}; make that game's ID")
     return given
+
+
+def _same(own: Any, value: Any) -> bool:
+    """Whether a value is an ID's own. 4.0 and True equal integers, and are checked as the values that they are."""
+    return bool(own == value) and (type(own) is type(value) or not isinstance(own, int))
 
 
 @cache

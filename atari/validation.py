@@ -21,6 +21,10 @@ class AleError(ValueError, RuntimeError):
     """A value that is not accepted, where ale-py raises `RuntimeError`."""
 
 
+class AleTypeError(TypeError, ValueError):
+    """A value that is not accepted, where ale-py raises `TypeError`."""
+
+
 class FirstResetNeeded(gymnasium.error.ResetNeeded, RuntimeError):
     """A mask selected some environments before the first reset of all; ale-py raises `RuntimeError`."""
 

@@ -24,7 +24,7 @@ ORDER = """
     driver env_state env restorable wrappers
     vector multiplayer making registration
     atari
-    policy testing
+    ale_py policy testing
     recording lab learning
     classic integrations sb3
     play cli __main__

@@ -16,6 +16,7 @@ import atari
 from atari import env_ids, registration
 from atari.algorithmic.registration import TASKS
 from atari.env import AtariEnv
+from atari.making import make_AtariVectorEnv
 
 
 def ours() -> dict[str, Any]:
@@ -289,3 +290,11 @@ def test_the_prefix_of_the_module_is_taken(env_id: str) -> None:
     assert atari.make(env_id).unwrapped.game.id == "pong"
     assert gymnasium.make(env_id).unwrapped.game.id == "pong"
     assert atari.explain(env_id).startswith(f"{env_id}: Pong")
+
+
+@pytest.mark.parametrize("make", [gymnasium.make, lambda env_id, **options: make_AtariVectorEnv(env_id, 1, **options)])
+def test_a_value_that_equals_the_ids_is_checked_too(make: Any) -> None:
+    for env_id, skip in (("ALE/Pong-v5", 4.0), ("PongNoFrameskip-v4", True)):
+        with pytest.raises(gymnasium.error.Error, match=r"frameskip must be an integer within 1\.\.10000, got"):
+            make(env_id, frameskip=skip)
+    make("ALE/Pong-v5", frameskip=4, repeat_action_probability=0.25, full_action_space=False).close()

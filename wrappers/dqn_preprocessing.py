@@ -317,4 +317,4 @@ def _can_drive_directly(env: Environment, atari: AtariEnv) -> bool:
         for layer in layers(env)
         if layer is not atari
     )
-    return plain and type(atari).step is AtariEnv.step and atari.render_mode in (None, "rgb_array")
+    return plain and not atari.has_own_step and atari.render_mode in (None, "rgb_array")

@@ -7,6 +7,7 @@ from typing import Any
 
 from atari.cores import writes
 from atari.cores.ale_interface import AleSettings
+from atari.cores.assigned_ale import AssignedAle
 from atari.cores.core import Core
 from atari.games.game import Game
 from atari.games.interventions import Intervention
@@ -28,7 +29,10 @@ class AleGame:
     """
 
     core: Core
-    """The emulator core. Another object of the same kind may replace it at a load, and after `make_sound`."""
+    """The core that is played and read: the emulator core, or an `AssignedAle` around it.
+
+    Another object of the same kind may replace the emulator core at a load, and after `make_sound`.
+    """
 
     def __init__(
         self,
@@ -57,6 +61,26 @@ class AleGame:
         self.core = self._make_core()
 
     @property
+    def emulated(self) -> Core:
+        """The emulator core."""
+        emulated: Core = self.core.emulated if isinstance(self.core, AssignedAle) else self.core
+        return emulated
+
+    @emulated.setter
+    def emulated(self, core: Core) -> None:
+        if isinstance(self.core, AssignedAle):
+            self.core.emulated = core
+        else:
+            self.core = core
+
+    def play_through(self, ale: Any) -> None:
+        """Play and read the game through an object with the methods of ale-py's `ALEInterface`; None ends this."""
+        self.core = self.emulated if ale is None else AssignedAle(self.emulated, ale)
+
+    def game_was_reset(self) -> None:
+        """Note that the emulator was reset."""
+
+    @property
     def closed(self) -> bool:
         """Whether `close` was called after the last `reopen`."""
         return self._closed_state is not None
@@ -73,7 +97,7 @@ class AleGame:
 
     def make_sound(self) -> None:
         """Switch the emulator's sound on. `core` becomes another object, in the same state."""
-        self.core = self.core.with_sound()
+        self.emulated = self.emulated.with_sound()
 
     def close(self) -> None:
         """Release the emulator."""
@@ -113,7 +137,7 @@ class AleGame:
         self.ale_settings = state["ale_settings"]
         if self.core_options != state["core_options"]:
             self.core_options = state["core_options"]
-            self.core = self._make_core()
+            self.emulated = self._make_core()
         if state["sound"]:
             self.make_sound()
         if state["mode"] != self.core.mode:
@@ -127,15 +151,17 @@ class AleGame:
         return core
 
     def _replace_core(self) -> None:
-        if type(self.core) is not self._kind:
+        if type(self.emulated) is not self._kind:
             raise RuntimeError("a replay of this environment is being recorded; close the recorder first")
-        self.core.close()
-        self.core = self._make_core()
+        self.emulated.close()
+        self.emulated = self._make_core()
 
     def _apply_settings(self) -> None:
-        """Apply the settings made since the last load, and the first mode and difficulty."""
+        """Apply the settings made since the last load, and the mode and difficulty of a load."""
         options, before = self.ale_settings.core_options(), self.core_options
-        mode, difficulty = self._arguments["mode"], self._arguments["difficulty"] or 0
+        choices = self.ale_settings.choices
+        mode, difficulty = ({**self._arguments, **choices}[name] for name in ("mode", "difficulty"))
+        difficulty = difficulty or 0
         if options != before or difficulty not in self.game.difficulties:  # backgammon's list lacks its default
             self.core_options = options
             added = writes.slots(self.core)
@@ -148,7 +174,11 @@ class AleGame:
             if added:
                 self.core.writes = added  # type: ignore[attr-defined]
                 self.core.load(state)  # type: ignore[attr-defined]
+            chosen = bool(choices)
         else:
+            chosen = True
+        if chosen:
             self.core.set_mode(self.game.default_mode if mode is None else mode)
-            self.core.set_difficulty(difficulty)
+            if difficulty in self.game.difficulties:
+                self.core.set_difficulty(difficulty)
         self.ale_settings.stale = False

@@ -5,8 +5,10 @@ has these methods for every core, with the core's checks. docs/ale-py.md lists t
 """
 
 import enum
+from collections.abc import Mapping
 from os import PathLike, fspath
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,7 +19,12 @@ from atari.cores.options import SEED_LIMIT
 from atari.files import durable
 from atari.roms.identification import by_content
 from atari.roms.image import read_image
-from atari.validation import AleError, check_integer, check_probability
+from atari.validation import AleError, AleTypeError, check_integer, check_poke, check_probability
+
+
+class AleBufferError(TypeError, ValueError, RuntimeError):
+    """A buffer that cannot be filled: ale-py raises `TypeError`, or `RuntimeError` for some wrong shapes."""
+
 
 _DEFAULTS: dict[str, Any] = {
     "random_seed": -1,
@@ -43,6 +50,9 @@ class AleSettings:
 
     `stale` says whether a setting changed after the last load.
     """
+
+    choices: Mapping[str, int | None] = MappingProxyType({})
+    """The "mode" and the "difficulty" of the next load in place of the first ones; None is the game's default."""
 
     def __init__(self, **values: Any) -> None:
         self._values: dict[str, Any] = {**_DEFAULTS, **values}
@@ -73,6 +83,11 @@ class AleSettings:
         self._values[name] = checked
         self.stale = self.stale or name not in (*_UNUSED, "random_seed")
 
+    def choose(self, name: str, number: int | None) -> None:
+        """Set the "mode" or the "difficulty" of the next load."""
+        self.choices = {**self.choices, name: number}
+        self.stale = True
+
     def seed(self) -> int:
         """The seed of the next load, 0 .. 2**32 - 1; a new random one if `random_seed` is -1."""
         seed: int = self._values["random_seed"]
@@ -102,8 +117,14 @@ def _checked(name: str, kind: type, value: Any) -> Any:
 class Player(Protocol):
     """The player of the game of an `AleInterface`: the driver of an environment."""
 
-    core: Core
     ale_settings: AleSettings
+
+    @property
+    def emulated(self) -> Core:
+        """The emulator core."""
+
+    def game_was_reset(self) -> None:
+        """Note that the emulator was reset."""
 
     def load_game(self) -> None:
         """Load the game again, with the settings."""
@@ -120,18 +141,21 @@ class AleInterface:
 
     # ruff: noqa: D102 - the names are ale-py's, one line each
 
+    __slots__ = ("_player",)  # as in ale-py, a method cannot be replaced by setting an attribute
+
     def __init__(self, player: Player) -> None:
         self._player = player
 
     @property
     def _core(self) -> Core:
-        return self._player.core
+        return self._player.emulated
 
     def act(self, action: int | enum.Enum, paddle_strength: float = 1.0) -> int:
         return self._core.act(action.value if isinstance(action, enum.Enum) else action, paddle_strength)
 
     def reset_game(self) -> None:
         self._core.reset()
+        self._player.game_was_reset()
 
     def loadROM(self, rom: str | PathLike[str]) -> None:
         """Load the game again, with the settings.
@@ -160,22 +184,29 @@ class AleInterface:
         return self._core.episode_frame_number
 
     def getRAM(self, buffer: ByteArray | None = None) -> ByteArray:
-        return self._core.ram(buffer)
+        return _filled("getRAM", self._core.ram, buffer)
 
     def getRAMSize(self) -> int:
         return 128
 
     def setRAM(self, index: int, value: int) -> None:
-        self._core.set_ram(index, value)
+        try:
+            check_poke(0, value)
+        except ValueError as error:
+            raise AleTypeError(str(error)) from None
+        try:
+            self._core.set_ram(index, value)
+        except ValueError as error:
+            raise AleError(str(error)) from None
 
     def getScreen(self, buffer: ByteArray | None = None) -> ByteArray:
-        return self._core.screen(buffer)
+        return _filled("getScreen", self._core.screen, buffer)
 
     def getScreenRGB(self, buffer: ByteArray | None = None) -> ByteArray:
-        return self._core.screen_rgb(buffer)
+        return _filled("getScreenRGB", self._core.screen_rgb, buffer)
 
     def getScreenGrayscale(self, buffer: ByteArray | None = None) -> ByteArray:
-        return self._core.screen_grayscale(buffer)
+        return _filled("getScreenGrayscale", self._core.screen_grayscale, buffer)
 
     def getScreenDims(self) -> tuple[int, int]:
         return self._core.game.screen.shape
@@ -192,7 +223,7 @@ class AleInterface:
         durable.write_file(Path(path), png.tobytes())
 
     def getAudio(self, buffer: ByteArray | None = None) -> ByteArray:
-        return self._core.audio(buffer)
+        return _filled("getAudio", self._core.audio, buffer)
 
     def getAudioSize(self) -> int:
         return 512
@@ -208,7 +239,7 @@ class AleInterface:
 
     def setMode(self, mode: int) -> None:
         """Play this mode from the next reset on, until the game is loaded again."""
-        self._core.set_mode(mode)
+        _choose(self._core.set_mode, mode)
         self._player.ale_settings.stale = True
 
     def getAvailableDifficulties(self) -> list[int]:
@@ -216,7 +247,7 @@ class AleInterface:
 
     def setDifficulty(self, difficulty: int) -> None:
         """Play this difficulty from the next frame on, until the game is loaded again."""
-        self._core.set_difficulty(difficulty)
+        _choose(self._core.set_difficulty, difficulty)
         self._player.ale_settings.stale = True
 
     def cloneState(self, include_rng: bool = False) -> Any:
@@ -257,7 +288,13 @@ class AleInterface:
 
     @staticmethod
     def setLoggerMode(mode: Any) -> None:
-        """Does nothing: the cores write no log."""
+        """Does nothing, because the cores write no log.
+
+        Raises:
+            TypeError: it is no `LoggerMode`.
+        """
+        if getattr(mode, "name", None) not in ("Info", "Warning", "Error"):
+            raise TypeError(f"setLoggerMode takes LoggerMode.Info, Warning or Error, got {mode!r}")
 
     @staticmethod
     def isSupportedROM(rom: str | PathLike[str]) -> str | None:
@@ -272,4 +309,33 @@ class AleInterface:
             raise AleError(str(error)) from None
         except ValueError:
             return None
-        return None if game is None else game.id
+        return None if game is None or game.rules is None else game.id
+
+
+def _filled(name: str, read: Any, buffer: ByteArray | None) -> ByteArray:
+    """A new array, or the buffer, which `read` has filled.
+
+    Raises:
+        AleBufferError: the buffer is of another kind or shape.
+    """
+    try:
+        array: ByteArray = read(buffer)
+    except ValueError as error:
+        kind = f"{getattr(buffer, 'dtype', type(buffer).__name__)} {getattr(buffer, 'shape', '')}".strip()
+        raise AleBufferError(  # ale-py's tests expect the first sentence
+            f"{name}(): incompatible function arguments. The following argument types are supported: none, or "
+            f"a buffer, and {str(error).replace('out must', 'it must', 1)}, got {kind}"
+        ) from None
+    return array
+
+
+def _choose(choose: Any, number: int) -> None:
+    """Set a mode or a difficulty.
+
+    Raises:
+        RuntimeError: the game has no such one. ale-py's tests accept no subclass.
+    """
+    try:
+        choose(number)
+    except ValueError as error:
+        raise RuntimeError(str(error)) from None

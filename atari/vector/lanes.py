@@ -120,7 +120,7 @@ class Lane:
         They read lives, frame numbers, RAM, the RGB screen, action sets, modes and difficulties. The others, such as
         `act` and `reset_game`, raise AttributeError: the vector plays the game.
         """
-        return AleInterface(cast(Player, SimpleNamespace(core=self)))
+        return AleInterface(cast(Player, SimpleNamespace(emulated=self)))
 
     def ram(self, out: ByteArray | None = None) -> ByteArray:
         """The bytes of RAM, (128,) uint8, a copy, or `out` filled with them."""

@@ -29,6 +29,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "atari.lab.interventions": (),
     "atari.lab.probes": (),
     "atari.learning": (),
+    "atari.ale_py": (),
     "atari.sb3": (),
     "atari.integrations.envpool": (),
     "atari.integrations.jax": (),

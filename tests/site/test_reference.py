@@ -39,6 +39,7 @@ def test_every_public_name_is_found(site_module):
         f"{module}.{name}" for module, name in found
     }
     assert missing == {
+        "atari.ale_py.roms",
         "atari.algorithmic",
         "atari.classic.Space",
         "atari.classic.envs",

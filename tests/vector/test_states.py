@@ -449,5 +449,5 @@ def test_a_lane_has_the_methods_of_ale_pys_interface_for_reading() -> None:
     with pytest.raises(AttributeError, match="act"):
         ale.act(0)
     for out in (np.empty(3, np.uint8), np.empty(128, np.int8), [0] * 128):
-        with pytest.raises(ValueError, match=r"out must be a uint8 array of shape \(128,\)"):
+        with pytest.raises(ValueError, match=r"it must be a uint8 array of shape \(128,\)"):
             ale.getRAM(out)

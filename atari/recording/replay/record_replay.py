@@ -29,23 +29,24 @@ class RecordEnvReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordC
         inner = getattr(env, "unwrapped", env)
         if not isinstance(inner, AtariEnv):
             raise not_recorded(env, "RecordReplay")
-        if isinstance(inner.core, RecordedCore):
+        if isinstance(inner.driver.emulated, RecordedCore):
             raise ValueError("this environment is being recorded already; close that RecordReplay first")
         RecordConstructorArgs.__init__(self, path=path)
         super().__init__(env)
         self._atari = inner
-        started = inner.core.snapshot() if inner.driver.phase != "new" else None
-        self.recorder = ReplayRecorder(path, header_of(inner, type(inner).__name__), inner.core)
+        emulated = inner.driver.emulated
+        started = emulated.snapshot() if inner.driver.phase != "new" else None
+        self.recorder = ReplayRecorder(path, header_of(inner, type(inner).__name__), emulated)
         """The recorder, which has the number of frames and the score so far."""
         self._finalizer = weakref.finalize(self, self.recorder.close)  # completes the file if `close` is not called
         self.path = self.recorder.path
-        core = RecordedCore(inner.core, self.recorder)
+        core = RecordedCore(emulated, self.recorder)
         core.record_writes()
         if started is not None:
             self.recorder.record_restore(started)
         else:
             core.seed(int(np.random.SeedSequence().generate_state(1)[0]) % (SEED_LIMIT - 1))
-        inner.driver.core = core
+        inner.driver.emulated = core
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environment."""
@@ -66,9 +67,9 @@ class RecordEnvReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordC
 
     def stop(self) -> None:
         """Complete the file; the environment can continue without a recording."""
-        core = self._atari.core
+        core = self._atari.driver.emulated
         if isinstance(core, RecordedCore):
-            self._atari.driver.core = core.inner
+            self._atari.driver.emulated = core.inner
         self._finalizer.detach()
         self.recorder.close()
 

@@ -1,0 +1,39 @@
+"""ale-py's module under another name: `import atari.ale_py as ale_py` runs programs that were written for it.
+
+The names are those of ale-py 0.12, and `docs/ale-py.md` lists the differences. The games are played by the native core.
+
+Example:
+    >>> import atari.ale_py as ale_py
+    >>> ale = ale_py.ALEInterface()
+    >>> ale.setInt("random_seed", 123)
+    >>> ale.setFloat("repeat_action_probability", 0.0)
+    >>> ale.loadROM(ale_py.roms.get_rom_path("breakout"))
+    >>> ale.reset_game()
+    >>> ale.act(ale_py.Action.FIRE), ale.lives(), ale.getScreenRGB().shape
+    (0, 5, (210, 160, 3))
+"""
+
+from atari.actions import Action
+from atari.ale_py import env as env
+from atari.ale_py import roms
+from atari.ale_py import vector_env as vector_env
+from atari.ale_py.interface import ALEInterface, ALEState, LoggerMode
+from atari.env import AtariEnv
+from atari.vector import AtariVectorEnv
+
+__version__ = "0.12.1"
+"""The version of ale-py whose interface this is."""
+
+SDL_SUPPORT = False
+"""Whether the setting `display_screen` opens a window. Here it does not; `render_mode="human"` does."""
+
+__all__ = [
+    "SDL_SUPPORT",
+    "ALEInterface",
+    "ALEState",
+    "Action",
+    "AtariEnv",
+    "AtariVectorEnv",
+    "LoggerMode",
+    "roms",
+]

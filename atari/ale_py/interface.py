@@ -1,0 +1,90 @@
+"""`ALEInterface`: games loaded from ROM files, under the method names of ale-py's class."""
+
+import enum
+from os import PathLike, fspath
+from typing import Any
+
+from atari import _emulator
+from atari.cores import NativeCore
+from atari.cores.ale_game import AleGame
+from atari.cores.ale_interface import AleInterface, AleSettings
+from atari.cores.core import Core
+from atari.games.catalog import games
+from atari.validation import AleError
+
+ALEState = _emulator.State
+"""The class of the states that `ALEInterface.cloneState` returns."""
+
+
+class LoggerMode(enum.Enum):
+    """The messages that ale-py prints. Nothing is printed here."""
+
+    Info = 0
+    Warning = 1
+    Error = 2
+
+
+class ALEInterface(AleInterface):
+    """A game, loaded from a ROM file by `loadROM`. Settings before the first load apply to it.
+
+    Raises:
+        AleError: a method needs a game before `loadROM` was called.
+
+    Example:
+        >>> from atari.ale_py import ALEInterface, roms
+        >>> ale = ALEInterface()
+        >>> ale.loadROM(roms.get_rom_path("pong"))
+        >>> ale.reset_game()
+        >>> len(ale.getMinimalActionSet()), ale.getRAM().shape
+        (6, (128,))
+    """
+
+    _player: "_Console"
+
+    def __init__(self) -> None:
+        super().__init__(_Console())
+
+    def loadROM(self, rom: str | PathLike[str]) -> None:
+        """Load a game, with the settings.
+
+        Raises:
+            AleError: there is no such file, or it is the ROM of no game.
+        """
+        game = self.isSupportedROM(rom)
+        if game is None:
+            raise AleError(
+                f"{fspath(rom)} is the ROM of no game of ale-py; `atari roms identify` says what it is, and "
+                "atari.register_game registers a game of your own"
+            )
+        self._player.load(game, rom)
+
+
+class _Console:
+    """The player of an `ALEInterface`: its settings, and the game that was loaded last."""
+
+    def __init__(self) -> None:
+        self.ale_settings = AleSettings()
+        self._game: AleGame | None = None
+
+    @property
+    def emulated(self) -> Core:
+        """The emulator core of the game."""
+        if self._game is None:
+            raise AleError("no game is loaded; call loadROM first, for example with the result of roms.get_rom_path")
+        return self._game.emulated
+
+    def load(self, game: str, rom: str | PathLike[str]) -> None:
+        """Load a game."""
+        self._game = AleGame(
+            NativeCore, games[game], self.ale_settings, mode=None, difficulty=None, rom=rom, interventions=()
+        )
+
+    def load_game(self) -> None:
+        """Load the game again, with the settings."""
+
+    def game_was_reset(self) -> None:
+        """Nothing is counted."""
+
+    def restore_state(self, state: Any) -> None:
+        """Continue from a state."""
+        self.emulated.restore_state(state)
