@@ -20,7 +20,7 @@ RESERVES = {"air_raid"}
 """Games whose label counts the lives, while the rules have one life until the game is over."""
 
 ENDLESS = {"elevator_action", "et"}
-"""Games with lives that random actions do not end, also with the last life."""
+"""Games with lives that random actions do not end."""
 
 
 def confirmed(game: Game) -> dict[str, RamLabel]:

@@ -64,7 +64,7 @@ class Recorder:
         """Take all lives but the last, where a byte holds them and the rules follow it at once."""
         game = self.core.game
         label = game.ram_labels.get("lives")
-        if label is None or not label.evidence.startswith("confirmed") or not pure(game, "lives"):
+        if label is None or label.evidence != "confirmed" or not pure(game, "lives"):
             return
         labels, ram = Labels(game, ["lives"]), self.core.ram()
         for lives in (1, 0):
