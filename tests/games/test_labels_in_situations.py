@@ -51,7 +51,7 @@ def disagreements(game: Game) -> Counter[tuple[str, str, int, int]]:
                 right, wrong = played.lives, (value != played.lives) & lives
             elif label.kind == "score" and score is not None and not name.startswith(("score_player", "score_enemy")):
                 right = digits(game.id, label, score)
-                wrong = value != right
+                wrong = (value != right) & (value != score)
             elif label.kind.startswith("position"):
                 size = game.screen.height if label.kind == "position_y" else game.screen.width
                 right, wrong = np.full(len(value), size), (value < -16) | (value > size + 8)
