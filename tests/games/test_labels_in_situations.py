@@ -8,13 +8,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from label_situations import points, pure, situations, to_the_end
+from label_situations import points, pure, situations, to_the_end, undrawn_at_end, undrawn_at_reset
 
 import atari
 from atari.games.game import Game, RamLabel
 from atari.lab.labels import Labels
 
 FRAMES = 2400
+
+FLICKERING = {"adventure", "asteroids", "ms_pacman", "venture"}
+"""Games that draw some objects in each second frame only, so that a single frame shows nothing of them."""
 
 RESERVES = {"air_raid"}
 """Games whose label counts the lives, while the rules have one life until the game is over."""
@@ -76,6 +79,17 @@ def test_a_game_that_is_over_has_no_lives(game: str) -> None:
     ends = played.situation == "end"
     (value,), (visible,) = Labels(atari.games[game], ["lives"]).evaluate(played.ram[ends])
     assert (value.tolist(), visible.tolist()) == ([0], [True])
+
+
+@pytest.mark.parametrize("game", [game.id for game in atari.games.playable() if game.id != "tic_tac_toe_3d"])
+def test_visible_objects_of_a_reset_are_drawn(game: str) -> None:
+    """The cursor of 3-D Tic-Tac-Toe blinks more slowly than in four frames."""
+    assert not undrawn_at_reset(game)
+
+
+@pytest.mark.parametrize("game", [game.id for game in atari.games.playable() if game.id not in FLICKERING])
+def test_visible_objects_of_a_last_frame_are_drawn(game: str) -> None:
+    assert not undrawn_at_end(game, 6000)
 
 
 @pytest.mark.parametrize("game", ["boxing", "ice_hockey", "othello", "pong", "surround"])

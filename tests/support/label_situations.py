@@ -18,6 +18,7 @@ from rules_interpreter import evaluate
 
 import atari
 from atari.games.game import Game
+from atari.lab import Ram
 from atari.lab.labels import Labels
 
 Array = Any
@@ -59,6 +60,13 @@ class Recorder:
             if self.core.game_over:
                 return True
         return False
+
+    def play_out(self, frames: int) -> bool:
+        """Play until the game is over, with one life from a third of the frames on, and return whether it is over."""
+        if self.play(frames // 3, "play"):
+            return True
+        self.hurry()
+        return self.play(2 * frames // 3, "play")
 
     def hurry(self) -> None:
         """Take all lives but the last, where a byte holds them and the rules follow it at once."""
@@ -112,11 +120,7 @@ def situations(game: str, frames: int) -> Iterator[Played]:
 def to_the_end(game: str, frames: int, seed: int = 0) -> Played:
     """A game until its end, and the reset after it; or as many frames."""
     recorder = Recorder(game, seed)
-    over = recorder.play(frames // 3, "play")
-    if not over:
-        recorder.hurry()
-        over = recorder.play(2 * frames // 3, "play")
-    if over:
+    if recorder.play_out(frames):
         recorder.env.reset()
         recorder.record("reset")
     return recorder.played()
@@ -168,4 +172,37 @@ def names_of(name: str, lines: dict[str, str]) -> set[str]:
                 found.add(node.id)
                 if node.id in lines:
                     queue.append(node.id)
+    return found
+
+
+def undrawn_at_reset(game: str) -> set[str]:
+    """The visible objects that none of the first four frames shows: many games draw an object in each second frame."""
+    recorder = Recorder(game)
+    frames = []
+    for _ in range(4):
+        frames.append(undrawn(recorder))
+        recorder.core.act(0)
+    recorder.env.close()
+    return set.intersection(*frames)
+
+
+def undrawn_at_end(game: str, frames: int) -> set[str]:
+    """The visible objects that the last frame does not show; none if the game is not over within the frames."""
+    recorder = Recorder(game)
+    over = recorder.play_out(frames)
+    found = undrawn(recorder) if over else set()
+    recorder.env.close()
+    return found
+
+
+def undrawn(recorder: Recorder) -> set[str]:
+    """The objects whose box on the screen has one colour; those with two confirmed places."""
+    screen, found = recorder.core.screen(), set()
+    for each in Ram(recorder.env).objects():
+        places = [recorder.core.game.ram_labels.get(f"{each.name}_{axis}") for axis in "xy"]
+        if all(place is not None and place.evidence.startswith("confirmed") for place in places):
+            left, top, width, height = each.x, each.y, each.width or 8, each.height or 8
+            box = screen[max(top - 2, 0) : top + height + 2, max(left - 2, 0) : left + width + 2]
+            if not box.size or (box == box.flat[0]).all():
+                found.add(each.name)
     return found
