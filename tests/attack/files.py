@@ -145,7 +145,7 @@ def attack_archives(source: random.Random, folder: Path) -> None:
 def archive_of(source: random.Random, depth: int) -> bytes:
     """A zip or tar archive of random files and, up to a depth, of archives that may be damaged."""
     names = ("a.bin", "../b.bin", "/c.bin", "d/e.a26", "", "f.zip")
-    members = [(source.choice(names), source.randbytes(5000)) for _ in range(source.randrange(4))]
+    members = [(name, source.randbytes(5000)) for name in source.sample(names, source.randrange(4))]
     if depth:
         inner = archive_of(source, depth - 1)
         members.append(("inner", source.choice((inner, damaged(source, inner)))))
