@@ -75,8 +75,9 @@ class Unpacker:
 
     def _in_tar(self, stream: IO[bytes], kind: str) -> Iterator[_Member]:
         plain: Any = gzip.GzipFile(fileobj=stream) if kind == "tar.gz" else stream
-        # As a stream, so that no header makes the reader go back, and loop for ever.
-        with tarfile.open(fileobj=_Bounded(plain, self._pay), mode="r|") as archive:
+        bounded: Any = _Bounded(plain, self._pay)  # tarfile calls `read` only
+        # The mode "r|" reads forwards only, so that no header makes it go back, and loop for ever.
+        with tarfile.open(fileobj=bounded, mode="r|") as archive:
             for info in archive:
                 if not info.isdir():
                     fault = "" if info.isreg() and not info.issparse() else "is a link or a device, not a file"

@@ -147,8 +147,8 @@ def points(game: Game, ram: Array) -> Array:
     assert game.rules is not None
     needed = {"points", *names_of("points", dict(game.rules.step))}
     lines = [(name, source) for name, source in game.rules.step if name in needed]
-    numbers = {node.value for _, line in lines for node in ast.walk(ast.parse(line)) if isinstance(node, ast.Constant)}
-    columns = sorted(number - 0x80 for number in numbers if 0x80 <= number <= 0xFF)
+    addresses = {int(number, 16) for _, line in lines for number in re.findall("0x[0-9A-F]+", line)}
+    columns = sorted(address - 0x80 for address in addresses if 0x80 <= address <= 0xFF)
     rows, inverse = np.unique(ram[:, columns], axis=0, return_inverse=True)
     return np.array([_points(lines, columns, row) for row in rows])[inverse.reshape(-1)]
 
