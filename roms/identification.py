@@ -51,8 +51,8 @@ def identify(file: str | os.PathLike[str]) -> Identification:
 
     Raises:
         FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
-        ValueError: it is no regular file, has more bytes than any cartridge (512 KiB), is damaged gzip, or a zip
-            archive.
+        ValueError: it is no regular file, has more bytes than any cartridge (512 KiB), is damaged gzip, or an archive
+            (zip, tar, 7z, rar, ...).
 
     Example:
         >>> import atari.roms

@@ -1,10 +1,13 @@
 """The bytes of a ROM file: read with a limit, and unpacked if they are gzip-compressed.
 
 This module reads all files that users name, so that a folder, a pipe, a huge file or a gzip bomb raises an exception.
+An archive is recognised by its first bytes, and refused with what to do.
 """
 
 import hashlib
+import tarfile
 import zlib
+from contextlib import suppress
 from pathlib import Path
 
 from atari.validation import check_file
@@ -13,7 +16,19 @@ LIMIT = 512 * 1024
 """The greatest number of bytes of an image. The largest known cartridge has 64 KiB; ale-py reads up to this limit."""
 
 _GZIP_MAGIC = b"\x1f\x8b"
-_ZIP_MAGICS = (b"PK\x03\x04", b"PK\x05\x06")
+_START = 64 << 10  # bytes of gzip that are enough to see what is packed
+
+_MAGICS = {
+    b"PK\x03\x04": "zip",
+    b"PK\x05\x06": "zip",
+    b"7z\xbc\xaf\x27\x1c": "7z",
+    b"Rar!\x1a\x07": "rar",
+    b"\xfd7zXZ\x00": "xz",
+    **{b"BZh%d1AY&SY" % level: "bzip2" for level in range(1, 10)},
+}
+
+IMPORTABLE = ("zip", "tar", "tar.gz")
+"""The kinds of archives that `atari.roms.import_from` opens."""
 
 
 def read_image(file: Path) -> bytes:
@@ -21,25 +36,57 @@ def read_image(file: Path) -> bytes:
 
     Raises:
         FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
-        ValueError: the file is no regular file, is larger than `LIMIT`, is damaged gzip, or a zip archive.
+        ValueError: the file is no regular file, is larger than `LIMIT`, is damaged gzip, or an archive.
+    """
+    return unpack(str(file), read_start(file))
+
+
+def read_start(file: Path) -> bytes:
+    """The first `LIMIT` + 1 bytes of a regular file, as they are.
+
+    Raises:
+        FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
+        ValueError: the file is no regular file.
     """
     check_file(file, "give the ROM file in it, or set ATARI_ROMS to the folder")
     try:
         with file.open("rb") as stream:
-            data = stream.read(LIMIT + 1)
+            return stream.read(LIMIT + 1)
     except PermissionError:
         raise PermissionError(f"{file} may not be read; give yourself the permission, or another file") from None
-    return unpack(str(file), data)
+
+
+def archive_kind(data: bytes) -> str | None:
+    """The kind of the archive that begins with these bytes: "zip", "tar", "tar.gz", "7z", ...; None for other data.
+
+    Data packed by xz or bzip2 counts as an archive, because only its unpacked bytes show whether it is one.
+    """
+    if data.startswith(_GZIP_MAGIC):
+        with suppress(zlib.error):
+            start = zlib.decompressobj(16 + zlib.MAX_WBITS).decompress(data[:_START], tarfile.BLOCKSIZE)
+            return "tar.gz" if _is_tar(start) else None
+    return next((kind for magic, kind in _MAGICS.items() if data.startswith(magic)), "tar" if _is_tar(data) else None)
+
+
+def _is_tar(data: bytes) -> bool:
+    """Whether the data begins with a header of a tar archive, which has a checksum."""
+    try:
+        tarfile.TarInfo.frombuf(data[: tarfile.BLOCKSIZE], "utf-8", "surrogateescape")
+    except tarfile.HeaderError:
+        return False
+    return True
 
 
 def unpack(name: str, data: bytes) -> bytes:
     """`data`, decompressed if it is gzip; errors contain `name`.
 
     Raises:
-        ValueError: the data has more than `LIMIT` bytes, before or after, is damaged gzip, or a zip archive.
+        ValueError: the data has more than `LIMIT` bytes, before or after, is damaged gzip, or an archive.
     """
-    if data.startswith(_ZIP_MAGICS):
-        raise ValueError(f"{name} is a zip archive, not a ROM file; `atari roms import` unpacks it, if it is sound")
+    if kind := archive_kind(data):
+        importable = "`atari roms import` takes the ROM files out of it"
+        other = "unpack it yourself, for example with `7z x`, and run `atari roms import` on the folder"
+        raise ValueError(f"{name} is a {kind} archive, not a ROM file; {importable if kind in IMPORTABLE else other}")
     if data.startswith(_GZIP_MAGIC) and len(data) <= LIMIT:
         data = _gunzip(name, data)
     if len(data) > LIMIT:

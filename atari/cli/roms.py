@@ -33,7 +33,7 @@ def register(commands: Commands) -> None:
     parser = add_command(subcommands, "identify", _identify, "say which game a file is, by its content")
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE")
     parser = add_command(subcommands, "import", _import, "copy the ROM files of known games to your own folder")
-    parser.add_argument("source", type=Path, metavar="PATH", help="a folder, a zip archive or a file")
+    parser.add_argument("source", type=Path, metavar="PATH", help="a folder, an archive (zip, tar, tar.gz) or a file")
     parser = add_command(subcommands, "install", _install, "download the ROM files with AutoROM (extra 'roms')")
     parser.add_argument("--accept-license", action="store_true", help="do not ask; you own a licence to the ROM files")
 

@@ -3,7 +3,8 @@
 import zipfile
 import zlib
 
-_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # other methods unpack 4 KB to gigabytes before a limit can act
+METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+"""The methods of packing that are read: others unpack 4 KB to gigabytes before a limit can act."""
 
 
 def read_member(archive: zipfile.ZipFile, name: str, most_bytes: int) -> bytes:
@@ -31,5 +32,5 @@ def check_member(info: zipfile.ZipInfo, most_bytes: int) -> None:
     """
     if info.file_size > most_bytes:
         raise ValueError(f"{info.filename!r} unpacks to {info.file_size:,} bytes, and {most_bytes:,} are allowed")
-    if info.compress_type not in _METHODS:
+    if info.compress_type not in METHODS:
         raise ValueError(f"{info.filename!r} is not packed by Deflate")

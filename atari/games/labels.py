@@ -29,4 +29,4 @@ def compile_label(label: RamLabel) -> tuple[int, int, bool, list[int], list[int]
         for source in (value_source(label), label.visible)
     ]
     mask = 255 if label.mask is None else label.mask
-    return label.index, mask, label.encoding == "bcd" and label.transform is None, programs[0], programs[1]
+    return label.index, mask, label.encoding == "bcd", programs[0], programs[1]

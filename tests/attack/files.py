@@ -3,6 +3,7 @@
 import contextlib
 import io
 import random
+import tarfile
 import tempfile
 import zipfile
 from pathlib import Path
@@ -131,16 +132,34 @@ def attack_definitions(source: random.Random, folder: Path) -> None:
 
 def attack_archives(source: random.Random, folder: Path) -> None:
     """An import of a folder with a damaged archive in it ends, and stores no wrong image."""
-    content = io.BytesIO()
-    with zipfile.ZipFile(content, "w", source.choice((zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED))) as archive:
-        for number in range(source.randrange(5)):
-            archive.writestr(
-                source.choice(("a.bin", "../b.bin", "/c.bin", "d/e.a26", f"{number}.zip")), source.randbytes(5000)
-            )
+    content = archive_of(source, source.randrange(5))
     given = folder / "given"
     given.mkdir()
-    (given / "roms.zip").write_bytes(damaged(source, content.getvalue()))
+    (given / "roms").write_bytes(damaged(source, content))
     before = sorted(own_folder().glob("*"))
     with contextlib.suppress(*ALLOWED):
         roms.import_from(given)
     assert sorted(own_folder().glob("*")) == before, "an image that is of no game was stored"
+
+
+def archive_of(source: random.Random, depth: int) -> bytes:
+    """A zip or tar archive of random files and, up to a depth, of archives that may be damaged."""
+    names = ("a.bin", "../b.bin", "/c.bin", "d/e.a26", "", "f.zip")
+    members = [(name, source.randbytes(5000)) for name in source.sample(names, source.randrange(4))]
+    if depth:
+        inner = archive_of(source, depth - 1)
+        members.append(("inner", source.choice((inner, damaged(source, inner)))))
+    content = io.BytesIO()
+    if source.random() < 0.5:
+        with zipfile.ZipFile(content, "w", source.choice((zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED))) as archive:
+            for name, data in members:
+                archive.writestr(name or "x", data)
+        return content.getvalue()
+    formats = (tarfile.USTAR_FORMAT, tarfile.GNU_FORMAT, tarfile.PAX_FORMAT)
+    kinds = (tarfile.REGTYPE, tarfile.REGTYPE, tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.GNUTYPE_SPARSE)
+    with tarfile.open(fileobj=content, mode=source.choice(("w", "w:gz")), format=source.choice(formats)) as tar:
+        for name, data in members:
+            info = tarfile.TarInfo(name)
+            info.type, info.linkname, info.size = source.choice(kinds), "/etc/passwd", len(data)
+            tar.addfile(info, io.BytesIO(data))
+    return content.getvalue()
