@@ -212,7 +212,7 @@ def test_a_mode_is_of_the_call_not_of_the_environment() -> None:
     env = adapt(probe)
     env.reset()
     assert env.render(mode="rgb_array").shape == (2, 3, 3)
-    assert env.render() is None
+    assert env.render() is True
     assert probe.calls == [None, "rgb_array", "rgb_array"]
     assert probe.render_mode is None
     env.render(close=True)
@@ -238,7 +238,7 @@ def test_rgb_arrays(env_id: str, monkeypatch: pytest.MonkeyPatch) -> None:
     image = env.render(mode="rgb_array")
     assert (image.dtype, image.ndim, image.shape[2]) == (np.uint8, 3, 3)
     assert len(np.unique(image)) > 1
-    assert env.render() is None
+    assert env.render() is True
     with pytest.raises(
         gym.error.UnsupportedMode, match=r"^this environment cannot render 'ansi'; it has human, rgb_array$"
     ):

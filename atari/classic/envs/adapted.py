@@ -1,0 +1,43 @@
+"""`Adapted`: the environment classes that scripts import from `gym.envs`, construct, subclass and recognise.
+
+Each is an `Adapter` of one class of Gymnasium or of this package. `make` returns the same classes, so that
+`isinstance(env.unwrapped, gym.envs.atari.AtariEnv)` holds.
+"""
+
+from typing import Any, ClassVar
+
+import gymnasium
+
+from atari.classic.adapter import CLASSES, Adapter, old_metadata, quiet_options
+from atari.classic.core import Env
+
+
+class Adapted(Adapter):
+    """An environment of the class `original`; a direct subclass sets it.
+
+    Methods of a user's subclass that replace methods of `original`, other than those of `Env`, replace them in the
+    adapted environment too: its `step` calls them.
+    """
+
+    original: ClassVar[type[gymnasium.Env[Any, Any]]]
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "original" in vars(cls):
+            CLASSES[cls.original] = cls
+            cls.metadata = old_metadata(cls.original)
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(self.original(**quiet_options(self.original), **options))
+        for name in _replaced(type(self)):
+            setattr(self.modern, name, getattr(self, name))
+
+    def __str__(self) -> str:
+        return Env.__str__(self)
+
+
+def _replaced(kind: type[Adapted]) -> set[str]:
+    """The methods of `original` that a user's subclass replaces."""
+    own = kind.__mro__[: kind.__mro__.index(CLASSES[kind.original])]
+    names = {name for each in own for name, value in vars(each).items() if callable(value)}
+    return {name for name in names if hasattr(kind.original, name) and not hasattr(Adapter, name)}
