@@ -56,15 +56,16 @@ class Env:
         for name in ("step", "reset", "render", "seed", "close"):
             old = callable(vars(cls).get(f"_{name}")) and name not in vars(cls)
             if old and getattr(cls, name).__module__ != __name__:
-                setattr(cls, name, vars(Env)[name])
+                homes = (base for base in cls.__mro__ if base.__module__ == __name__ and name in vars(base))
+                setattr(cls, name, vars(next(homes))[name])
 
     def step(self, action: Any) -> Step:
         """Take an action; return the observation, the reward, whether the episode is over, and diagnostics."""
         return self._call("step", action)  # type: ignore[no-any-return]
 
-    def reset(self, **options: Any) -> Any:
+    def reset(self) -> Any:
         """Start a new episode and return its first observation."""
-        return self._call("reset", **options)
+        return self._call("reset")
 
     def render(self, mode: str = "human", **options: Any) -> Any:
         """Show the environment ("human"), or return it as (rows, columns, 3) uint8 ("rgb_array") or text ("ansi")."""
@@ -156,6 +157,9 @@ class Wrapper(Env):
         if name.startswith("_") or name == "env":
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         return getattr(self.env, name)
+
+    def reset(self, **options: Any) -> Any:  # noqa: D102
+        return self._call("reset", **options)
 
     def render(self, *args: Any, **options: Any) -> Any:  # noqa: D102 - an environment's render() may lack a mode
         return self._call("render", *args, **options)

@@ -60,6 +60,8 @@ def restore() -> None:
         if name not in vars(np) and meaning is not None:
             setattr(np, name, meaning)
     vars(np)["array"] = _lenient(np.array)
+    # The lazy stacks of scripts have an `__array__` without `copy`, which NumPy 2 still calls, with this warning.
+    warnings.filterwarnings("ignore", "__array__ implementation doesn't accept a copy keyword", DeprecationWarning)
 
 
 def _lenient(array: Callable[..., Any]) -> Callable[..., Any]:

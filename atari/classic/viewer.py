@@ -75,8 +75,7 @@ class Viewer:
         # pygame has one display: another environment may have replaced or closed it.
         if self._surface is None or self._surface is not pygame.display.get_surface():
             self._surface = self._open(rgb.shape[0], rgb.shape[1])
-        self._handle_events()
-        if not self.isopen:
+        if not self._take_events():
             return
         image = pygame.surfarray.make_surface(rgb.swapaxes(0, 1))
         self._surface.blit(pygame.transform.scale(image, self._surface.get_size()), (0, 0))
@@ -91,16 +90,17 @@ class Viewer:
             self._surface = None
             self._pygame.display.quit()
 
-    def _handle_events(self) -> None:
-        """Take the events of the window, and those of keys if the script has a handler."""
+    def _take_events(self) -> bool:
+        """Take the events of the window, and those of keys if the script has a handler; False if the user closed it."""
         pygame, window = self._pygame, self.window
         handlers = {pygame.KEYDOWN: window.on_key_press, pygame.KEYUP: window.on_key_release}
         for event in pygame.event.get([pygame.QUIT, *(kind for kind, handler in handlers.items() if handler)]):
             if event.type == pygame.QUIT:
                 self.close()
-                break
+                return False
             numbers = {getattr(pygame, f"K_{name}"): number for name, number in _KEYS.items()}
             handlers[event.type](numbers.get(event.key, event.key), event.mod)  # type: ignore[misc]
+        return True
 
     def _open(self, rows: int, columns: int) -> Any:
         pygame = self._pygame

@@ -39,6 +39,23 @@ from gym.envs.toy_text import discrete
 from gym.envs.toy_text.discrete import DiscreteEnv, categorical_sample
 from gym.core import Env, Wrapper
 from gym import Env, GoalEnv, Wrapper, ObservationWrapper, RewardWrapper, ActionWrapper
+from gym.wrappers import RecordVideo, LazyFrames, FlattenDictWrapper
+from gym.wrappers.frame_stack import LazyFrames
+from gym.wrappers.normalize import RunningMeanStd
+from gym.wrappers.monitoring.video_recorder import VideoRecorder
+from gym.envs.atari import AtariEnv
+from gym.envs.atari.atari_env import AtariEnv
+from gym.envs.classic_control import CartPoleEnv, rendering
+from gym.envs.classic_control.cartpole import CartPoleEnv
+from gym.envs.classic_control.rendering import SimpleImageViewer
+from gym.envs.toy_text import FrozenLakeEnv, discrete
+from gym.envs.toy_text.frozen_lake import FrozenLakeEnv, generate_random_map
+import gym.envs.toy_text.frozen_lake, gym.envs.toy_text.taxi, gym.envs.toy_text.cliffwalking
+from gym.envs.registration import load
+from gym.vector import SyncVectorEnv, AsyncVectorEnv, VectorEnv, make
+import gym.vector, gym.version, gym.configuration, gym.core
+import gym; gym.undo_logger_setup(); gym.configuration.undo_logger_setup(); gym.logger.info("%d", 3)
+from gym.spaces.discrete import Discrete
 from gym.error import Error, UnregisteredEnv, DependencyNotInstalled
 import gym; gym.logger.set_level(40); gym.logger.setLevel(gym.logger.INFO)
 import gym; gym.envs.registry.all(); gym.envs.registry.env_specs["CartPole-v0"]; gym.envs.registration.registry

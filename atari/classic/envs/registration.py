@@ -209,10 +209,9 @@ def make(id: str, **options: Any) -> Env:
         options = modern_options(options) if history.is_atari(modern) else options
         modern.kwargs = {**modern.kwargs, **history.atari_changes(modern).kwargs, **options}
         env = _make_modern(modern)
-    if isinstance(env, Env):
-        classic = env if isinstance(env, Adapter) else Checked(env)
-    else:
-        classic = adapt(env)
+    if not isinstance(env, Env):
+        env = adapt(env)
+    classic = env if isinstance(env, Adapter) else Checked(env)
     classic.unwrapped.spec = classic.spec = chosen
     return classic if chosen.max_episode_steps is None else TimeLimit(classic, chosen.max_episode_steps)
 

@@ -1,6 +1,6 @@
 """Several environments at once, with the old interface."""
 
-from typing import Any, Literal
+from typing import Any
 
 from atari.classic.envs.registration import make as make_one
 from atari.classic.vector.async_vector_env import AsyncVectorEnv

@@ -1,12 +1,13 @@
 """`AsyncVectorEnv`: several environments, each in a process of its own."""
 
+import contextlib
 import multiprocessing
 import pickle
 from collections.abc import Callable, Iterable, Sequence
 from multiprocessing.connection import Connection
 from typing import Any
 
-import cloudpickle
+import cloudpickle  # type: ignore[import-untyped]
 
 from atari.classic.core import Env
 from atari.classic.vector.vector_env import Lane, VectorEnv, check_env_fns
@@ -47,10 +48,8 @@ class AsyncVectorEnv(VectorEnv):
             return
         self.closed = True
         for pipe in self._pipes:
-            try:
+            with contextlib.suppress(OSError):  # the process has ended
                 pipe.send(("close", ()))
-            except OSError:
-                continue  # the process has ended
         for process in self._processes:
             process.join()
         for pipe in self._pipes:
@@ -105,6 +104,7 @@ def _work(pipe: Connection, function: bytes) -> None:
             command, arguments = pipe.recv()
         except (EOFError, KeyboardInterrupt):
             command, arguments = "close", ()
+        answer: tuple[Any, Exception | None]
         try:
             lane = lane or _LaneWithFacts(cloudpickle.loads(function)())
             answer = getattr(lane, command)(*arguments), None

@@ -67,7 +67,7 @@ class VectorEnv(Env):
         observations, rewards, dones, infos = zip(*self._step_all(actions), strict=True)
         return self._batch(observations), np.array(rewards, np.float64), np.array(dones, np.bool_), list(infos)
 
-    def step(self, action: Any) -> Results:  # type: ignore[override]
+    def step(self, action: Any) -> Any:
         """Take an action in each environment."""
         self.step_async(action)
         return self.step_wait()
@@ -106,7 +106,8 @@ class VectorEnv(Env):
 
     def _batch(self, observations: Iterable[Any]) -> Any:
         space = self.single_observation_space
-        return concatenate(space, list(observations), create_empty_array(space, self.num_envs))
+        empty: Any = create_empty_array(space, self.num_envs)
+        return concatenate(space, list(observations), empty)
 
 
 class Lane:

@@ -12,6 +12,8 @@ from atari.classic.envs.atari.old_ale import OldAle
 
 FrameSkip = int | tuple[int, int]
 
+_KEYS = {"UP": "w", "DOWN": "s", "LEFT": "a", "RIGHT": "d", "FIRE": " "}
+
 
 class AtariEnv(Adapted):
     """A game.
@@ -93,6 +95,13 @@ class AtariEnv(Adapted):
     @frameskip.setter
     def frameskip(self, frames: FrameSkip) -> None:
         self._frameskip = self._env.task.replace(frameskip=frames).frameskip
+
+    def get_keys_to_action(self) -> dict[tuple[int, ...], int]:
+        """The action of each combination of keys, which are the sorted numbers of their characters."""
+        return {
+            tuple(sorted(ord(key) for part, key in _KEYS.items() if part in meaning)): action
+            for action, meaning in enumerate(self._env.get_action_meanings())
+        }
 
     def clone_full_state(self) -> Any:
         """The state of the emulator, with its random generator."""
