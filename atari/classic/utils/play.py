@@ -27,8 +27,8 @@ def play(
         fps: steps a second.
         zoom: size of the window relative to the image.
         callback: called after each step with the observation before and after, action, reward, done and info.
-        keys_to_action: the action of each combination of keys, such as {(ord("a"),): 1}; () is no key, whose action is 0
-            otherwise. None uses the keys of the environment.
+        keys_to_action: the action of each combination of keys, such as {(ord("a"),): 1}; () is no key, whose action is
+            otherwise 0. None uses the keys of the environment.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: pygame is not installed.
