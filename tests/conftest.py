@@ -1,5 +1,6 @@
 """The fixtures and settings of all tests."""
 
+import signal
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +14,10 @@ from atari.cores.ale import OLDEST_ALE_PY, _numbers
 OLD = _numbers(gymnasium.__version__) < _numbers("1.4.0") or _numbers(ale_py.__version__) < _numbers(OLDEST_ALE_PY)
 
 pytest.register_assert_rewrite("core_contract", "core_tools", "env_tools", "snapshot_contract", "cli_tools")
+
+# A process that a shell has put into the background ignores Ctrl-C, and so do the programs that it runs.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.hookimpl(wrapper=True)

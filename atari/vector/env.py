@@ -213,13 +213,14 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
             later one, writes to their memory again after the last reference has gone. To keep many, pass `out`.
 
             `info` has, (batch,) int32 each, `env_id`, `lives`, `frame_number`, `episode_frame_number`, with
-            Gymnasium's masks (`_lives`, ...). In SAME_STEP, when an episode has ended (or a life was lost, with
-            `life_loss_info`), it also has `final_obs`, zero where nothing ended, `final_info` and their masks. With
-            `game_info`, it also has `reward` (int32, not clipped), `elapsed_step` (int32, the steps of the game) and
-            `terminated` (bool, whether the game is over). When a whole game has ended, with all its lives, `episode`
-            (in SAME_STEP `final_info["episode"]`) has the arrays `r` (float64, the sum of the game's rewards, not
-            clipped), `l` (int64, its frames, no-ops included) and `t` (float64, seconds), and a mask (added). Masks,
-            and in batches of all environments `env_id`, are read-only.
+            Gymnasium's masks (`_lives`, ...). In SAME_STEP, when an episode has ended, it also has `final_obs`, zero
+            where nothing ended, `final_info` and their masks. A lost life that `life_loss_info` reports ends no
+            episode: the observation is its last one, and its row of `final_obs` is zero. With `game_info`, `info` also
+            has `reward` (int32, not clipped), `elapsed_step` (int32, the steps of the game) and `terminated` (bool,
+            whether the game is over). When a whole game has ended, with all its lives, `episode` (in SAME_STEP
+            `final_info["episode"]`) has the arrays `r` (float64, the sum of the game's rewards, not clipped), `l`
+            (int64, its frames, no-ops included) and `t` (float64, seconds), and a mask (added). Masks, and in batches
+            of all environments `env_id`, are read-only.
 
             With several players, actions are integers (batch, players); rewards (float64), terminations, truncations,
             and `lives` and the scores `r` of `info` are (batch, players). All players see one observation. A player

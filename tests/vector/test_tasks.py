@@ -64,12 +64,12 @@ class Lane:
         self.done = cut or (over and not reported)
         self.ends += self.done
         if self.mode == "SameStep" and (self.done or reported):
+            assert info["_final_obs"][0] == self.done
+        if self.mode == "SameStep" and self.done:
             self.same(info["final_obs"], expected)
-            final = {name: (info["final_info"] if self.done else info)[name] for name in NUMBERS}
-            assert {name: value[0] for name, value in final.items()} == {name: expected_info[name] for name in NUMBERS}
-            if self.done:
-                expected, expected_info = self.single.reset()
-                self.done = False
+            self.same_info(info["final_info"], expected_info, "end")
+            expected, expected_info = self.single.reset()
+            self.done = False
         self.same(observation, expected)
         self.same_info(info, expected_info, "step")
 
@@ -123,6 +123,17 @@ def test_wrappers_are_the_lane_of_a_vector(task: Task, mode: str, seed: int) -> 
     lane = Lane(task, mode)
     try:
         play(lane, seed, 60)
+    finally:
+        lane.close()
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_lives_that_are_reported(mode: str) -> None:
+    task = Task.of("breakout", life_loss_info=True, repeat_action_probability=0.0, max_num_frames_per_episode=600)
+    lane = Lane(task, mode)
+    try:
+        play(lane, 0, 400)
+        assert lane.ends > 1
     finally:
         lane.close()
 
