@@ -4,6 +4,7 @@ Each is an `Adapter` of one class of Gymnasium or of this package. `make` return
 `isinstance(env.unwrapped, gym.envs.atari.AtariEnv)` holds.
 """
 
+from functools import cache
 from typing import Any, ClassVar
 
 import gymnasium
@@ -15,8 +16,8 @@ from atari.classic.core import Env
 class Adapted(Adapter):
     """An environment of the class `original`; a direct subclass sets it.
 
-    Methods of a user's subclass that replace methods of `original`, other than those of `Env`, replace them in the
-    adapted environment too: its `step` calls them.
+    A user's subclass may replace methods and constants of the class `original`, other than those of `Env`: they are
+    replaced in the adapted environment too, whose `step` uses them.
     """
 
     original: ClassVar[type[gymnasium.Env[Any, Any]]]
@@ -32,12 +33,18 @@ class Adapted(Adapter):
         for name in _replaced(type(self)):
             setattr(self.modern, name, getattr(self, name))
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        super().__setattr__(name, value)
+        if "modern" in self.__dict__ and name in _replaced(type(self)):
+            setattr(self.modern.unwrapped, name, value)
+
     def __str__(self) -> str:
         return Env.__str__(self)
 
 
+@cache
 def _replaced(kind: type[Adapted]) -> set[str]:
-    """The methods of `original` that a user's subclass replaces."""
+    """The names in the class `original` that a user's subclass replaces."""
     own = kind.__mro__[: kind.__mro__.index(CLASSES[kind.original])]
-    names = {name for each in own for name, value in vars(each).items() if callable(value)}
+    names = {name for each in own for name in vars(each)}
     return {name for name in names if hasattr(kind.original, name) and not hasattr(Adapter, name)}

@@ -74,6 +74,22 @@ def test_a_subclass_replaces_methods_that_the_environment_calls() -> None:
     assert (env.step([1.0])[0].tolist(), env.calls) == ([0, 0, 0], 1)
 
 
+class Long(classic_control.AcrobotEnv):
+    LINK_LENGTH_1 = 3.0
+
+
+def test_a_subclass_replaces_constants() -> None:
+    env = Long()
+    assert env.modern.unwrapped.LINK_LENGTH_1 == 3.0  # type: ignore[attr-defined]
+    env.LINK_LENGTH_1 = 4.0
+    assert (env.LINK_LENGTH_1, env.modern.unwrapped.LINK_LENGTH_1) == (4.0, 4.0)  # type: ignore[attr-defined]
+    plain = classic_control.AcrobotEnv()
+    for each in (env, plain):
+        each.seed(0)
+        each.reset()
+    assert (env.step(2)[0] != plain.step(2)[0]).any()
+
+
 @pytest.mark.parametrize("make_copy", [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))])
 def test_a_copy_of_a_subclass_plays_on(make_copy: Any) -> None:
     env = Heavy()
