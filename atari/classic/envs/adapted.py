@@ -4,7 +4,6 @@ Each is an `Adapter` of one class of Gymnasium or of this package. `make` return
 `isinstance(env.unwrapped, gym.envs.atari.AtariEnv)` holds.
 """
 
-from functools import cache
 from typing import Any, ClassVar
 
 import gymnasium
@@ -21,30 +20,27 @@ class Adapted(Adapter):
     """
 
     original: ClassVar[type[gymnasium.Env[Any, Any]]]
+    _replaced: ClassVar[frozenset[str]] = frozenset()
+    """The names in the class `original` that a user's subclass replaces."""
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
         if "original" in vars(cls):
             CLASSES[cls.original] = cls
             cls.metadata = old_metadata(cls.original)
+        elif hasattr(cls, "original"):
+            names = (name for name in vars(cls) if hasattr(cls.original, name) and not hasattr(Adapter, name))
+            cls._replaced = cls._replaced.union(names)
 
     def __init__(self, **options: Any) -> None:
         super().__init__(self.original(**quiet_options(self.original), **options))
-        for name in _replaced(type(self)):
+        for name in self._replaced:
             setattr(self.modern, name, getattr(self, name))
 
     def __setattr__(self, name: str, value: Any) -> None:
         super().__setattr__(name, value)
-        if "modern" in self.__dict__ and name in _replaced(type(self)):
+        if "modern" in self.__dict__ and name in self._replaced:
             setattr(self.modern.unwrapped, name, value)
 
     def __str__(self) -> str:
         return Env.__str__(self)
-
-
-@cache
-def _replaced(kind: type[Adapted]) -> set[str]:
-    """The names in the class `original` that a user's subclass replaces."""
-    own = kind.__mro__[: kind.__mro__.index(CLASSES[kind.original])]
-    names = {name for each in own for name in vars(each)}
-    return {name for name in names if hasattr(kind.original, name) and not hasattr(Adapter, name)}

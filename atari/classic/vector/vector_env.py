@@ -72,7 +72,7 @@ class VectorEnv(Env):
         self.step_async(action)
         return self.step_wait()
 
-    def seed(self, seed: int | Sequence[int | None] | None = None) -> list[Any]:  # type: ignore[override]
+    def seed(self, seed: int | Sequence[int | None] | None = None) -> list[Any]:
         """Seed the environments: with the seeds of a list, or with `seed`, `seed + 1`, ...
 
         Raises:

@@ -26,6 +26,6 @@ class BlackjackEnv(Adapted):
         generator = copy.deepcopy(self.np_random)
         observation = super().reset(**options)
         for _ in range(2):
-            draw_hand(generator)
+            draw_hand(generator)  # type: ignore[no-untyped-call]
         self.np_random = generator  # Gymnasium draws more, for its picture of the dealer's card; Gym did not
         return observation
