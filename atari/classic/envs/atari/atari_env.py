@@ -71,12 +71,12 @@ class AtariEnv(Adapted):
 
     @property
     def ale(self) -> Any:
-        """The emulator by the method names of ale-py and atari-py."""
+        """The emulator by the method names of ale-py and atari-py; a script may assign an object around it."""
         return OldAle(self._env.ale)
 
     @ale.setter
     def ale(self, ale: Any) -> None:
-        self._env.ale = ale  # type: ignore[misc]
+        self._env.ale = ale.interface if isinstance(ale, OldAle) else ale  # type: ignore[misc]
 
     @property
     def game(self) -> str:

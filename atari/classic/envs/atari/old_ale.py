@@ -10,16 +10,16 @@ class OldAle:
     """The methods of ale-py's interface, which also take texts as bytes, and `getScreenRGB2`.
 
     Args:
-        ale: the interface, or an object of a script around it.
+        interface: ale-py's interface, or an object of a script around it.
     """
 
-    def __init__(self, ale: Any) -> None:
-        self._ale = ale
+    def __init__(self, interface: Any) -> None:
+        self.interface = interface
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("__") or name == "_ale":  # `copy` looks them up before they exist
+        if name.startswith("__") or name == "interface":  # `copy` looks them up before they exist
             raise AttributeError(name)
-        value = getattr(self._ale, _RENAMED.get(name, name))
+        value = getattr(self.interface, _RENAMED.get(name, name))
         return _with_texts(value) if callable(value) else value
 
 
