@@ -35,7 +35,6 @@ _NAMES: dict[str, Any] = {
     "cfloat": np.complex128,
     "complex_": np.complex128,
     "cumproduct": np.cumprod,
-    "find_common_type": lambda array_types, scalar_types: np.result_type(*array_types, *scalar_types),
     "float_": np.float64,
     "in1d": lambda ar1, ar2, **options: np.isin(np.ravel(ar1), ar2, **options),
     "issubclass_": lambda kind, other: isinstance(kind, type) and issubclass(kind, other),
@@ -54,6 +53,10 @@ _NAMES: dict[str, Any] = {
 }
 
 
+_IF_NECESSARY = None if np.lib.NumpyVersion(np.__version__) >= "2.0.0" else False
+"""The argument `copy` of `np.array` that copies only if necessary."""
+
+
 def restore() -> None:
     """Define the removed names in NumPy, and let `np.array` do what it did, for this process."""
     for name, meaning in _NAMES.items():
@@ -70,7 +73,7 @@ def _lenient(array: Callable[..., Any]) -> Callable[..., Any]:
     @functools.wraps(array)
     def lenient(values: Any, *arguments: Any, **options: Any) -> Any:
         if options.get("copy") is False:
-            options["copy"] = None
+            options["copy"] = _IF_NECESSARY
         try:
             return array(values, *arguments, **options)
         except ValueError as error:

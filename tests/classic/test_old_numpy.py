@@ -31,7 +31,6 @@ MEANINGS = {
     "np.in1d([[1, 2], [3, 4]], [2, 3])": "[False  True  True False]",
     "np.round_(2.567, 1)": "2.6",
     "np.msort(np.array([[2, 1], [1, 2]])).tolist()": "[[1, 1], [2, 2]]",
-    "np.find_common_type([np.float32], [np.int64])": "float64",
     "(np.issubclass_(int, object), np.string_, np.NINF)": "(True, <class 'numpy.bytes_'>, -inf)",
     "np.array([1, 2], copy=False)": "[1 2]",
     "np.array((0.5, 1), np.float32, copy=False).dtype": "float32",
@@ -41,7 +40,8 @@ MEANINGS = {
 
 def test_meanings(tmp_path: Path) -> None:
     program = "\n".join(f"print({expression})" for expression in MEANINGS)
-    assert lines(tmp_path, program) == list(MEANINGS.values())
+    printed = lines(tmp_path, f"import warnings\nwarnings.simplefilter('ignore')\n{program}")  # of NumPy 1
+    assert printed == list(MEANINGS.values())
 
 
 def test_copy_false_does_not_copy_an_array(tmp_path: Path) -> None:
