@@ -6,14 +6,15 @@
 
 import gymnasium.error as error
 
-from atari.classic import envs, logger, spaces, utils, wrappers
+from atari.classic import configuration, envs, logger, spaces, utils, vector, version, wrappers
+from atari.classic.benchmarks import benchmark_spec
+from atari.classic.configuration import undo_logger_setup
 from atari.classic.core import ActionWrapper, Env, GoalEnv, ObservationWrapper, RewardWrapper, Wrapper
 from atari.classic.envs import make, register, spec
 from atari.classic.scoreboard import upload
 from atari.classic.spaces import Space
 
-__version__ = "0.21.0"
-"""The last version of Gym with this interface, for scripts that check it."""
+__version__ = version.VERSION
 
 __all__ = [
     "ActionWrapper",
@@ -23,6 +24,8 @@ __all__ = [
     "RewardWrapper",
     "Space",
     "Wrapper",
+    "benchmark_spec",
+    "configuration",
     "envs",
     "error",
     "logger",
@@ -30,7 +33,10 @@ __all__ = [
     "register",
     "spaces",
     "spec",
+    "undo_logger_setup",
     "upload",
     "utils",
+    "vector",
+    "version",
     "wrappers",
 ]

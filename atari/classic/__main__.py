@@ -3,6 +3,7 @@
 import importlib
 import pkgutil
 import sys
+from pathlib import Path
 
 import atari.classic
 from atari.classic import old_numpy
@@ -13,10 +14,11 @@ _HELP = "Runs a script of OpenAI Gym's time: `import gym` gives it atari.classic
 
 def main(arguments: list[str]) -> int:
     """Run a script like `python script.py`, and return its exit code."""
-    return run_script("atari.classic", _HELP, arguments, _prepare)
+    return run_script("atari.classic", _HELP, arguments, prepare)
 
 
-def _prepare() -> None:
+def prepare() -> None:
+    """Make `import gym` import this package, and NumPy what it was."""
     stand_in()
     old_numpy.restore()
 
@@ -29,6 +31,9 @@ def stand_in() -> None:
         if not module.name.endswith("__main__"):
             sys.modules["gym" + module.name.removeprefix(name)] = importlib.import_module(module.name)
     sys.modules["gym.error"] = atari.classic.error
+    folder = str(Path(__file__).parent / "spawned")
+    if folder not in sys.path:
+        sys.path.insert(0, folder)  # `multiprocessing` gives the path to its processes
 
 
 if __name__ == "__main__":

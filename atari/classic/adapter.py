@@ -8,6 +8,7 @@ Gymnasium moved three things, which `Adapter` moves back:
 - `done` is split into terminated and truncated. `done` means either; `info["TimeLimit.truncated"]` distinguishes them.
 """
 
+import copy
 import inspect
 import operator
 import secrets
@@ -29,14 +30,17 @@ _COUNTED = {"nS": "observation_space", "nA": "action_space"}  # attributes of Gy
 _GYMS_OWN = (
     "gymnasium.envs.classic_control.",
     "gymnasium.envs.toy_text.",
-)  # these are seeded like in Gym
-_OWN = frozenset({"action_space", "metadata", "observation_space", "reward_range", "spec"})
+)  # these draw from a generator of Gym
+_OWN = frozenset({"action_space", "observation_space"})
+
+CLASSES: dict[type[Modern], "type[Adapter]"] = {}
+"""The class of the adapter by the class of the adapted environment, for the classes that scripts import from Gym."""
 
 
 class Adapter(Env):
     """A Gymnasium environment with the old interface.
 
-    Other attributes, such as `ale`, `state` or `get_action_meanings`, are read from and written to the unwrapped
+    Other attributes, such as `gravity`, `state` or `get_action_meanings`, are read from and written to the unwrapped
     Gymnasium environment.
 
     Args:
@@ -51,8 +55,9 @@ class Adapter(Env):
         self.modern = modern
         self.action_space = from_gymnasium(modern.action_space)
         self.observation_space = from_gymnasium(modern.observation_space)
-        self.metadata = _old_metadata(modern)
+        self.metadata = old_metadata(modern.unwrapped)
         self._pending_seed: int | None = None
+        self._np_random: Any = None
         self._started = False
         self._viewer: Viewer | None = None
 
@@ -68,13 +73,40 @@ class Adapter(Env):
             raise AttributeError(f"this {kind} has no attribute {name!r}") from None
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if name in _OWN or "_viewer" not in self.__dict__ or name in self.__dict__:
+        made = "_viewer" in self.__dict__
+        if not made or name in _OWN or name in self.__dict__ or hasattr(type(self), name):
             super().__setattr__(name, value)
         else:
             setattr(self.modern.unwrapped, name, value)
 
+    @property
+    def np_random(self) -> Any:
+        """A generator with Gym's stream: NumPy's `RandomState`, with `randint` and `rand`, which `seed` seeds.
+
+        Classic control and toy text draw from it. Other environments have a generator of their own besides, which the
+        next `reset` seeds.
+        """
+        if self._np_random is None:
+            self.np_random = seeding.np_random()[0]
+        return self._np_random
+
+    @np_random.setter
+    def np_random(self, generator: Any) -> None:
+        self._np_random = generator
+        if self._draws_as_gym():
+            self.modern.unwrapped.np_random = generator
+
+    @property
+    def viewer(self) -> Viewer | None:
+        """The window of `render()`; None before it opens."""
+        return self._viewer
+
+    @viewer.setter
+    def viewer(self, viewer: Viewer | None) -> None:
+        self._viewer = viewer
+
     def seed(self, seed: int | None = None) -> list[int]:
-        """Store the seed for the next `reset`; None chooses one. Returns the seed.
+        """Seed `np_random` now, and the environment at the next `reset`; None chooses a seed. Returns the seed.
 
         Classic control and toy text then have Gym's episodes, as printed in books.
 
@@ -85,8 +117,10 @@ class Adapter(Env):
             seed = secrets.randbits(31)
         if not isinstance(seed, (int, np.integer)) or seed < 0:
             raise ValueError(f"a seed is an integer of 0 or more, or None, got {seed!r}")
-        self._pending_seed = int(seed)
-        return [self._pending_seed]
+        self.np_random = seeding.np_random(int(seed))[0]
+        if not self._draws_as_gym():
+            self._pending_seed = int(seed)
+        return [int(seed)]
 
     def reset(self, **options: Any) -> Any:
         """Start a new episode and return its first observation.
@@ -98,7 +132,7 @@ class Adapter(Env):
             raise TypeError(
                 f"reset() takes no {' or '.join(options)} here; call env.seed(0) before it, or use gymnasium.make"
             )
-        observation = self._begin(self._pending_seed)
+        observation = self.modern.reset(seed=self._pending_seed)[0]
         self._pending_seed = None
         self._started = True
         return observation
@@ -112,7 +146,7 @@ class Adapter(Env):
         if not self._started:
             raise gymnasium.error.ResetNeeded("step() came before the first reset(); call env.reset() first")
         action = to_action(self.action_space, action)
-        observation, reward, terminated, truncated, info = self.modern.step(action)
+        observation, reward, terminated, truncated, info = self._play(action)
         if truncated:
             info["TimeLimit.truncated"] = not terminated
         if "lives" in info:
@@ -122,7 +156,8 @@ class Adapter(Env):
     def render(self, mode: str = "human", close: bool = False, **_: Any) -> Any:
         """Show the environment in a window or print it as text ("human"), or return it ("rgb_array" or "ansi").
 
-        Before the first reset, it renders a possible start of an episode.
+        Before the first reset, it renders the start of the first episode. With a window, it returns whether the window
+        is open.
 
         Raises:
             gymnasium.error.UnsupportedMode: the environment has no such mode.
@@ -137,13 +172,13 @@ class Adapter(Env):
             offered = ", ".join(modes) or "no mode"
             raise gymnasium.error.UnsupportedMode(f"this environment cannot render {mode!r}; it has {offered}")
         if not self._started:
-            self._begin(self._pending_seed)
+            self.preview()
         if mode != "human":
             return self._render_as(mode)
         if "ansi" in modes:
             print(self._render_as("ansi"))
         elif "rgb_array" in modes:
-            self._show(self._render_as("rgb_array"))
+            return self._show(self._render_as("rgb_array"))
         else:
             self._render_as("human")
         return None
@@ -156,11 +191,20 @@ class Adapter(Env):
     def __str__(self) -> str:
         return f"<{type(self.modern.unwrapped).__name__}{f'<{self.spec.id}>' if self.spec else ' instance'}>"
 
-    def _begin(self, seed: int | None) -> Any:
-        env = self.modern.unwrapped
-        if seed is not None and type(env).__module__.startswith(_GYMS_OWN):
-            env.np_random, seed = seeding.np_random(seed)[0], None  # type: ignore[assignment]
-        return self.modern.reset(seed=seed)[0]
+    _step, _reset, _render, _close, _seed = step, reset, render, close, seed  # their names before 2018
+
+    def preview(self) -> None:
+        """Put the environment at the start of its first episode, which the first `reset` repeats if it is seeded."""
+        generator = copy.deepcopy(self._np_random)
+        self.modern.reset(seed=self._pending_seed)
+        if generator is not None:
+            self.np_random = generator
+
+    def _play(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        return self.modern.step(action)
+
+    def _draws_as_gym(self) -> bool:
+        return type(self.modern.unwrapped).__module__.startswith(_GYMS_OWN)
 
     def _render_as(self, mode: str) -> Any:
         env = self.modern.unwrapped
@@ -176,14 +220,15 @@ class Adapter(Env):
         finally:
             env.render_mode = made_with
 
-    def _show(self, rgb: Any) -> None:
+    def _show(self, rgb: Any) -> bool:
         if self._viewer is None:
             self._viewer = Viewer(
                 self.spec.id if self.spec else "atari.classic",
                 self.metadata["video.frames_per_second"],
                 self.metadata["video.pixel_aspect"],
             )
-        self._viewer.show(rgb)
+        self._viewer.imshow(rgb)
+        return self._viewer.isopen
 
     def _close_viewer(self) -> None:
         viewer, self._viewer = self._viewer, None
@@ -201,7 +246,11 @@ class GoalAdapter(Adapter, GoalEnv):
 
 def adapt(modern: Modern) -> Adapter:
     """The adapter for a Gymnasium environment."""
-    return (GoalAdapter if hasattr(modern.unwrapped, "compute_reward") else Adapter)(modern)
+    other = GoalAdapter if hasattr(modern.unwrapped, "compute_reward") else Adapter
+    kind = CLASSES.get(type(modern.unwrapped), other)
+    adapter = kind.__new__(kind)
+    Adapter.__init__(adapter, modern)  # the classes of CLASSES have constructors that make an environment
+    return adapter
 
 
 def quiet_options(creator: Any) -> dict[str, Any]:
@@ -236,7 +285,7 @@ def to_action(space: spaces.Space[Any], action: Any) -> Any:
         return array.reshape(space.shape)
     if isinstance(space, spaces.Discrete):
         try:
-            action = operator.index(action)
+            action = _index(action)
         except TypeError:
             raise TypeError(f"an action is an integer within 0..{space.n - 1}, got {action!r}") from None
     if not space.contains(action):
@@ -245,8 +294,18 @@ def to_action(space: spaces.Space[Any], action: Any) -> Any:
     return action
 
 
-def _old_metadata(modern: Modern) -> dict[str, Any]:
-    metadata = dict(modern.metadata)
+def _index(action: Any) -> int:
+    """The integer that an action is, or that is alone in it, as in `np.array([[3]])`."""
+    if isinstance(action, (list, tuple, np.ndarray)):
+        array = np.asarray(action)
+        if array.size == 1 and array.dtype.kind in "iu":
+            return int(array.item())
+    return operator.index(action)
+
+
+def old_metadata(env: "Modern | type[Modern]") -> dict[str, Any]:
+    """The metadata of an environment or its class with Gym's keys."""
+    metadata = dict(env.metadata)
     modes = [mode for mode in metadata.pop("render_modes", None) or [] if mode in ("human", "rgb_array", "ansi")]
     rate = metadata.pop("render_fps", None) or 30
     if modes and "human" not in modes:
@@ -255,5 +314,5 @@ def _old_metadata(modern: Modern) -> dict[str, Any]:
         **metadata,
         "render.modes": modes,
         "video.frames_per_second": rate,
-        "video.pixel_aspect": (2, 1) if isinstance(modern.unwrapped, AtariEnv) else (1, 1),
+        "video.pixel_aspect": (2, 1) if env is AtariEnv or isinstance(env, AtariEnv) else (1, 1),
     }

@@ -47,6 +47,18 @@ class Env:
     action_space: Space[Any]
     observation_space: Space[Any]
 
+    def __init_subclass__(cls, **options: Any) -> None:
+        """Let a method under its name of before 2018, such as `_step`, replace an inherited `step`.
+
+        The methods of this module call it already.
+        """
+        super().__init_subclass__(**options)
+        for name in ("step", "reset", "render", "seed", "close"):
+            old = callable(vars(cls).get(f"_{name}")) and name not in vars(cls)
+            if old and getattr(cls, name).__module__ != __name__:
+                homes = (base for base in cls.__mro__ if base.__module__ == __name__ and name in vars(base))
+                setattr(cls, name, vars(next(homes))[name])
+
     def step(self, action: Any) -> Step:
         """Take an action; return the observation, the reward, whether the episode is over, and diagnostics."""
         return self._call("step", action)  # type: ignore[no-any-return]

@@ -6,10 +6,10 @@ from typing import Any, Protocol
 
 import gymnasium
 
-from atari.classic.episode_recorder import EpisodeRecorder, Renderable
+from atari.classic.episode_recorder import EpisodeRecorder, Monitored
 
 
-class Monitored(Renderable, Protocol):
+class MonitoredByMethods(Monitored, Protocol):
     """The part of an environment that `EnvMonitor` needs; `atari.classic.Env` has it."""
 
     def step(self, action: Any) -> tuple[Any, Any, bool, dict[str, Any]]:
@@ -29,7 +29,7 @@ class EnvMonitor:
     methods of the environment's class and record.
     """
 
-    def __init__(self, env: Monitored) -> None:
+    def __init__(self, env: MonitoredByMethods) -> None:
         self._env = env
         self._recorder: EpisodeRecorder | None = None
 

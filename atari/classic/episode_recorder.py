@@ -16,24 +16,19 @@ from typing import Any, Literal, Protocol
 import gymnasium
 
 import atari
+from atari.classic.video_recorder import Renderable, VideoRecorder
 from atari.files import durable
-from atari.recording import VideoWriter
 
 _PREFIX = "openaigym"
-_SMALL = 300  # rows; smaller frames are doubled, to keep their colours sharp
 _numbers = count()
 
 VideoCallable = Callable[[int], bool]
 
 
-class Renderable(Protocol):
+class Monitored(Renderable, Protocol):
     """The part of an environment that a recorder needs."""
 
-    metadata: dict[str, Any]
     spec: Any
-
-    def render(self, mode: str = "human") -> Any:
-        """The frame, (rows, columns, 3) uint8, for mode "rgb_array"."""
 
 
 class EpisodeRecorder:
@@ -44,7 +39,7 @@ class EpisodeRecorder:
 
     def __init__(
         self,
-        env: Renderable,
+        env: Monitored,
         directory: str | os.PathLike[str],
         video_callable: VideoCallable | Literal[False] | None = None,
         force: bool = False,
@@ -64,7 +59,7 @@ class EpisodeRecorder:
         self._write_upon_reset = write_upon_reset
         can_record = video_callable is not False and "rgb_array" in env.metadata.get("render.modes", [])
         self._is_recorded: VideoCallable = (video_callable or cubes_then_thousands) if can_record else _never
-        self._video: VideoWriter | None = None
+        self._video: VideoRecorder | None = None
         self._closed = False
 
     @property
@@ -93,7 +88,7 @@ class EpisodeRecorder:
         """Add a step to the statistics and its frame to the video."""
         self.statistics.add(reward, done)
         if self._video is not None:
-            self._video.write(self._env.render(mode="rgb_array"))
+            self._video.capture_frame()
         if done:
             self._finish_episode()
 
@@ -105,21 +100,10 @@ class EpisodeRecorder:
             self._closed = True
 
     def _begin_video(self, number: int) -> None:
-        frame = self._env.render(mode="rgb_array")
-        rows, columns = frame.shape[:2]
-        path = self.directory / f"{_PREFIX}.video.{self.file_infix}.video{number:06}.mp4"
-        rate = self._env.metadata.get("video.frames_per_second", 30)
-        self._video = VideoWriter(
-            path,
-            (rows, columns),
-            rate,
-            scale=2 if rows < _SMALL or rows % 2 or columns % 2 else 1,
-            pixel_aspect=self._env.metadata.get("video.pixel_aspect", (1, 1)),
-        )
-        self._video.write(frame)
-        meta = path.with_suffix(".meta.json")
-        _write_json(meta, {"episode_id": number, "content_type": "video/mp4", "frames_per_second": float(rate)})
-        self.videos.append((path.name, meta.name))
+        name = f"{_PREFIX}.video.{self.file_infix}.video{number:06}"
+        self._video = VideoRecorder(self._env, self.directory / f"{name}.mp4", metadata={"episode_id": number})
+        self._video.capture_frame()
+        self.videos.append((f"{name}.mp4", f"{name}.meta.json"))
 
     def _finish_episode(self) -> None:
         video, self._video = self._video, None

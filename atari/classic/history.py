@@ -20,13 +20,18 @@ class Changes:
 
 def atari_changes(modern: ModernSpec) -> Changes:
     """Gym before 0.21 counted steps of Atari games, with limits by ID; ale-py now counts frames."""
-    if "base" not in modern.kwargs or "rom" in modern.kwargs:  # no game of Gym's
+    if not is_atari(modern):
         return Changes()
     return Changes(
         _atari_steps(modern.id),
         re.fullmatch(r"ElevatorAction-ram.*-v[04]", modern.id) is not None,
         {"max_num_frames_per_episode": None},
     )
+
+
+def is_atari(modern: ModernSpec) -> bool:
+    """Whether a spec is of a game of Gym's."""
+    return "base" in modern.kwargs and "rom" not in modern.kwargs
 
 
 def _atari_steps(env_id: str) -> int:

@@ -2,13 +2,14 @@
 
 import sys
 from functools import cache
+from typing import Any
 
 from gymnasium import logger as _logger
 from gymnasium.logger import error, warn
 
 DEBUG, INFO, WARN, ERROR, DISABLED = 10, 20, 30, 40, 50
 
-__all__ = ["DEBUG", "DISABLED", "ERROR", "INFO", "WARN", "error", "setLevel", "set_level", "warn"]
+__all__ = ["DEBUG", "DISABLED", "ERROR", "INFO", "WARN", "debug", "error", "info", "setLevel", "set_level", "warn"]
 
 
 def set_level(level: int) -> None:
@@ -17,6 +18,21 @@ def set_level(level: int) -> None:
 
 
 setLevel = set_level  # its name before 2018
+
+
+def debug(text: str, *values: Any) -> None:
+    """Print a message of level 10."""
+    _print(DEBUG, text, values)
+
+
+def info(text: str, *values: Any) -> None:
+    """Print a message of level 20."""
+    _print(INFO, text, values)
+
+
+def _print(level: int, text: str, values: tuple[Any, ...]) -> None:
+    if _logger.min_level <= level:
+        print({DEBUG: "DEBUG", INFO: "INFO"}[level] + ": " + (text % values if values else text))
 
 
 @cache

@@ -5,6 +5,7 @@ then checks whether the class has the old or the new interface.
 """
 
 import inspect
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -105,10 +106,11 @@ class EntryPoint:
     entry_point: str | Callable[..., Any]
 
     def load(self) -> Callable[..., Any]:
-        """The class or function."""
-        if isinstance(self.entry_point, str):
-            return load_env_creator(self.entry_point)
-        return self.entry_point
+        """The class or function; a path in `gym.envs` means the class of that name here, or else in Gymnasium."""
+        if not isinstance(self.entry_point, str):
+            return self.entry_point
+        path = re.sub(r"^gym(?=\.envs\.(atari|classic_control|toy_text)\b)", "atari.classic", self.entry_point)
+        return load_env_creator(re.sub(r"^gym\.", "gymnasium.", path))
 
     @property
     def metadata(self) -> dict[str, Any]:

@@ -30,5 +30,13 @@ class Spec:
         """The time limit in the form that scripts of 2016 read."""
         return {"wrapper_config.TimeLimit.max_episode_steps": self.max_episode_steps}
 
+    @property
+    def _kwargs(self) -> dict[str, Any]:  # `kwargs` and `entry_point` under their names until 2019
+        return self.kwargs
+
+    @property
+    def _entry_point(self) -> "str | Callable[..., Any] | None":
+        return self.entry_point
+
     def __repr__(self) -> str:
         return f"EnvSpec({self.id})"

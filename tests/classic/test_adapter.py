@@ -11,6 +11,7 @@ import pytest
 import atari
 import atari.classic as gym
 from atari.classic.adapter import Adapter, adapt
+from atari.classic.utils import seeding
 
 
 class Probe(gymnasium.Env[Any, Any]):
@@ -59,6 +60,25 @@ def test_a_seed_waits_for_the_next_reset() -> None:
     (chosen,) = env.seed()
     env.reset()
     assert probe.calls[-1] == chosen
+
+
+@pytest.mark.parametrize("env_id", ["CartPole-v0", "Pong-ram-v0", "Taxi-v3"])
+def test_the_generator_has_gyms_stream_from_the_seed_on(env_id: str) -> None:
+    env: Any = gym.make(env_id)
+    assert env.unwrapped.np_random.randint(5) in range(5)
+    env.seed(4)
+    expected = seeding.np_random(4)[0]
+    assert [env.np_random.randint(100) for _ in range(5)] == [expected.randint(100) for _ in range(5)]
+    env.unwrapped.np_random = np.random.RandomState(9)
+    assert env.np_random.randint(1000) == np.random.RandomState(9).randint(1000)
+
+
+def test_classic_control_draws_from_the_generator_and_others_do_not() -> None:
+    for env_id, draws in (("CartPole-v0", True), ("Pong-ram-v4", False)):
+        env: Any = gym.make(env_id)
+        env.seed(4)
+        env.reset()
+        assert (env.np_random.randint(10**6) != seeding.np_random(4)[0].randint(10**6)) is draws
 
 
 @pytest.mark.parametrize("wrong", [-1, 1.5, "x"])
@@ -173,6 +193,9 @@ def test_step_before_reset() -> None:
         (1.0, TypeError, "an action is an integer within 0..1, got 1.0"),
         (None, TypeError, "an action is an integer within 0..1, got None"),
         ("left", TypeError, "an action is an integer within 0..1, got 'left'"),
+        ([0, 1], TypeError, "an action is an integer within 0..1, got [0, 1]"),
+        ([1.0], TypeError, "an action is an integer within 0..1, got [1.0]"),
+        ([[2]], ValueError, "the action 2 is not within 0..1; env.action_space.sample() gives one that is"),
     ],
 )
 def test_a_wrong_action_plays_nothing(wrong: Any, kind: type[Exception], text: str) -> None:
@@ -188,7 +211,7 @@ def test_a_wrong_action_plays_nothing(wrong: Any, kind: type[Exception], text: s
 def test_actions_of_numpy_are_integers_too() -> None:
     env = gym.make("CartPole-v0")
     env.reset()
-    for action in (np.int64(1), np.array(1), True):
+    for action in (np.int64(1), np.array(1), True, [1], np.array([[1]])):
         assert env.step(action)[1] == 1.0
 
 
@@ -212,7 +235,7 @@ def test_a_mode_is_of_the_call_not_of_the_environment() -> None:
     env = adapt(probe)
     env.reset()
     assert env.render(mode="rgb_array").shape == (2, 3, 3)
-    assert env.render() is None
+    assert env.render() is True
     assert probe.calls == [None, "rgb_array", "rgb_array"]
     assert probe.render_mode is None
     env.render(close=True)
@@ -238,7 +261,7 @@ def test_rgb_arrays(env_id: str, monkeypatch: pytest.MonkeyPatch) -> None:
     image = env.render(mode="rgb_array")
     assert (image.dtype, image.ndim, image.shape[2]) == (np.uint8, 3, 3)
     assert len(np.unique(image)) > 1
-    assert env.render() is None
+    assert env.render() is True
     with pytest.raises(
         gym.error.UnsupportedMode, match=r"^this environment cannot render 'ansi'; it has human, rgb_array$"
     ):

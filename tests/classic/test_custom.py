@@ -442,3 +442,30 @@ def test_numbers_beyond_a_box_are_the_environments_to_clip() -> None:
     assert (push.pushed.tolist(), push.pushed.dtype) == ([1.5, -3], np.float32)
     with pytest.raises(ValueError, match=r"an action is an array of shape \(2,\), got one of shape \(3,\)"):
         env.step([0, 0, 0])
+
+
+def test_an_unknown_option_of_register_is_an_error() -> None:
+    with pytest.raises(TypeError, match=r"^register\(\) has no option 'lenght'; options of the class go into kwargs="):
+        gym.register("Unknown-v0", OldCorridor, lenght=3)
+    gym.register("Known-v0", OldCorridor, trials=100, local_only=True, kwargs={"length": 3})
+    assert gym.make("Known-v0").unwrapped.length == 3  # type: ignore[attr-defined]
+
+
+class Late(gym.Wrapper):
+    def step(self, action: Any) -> Any:
+        return ("step", action)
+
+
+class Later(Late):
+    def _step(self, action: Any) -> Any:
+        return ("_step", action)
+
+
+def test_an_old_name_replaces_an_inherited_method() -> None:
+    assert Later(OldCorridor()).step(1) == ("_step", 1)
+
+    class Fixed(OldCorridor):
+        def _reset(self) -> Any:
+            return [7]
+
+    assert Fixed().reset() == [7]

@@ -1,8 +1,11 @@
 """`python -m atari.classic` runs a script as `python` would, except that `gym` is this package."""
 
+import multiprocessing
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 
 def run(*arguments: str, folder: Path) -> "subprocess.CompletedProcess[str]":
@@ -39,6 +42,23 @@ from gym.envs.toy_text import discrete
 from gym.envs.toy_text.discrete import DiscreteEnv, categorical_sample
 from gym.core import Env, Wrapper
 from gym import Env, GoalEnv, Wrapper, ObservationWrapper, RewardWrapper, ActionWrapper
+from gym.wrappers import RecordVideo, LazyFrames, FlattenDictWrapper
+from gym.wrappers.frame_stack import LazyFrames
+from gym.wrappers.normalize import RunningMeanStd
+from gym.wrappers.monitoring.video_recorder import VideoRecorder
+from gym.envs.atari import AtariEnv
+from gym.envs.atari.atari_env import AtariEnv
+from gym.envs.classic_control import CartPoleEnv, rendering
+from gym.envs.classic_control.cartpole import CartPoleEnv
+from gym.envs.classic_control.rendering import SimpleImageViewer
+from gym.envs.toy_text import FrozenLakeEnv, discrete
+from gym.envs.toy_text.frozen_lake import FrozenLakeEnv, generate_random_map
+import gym.envs.toy_text.frozen_lake, gym.envs.toy_text.taxi, gym.envs.toy_text.cliffwalking
+from gym.envs.registration import load
+from gym.vector import SyncVectorEnv, AsyncVectorEnv, VectorEnv, make
+import gym.vector, gym.version, gym.configuration, gym.core
+import gym; gym.undo_logger_setup(); gym.configuration.undo_logger_setup(); gym.logger.info("%d", 3)
+from gym.spaces.discrete import Discrete
 from gym.error import Error, UnregisteredEnv, DependencyNotInstalled
 import gym; gym.logger.set_level(40); gym.logger.setLevel(gym.logger.INFO)
 import gym; gym.envs.registry.all(); gym.envs.registry.env_specs["CartPole-v0"]; gym.envs.registration.registry
@@ -50,6 +70,36 @@ import gym, atari.classic; assert gym is atari.classic and gym.wrappers.Monitor 
 def test_gym_means_this_package(tmp_path: Path) -> None:
     result = run(script(tmp_path, IMPORTS + "print('all')"), folder=tmp_path)
     assert (result.returncode, result.stdout) == (0, "all\n"), result.stderr
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn", "forkserver"])
+def test_processes_of_a_script_have_gym_too(tmp_path: Path, method: str) -> None:
+    if method not in multiprocessing.get_all_start_methods():
+        return
+    program = f"""\
+import multiprocessing as mp
+import numpy as np
+import gym
+from gym.wrappers import Monitor
+
+def work(queue):
+    env = gym.make("CartPole-v0")
+    env.seed(0)
+    queue.put((env.reset().astype(np.float).round(4).tolist(), gym.__name__))
+
+if __name__ == "__main__":
+    mp.set_start_method({method!r})
+    queue = mp.Queue()
+    process = mp.Process(target=work, args=(queue,))
+    process.start()
+    print(queue.get())
+    process.join()
+    envs = gym.vector.AsyncVectorEnv([lambda: gym.make("CartPole-v0")] * 2, context={method!r})
+    print(envs.reset().shape)
+    envs.close()
+"""
+    result = run(script(tmp_path, program), folder=tmp_path)
+    assert result.stdout == "([-0.0446, 0.0465, 0.0133, -0.021], 'atari.classic')\n(2, 4)\n", result.stderr
 
 
 def test_names_that_numpy_dropped(tmp_path: Path) -> None:

@@ -5,7 +5,8 @@ import gymnasium
 
 # Public functions without an example: they need a display, a notebook, the network or a package that few have.
 WITHOUT_EXAMPLE = {
-    "atari.classic.scoreboard.upload",  # does nothing
+    "atari.classic.configuration.undo_logger_setup",  # does nothing
+    "atari.classic.scoreboard.upload",  # likewise
     "atari.integrations.arrays.to_jax",
     "atari.integrations.ray.rllib.env_creator",
     "atari.lab.widget.show",

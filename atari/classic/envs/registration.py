@@ -14,9 +14,10 @@ from gymnasium.envs.registration import EnvSpec as ModernSpec
 from gymnasium.envs.registration import load_env_creator
 
 from atari.classic import history, lookup
-from atari.classic.adapter import adapt, quiet_options
+from atari.classic.adapter import Adapter, adapt, quiet_options
 from atari.classic.checks import Checked
 from atari.classic.core import Env
+from atari.classic.envs.atari.atari_env import modern_options, old_options
 from atari.classic.modern import EntryPoint
 from atari.classic.spec import Spec
 from atari.classic.wrappers.time_limit import TimeLimit
@@ -90,6 +91,9 @@ class EnvRegistry:
 
 registry = EnvRegistry()
 
+_WITHOUT_EFFECT = ("trials", "local_only", "order_enforce")
+"""Old options of `register` that changed no environment of Gym's own, or only its checks."""
+
 
 def register(
     id: str,
@@ -101,22 +105,24 @@ def register(
     *,
     timestep_limit: int | None = None,
     tags: dict[str, Any] | None = None,
-    **_: Any,
+    **others: Any,
 ) -> None:
     """Register an environment, with the old interface or the new, for `make` and for `gymnasium.make`.
 
     Args:
         id: such as "Corridor-v0".
-        entry_point: the class, or its import path "my_module:CorridorEnv".
+        entry_point: the class, or its import path "my_module:CorridorEnv", or "gym.envs.toy_text:FrozenLakeEnv".
         reward_threshold: the mean return from which the task counts as solved.
         nondeterministic: whether its episodes differ despite equal seeds.
         max_episode_steps: the time limit; `timestep_limit` and the tag of 2016 mean the same.
         kwargs: arguments of the class; arguments of `make` override them.
         timestep_limit: see `max_episode_steps`.
         tags: only the time limit among them is used.
+        **others: `trials`, `local_only` and `order_enforce`, which have no effect.
 
     Raises:
         gymnasium.error.Error: the ID is malformed, or taken by another environment.
+        TypeError: there is no such option.
 
     Example:
         >>> from atari import classic
@@ -134,6 +140,9 @@ def register(
         >>> env.reset(), env.step(1)
         (0, (1, 0.0, False, {}))
     """
+    for name in others:
+        if name not in _WITHOUT_EFFECT:
+            raise TypeError(f"register() has no option {name!r}; options of the class go into kwargs={{{name!r}: ...}}")
     if not isinstance(id, str) or not _ID.fullmatch(id):
         raise gymnasium.error.Error(f"an ID is a name, '-v' and a version, such as 'Corridor-v0', got {id!r}")
     if not (isinstance(entry_point, str) and ":" in entry_point) and not callable(entry_point):
@@ -165,6 +174,11 @@ def spec(id: str) -> EnvSpec:
     return registry.env_specs[lookup.resolve(id)]
 
 
+def load(name: str) -> Callable[..., Any]:
+    """The class of an import path, such as "gym.envs.classic_control:CartPoleEnv"."""
+    return EntryPoint(name).load()
+
+
 def make(id: str, **options: Any) -> Env:
     """Make an environment with the old interface.
 
@@ -192,9 +206,12 @@ def make(id: str, **options: Any) -> Env:
     if isinstance(entry_point, EntryPoint):
         env = entry_point.create(**{**quiet_options(entry_point.load()), **chosen.kwargs, **options})
     else:
-        modern.kwargs = {**chosen.kwargs, **options}
+        options = modern_options(options) if history.is_atari(modern) else options
+        modern.kwargs = {**modern.kwargs, **history.atari_changes(modern).kwargs, **options}
         env = _make_modern(modern)
-    classic = Checked(env) if isinstance(env, Env) else adapt(env)
+    if not isinstance(env, Env):
+        env = adapt(env)
+    classic = env if isinstance(env, Adapter) else Checked(env)
     classic.unwrapped.spec = classic.spec = chosen
     return classic if chosen.max_episode_steps is None else TimeLimit(classic, chosen.max_episode_steps)
 
@@ -221,13 +238,24 @@ def _make_modern(modern: ModernSpec) -> gymnasium.Env[Any, Any]:
 
 
 def _classic_spec(modern: ModernSpec) -> EnvSpec:
-    entry_point = modern.entry_point
     changes = history.atari_changes(modern)
     return EnvSpec(
         modern.id,
-        entry_point.entry_point if isinstance(entry_point, EntryPoint) else entry_point,
+        _old_entry_point(modern),
         modern.reward_threshold,
         changes.nondeterministic or modern.nondeterministic,
         changes.max_episode_steps or modern.max_episode_steps,
-        {**modern.kwargs, **changes.kwargs},
+        old_options(modern.kwargs) if history.is_atari(modern) else dict(modern.kwargs),
     )
+
+
+def _old_entry_point(modern: ModernSpec) -> Any:
+    """The entry point as it was registered, or for environments of Gym's own the path of the class here."""
+    entry_point = modern.entry_point
+    if isinstance(entry_point, EntryPoint):
+        return entry_point.entry_point
+    if history.is_atari(modern):
+        return "gym.envs.atari:AtariEnv"
+    if isinstance(entry_point, str):
+        return re.sub(r"^gymnasium\.envs\.(classic_control|toy_text)\.\w+:", r"gym.envs.\1:", entry_point)
+    return entry_point

@@ -6,7 +6,9 @@ accept them.
 
 from gymnasium.spaces import Space
 
+from atari.classic.spaces import dict as dict_space
 from atari.classic.spaces import prng
+from atari.classic.spaces import tuple as tuple_space
 from atari.classic.spaces.box import Box
 from atari.classic.spaces.convert import from_gymnasium
 from atari.classic.spaces.dict import Dict
@@ -15,4 +17,16 @@ from atari.classic.spaces.multi_binary import MultiBinary
 from atari.classic.spaces.multi_discrete import MultiDiscrete
 from atari.classic.spaces.tuple import Tuple
 
-__all__ = ["Box", "Dict", "Discrete", "MultiBinary", "MultiDiscrete", "Space", "Tuple", "from_gymnasium", "prng"]
+__all__ = [
+    "Box",
+    "Dict",
+    "Discrete",
+    "MultiBinary",
+    "MultiDiscrete",
+    "Space",
+    "Tuple",
+    "dict_space",
+    "from_gymnasium",
+    "prng",
+    "tuple_space",
+]

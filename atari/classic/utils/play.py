@@ -27,8 +27,8 @@ def play(
         fps: steps a second.
         zoom: size of the window relative to the image.
         callback: called after each step with the observation before and after, action, reward, done and info.
-        keys_to_action: the action of each combination of keys, such as {(ord("a"),): 0}; None uses the keys of the
-            environment.
+        keys_to_action: the action of each combination of keys, such as {(ord("a"),): 1}; () is no key, whose action is
+            otherwise 0. None uses the keys of the environment.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: pygame is not installed.
@@ -51,11 +51,13 @@ def play(
         if callback is not None:
             callback(before, after, action, reward, terminated or truncated, info)
 
+    keys = dict(keys_to_action or env.get_keys_to_action())  # type: ignore[attr-defined]
     gymnasium_play.play(
         Modern(env, render_mode="rgb_array"),
         transpose=transpose,
         fps=fps,
         zoom=zoom,
         callback=after_step,
-        keys_to_action=keys_to_action or env.get_keys_to_action(),  # type: ignore[attr-defined]
+        noop=keys.pop((), 0),
+        keys_to_action=keys,
     )

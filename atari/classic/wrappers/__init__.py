@@ -1,11 +1,14 @@
 """Wrappers with the old interface."""
 
+from atari.classic.wrappers import monitoring, normalize
 from atari.classic.wrappers.atari_preprocessing import AtariPreprocessing
-from atari.classic.wrappers.frame_stack import FrameStack
+from atari.classic.wrappers.frame_stack import FrameStack, LazyFrames
 from atari.classic.wrappers.monitor import Monitor
+from atari.classic.wrappers.record_video import RecordVideo
 from atari.classic.wrappers.time_limit import TimeLimit
 from atari.classic.wrappers.transforms import (
     ClipAction,
+    FlattenDictWrapper,
     FlattenObservation,
     GrayScaleObservation,
     RecordEpisodeStatistics,
@@ -18,14 +21,19 @@ from atari.classic.wrappers.transforms import (
 __all__ = [
     "AtariPreprocessing",
     "ClipAction",
+    "FlattenDictWrapper",
     "FlattenObservation",
     "FrameStack",
     "GrayScaleObservation",
+    "LazyFrames",
     "Monitor",
     "RecordEpisodeStatistics",
+    "RecordVideo",
     "RescaleAction",
     "ResizeObservation",
     "TimeLimit",
     "TransformObservation",
     "TransformReward",
+    "monitoring",
+    "normalize",
 ]

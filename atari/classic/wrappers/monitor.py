@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from atari.classic.core import Env, Step, Wrapper
-from atari.classic.episode_recorder import EpisodeRecorder, VideoCallable
+from atari.classic.episode_recorder import EpisodeRecorder, EpisodeStatistics, VideoCallable
 
 
 class Monitor(Wrapper):
@@ -55,6 +55,11 @@ class Monitor(Wrapper):
     def stats_path(self) -> Path:
         """The file of the statistics."""
         return self._recorder.stats_path
+
+    @property
+    def stats_recorder(self) -> EpisodeStatistics:
+        """The statistics; a script sets its `done` to end an episode without steps to its end."""
+        return self._recorder.statistics
 
     def get_total_steps(self) -> int:
         """Steps so far."""

@@ -1,6 +1,6 @@
 """Small changes of observations, rewards and actions, under the names of Gym's last years."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
@@ -54,6 +54,21 @@ class FlattenObservation(Bridge):
 
     def __init__(self, env: Env) -> None:
         super().__init__(env, wrappers.FlattenObservation)
+
+
+class FlattenDictWrapper(ObservationWrapper):
+    """The parts `dict_keys` of a dictionary, as one array of numbers."""
+
+    def __init__(self, env: Env, dict_keys: Iterable[str]) -> None:
+        super().__init__(env)
+        self.dict_keys = list(dict_keys)
+        parts: Any = env.observation_space
+        size = sum(int(np.prod(parts[key].shape)) for key in self.dict_keys)
+        self.observation_space = Box(-np.inf, np.inf, (size,), np.float32)
+
+    def observation(self, observation: Any) -> Any:
+        """The observation to return instead."""
+        return np.concatenate([np.ravel(observation[key]) for key in self.dict_keys])
 
 
 class RecordEpisodeStatistics(Bridge):

@@ -57,6 +57,8 @@ class DiscreteEnv(Env):
         self.lastaction = action
         return self.s, reward, bool(done), {"prob": probability}
 
+    _seed, _reset, _step = seed, reset, step  # their names before 2018
+
 
 def categorical_sample(probabilities: "npt.ArrayLike", np_random: np.random.RandomState) -> int:
     """Draw an index with the given probabilities."""

@@ -1,0 +1,5 @@
+"""Atari games."""
+
+from atari.classic.envs.atari.atari_env import AtariEnv
+
+__all__ = ["AtariEnv"]

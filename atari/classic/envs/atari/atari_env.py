@@ -1,0 +1,140 @@
+"""`AtariEnv`: a game of the Atari 2600, with the constructor and the attributes of Gym's class."""
+
+import operator
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+import atari
+from atari.classic.envs.adapted import Adapted
+from atari.classic.envs.atari.old_ale import OldAle
+
+FrameSkip = int | tuple[int, int]
+
+_KEYS = {"UP": "w", "DOWN": "s", "LEFT": "a", "RIGHT": "d", "FIRE": " "}
+
+
+class AtariEnv(Adapted):
+    """A game.
+
+    Args:
+        game: its name, such as "pong".
+        mode: the game's mode; None means the usual one.
+        difficulty: the game's difficulty; None means the usual one.
+        obs_type: "ram", observations (128,) uint8; "image", (rows, 160, 3) uint8.
+        frameskip: frames a step, or the range (low, high - 1) in which each step draws it.
+        repeat_action_probability: the probability that a frame repeats the action before.
+        full_action_space: all 18 actions, not only those that the game uses.
+
+    Raises:
+        TypeError, ValueError: an argument is of the wrong kind, or not offered by the game.
+        FileNotFoundError: no ROM file of the game was found.
+
+    Example:
+        >>> from atari import classic
+        >>> env = classic.envs.atari.AtariEnv("pong", obs_type="image", frameskip=4)
+        >>> env.reset().shape
+        (210, 160, 3)
+        >>> isinstance(classic.make("Pong-v0").unwrapped, classic.envs.atari.AtariEnv)
+        True
+    """
+
+    original = atari.AtariEnv
+    _frameskip: FrameSkip | None = None
+    """The frames of a step, if a script assigned them."""
+
+    def __init__(
+        self,
+        game: str = "pong",
+        mode: int | None = None,
+        difficulty: int | None = None,
+        obs_type: Literal["ram", "image"] = "ram",
+        frameskip: FrameSkip = (2, 5),
+        repeat_action_probability: float = 0.0,
+        full_action_space: bool = False,
+    ) -> None:
+        options = {
+            "game": game,
+            "mode": mode,
+            "difficulty": difficulty,
+            "obs_type": obs_type,
+            "frameskip": frameskip,
+            "repeat_action_probability": repeat_action_probability,
+            "full_action_space": full_action_space,
+        }
+        super().__init__(**modern_options(options), max_num_frames_per_episode=None)
+
+    @property
+    def _env(self) -> atari.AtariEnv:
+        return self.modern.unwrapped  # type: ignore[return-value]
+
+    @property
+    def ale(self) -> Any:
+        """The emulator by the method names of ale-py and atari-py; a script may assign an object around it."""
+        return OldAle(self._env.ale)
+
+    @ale.setter
+    def ale(self, ale: Any) -> None:
+        self._env.ale = ale.interface if isinstance(ale, OldAle) else ale  # type: ignore[misc]
+
+    @property
+    def game(self) -> str:
+        """The game's name."""
+        return self._env.game.id
+
+    @property
+    def frameskip(self) -> FrameSkip:
+        """Frames a step, or the range in which each step draws it; a script may assign it.
+
+        Raises:
+            TypeError, ValueError: the assigned value is no frame skip.
+        """
+        return self._env.task.frameskip if self._frameskip is None else self._frameskip
+
+    @frameskip.setter
+    def frameskip(self, frames: FrameSkip) -> None:
+        self._frameskip = self._env.task.replace(frameskip=frames).frameskip
+
+    def get_keys_to_action(self) -> dict[tuple[int, ...], int]:
+        """The action of each combination of keys, which are the sorted numbers of their characters."""
+        return {
+            tuple(sorted(ord(key) for part, key in _KEYS.items() if part in meaning)): action
+            for action, meaning in enumerate(self._env.get_action_meanings())
+        }
+
+    def clone_full_state(self) -> Any:
+        """The state of the emulator, with its random generator."""
+        return self._env.clone_state(include_rng=True)
+
+    def restore_full_state(self, state: Any) -> None:
+        """Continue from a state of `clone_full_state`."""
+        self._env.restore_state(state)
+
+    def _get_image(self) -> npt.NDArray[np.uint8]:
+        return self._env.core.screen_rgb()
+
+    def _get_ram(self) -> npt.NDArray[np.uint8]:
+        return self._env.core.ram()
+
+    def _play(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        frames = self._frameskip
+        if frames is None:
+            return super()._play(action)
+        if not isinstance(frames, int):
+            frames = operator.index(self.np_random.randint(*frames))
+        env = self._env
+        number, strength = env.driver.ale_action(action)
+        reward = env.driver.play_frames(number, strength, frames=frames)
+        return env.observe(), reward, env.core.game_over, env.core.truncated, env.driver.info()
+
+
+def modern_options(options: dict[str, Any]) -> dict[str, Any]:
+    """Options of Gym's Atari environments as options of `atari.AtariEnv`."""
+    return {**options, "obs_type": "rgb"} if options.get("obs_type") == "image" else options
+
+
+def old_options(options: dict[str, Any]) -> dict[str, Any]:
+    """The options of a registered game as Gym's registry had them, which `AtariEnv` takes."""
+    names = ("game", "frameskip", "repeat_action_probability", "full_action_space")
+    return {"obs_type": options.get("obs_type", "image"), **{name: options[name] for name in names if name in options}}

@@ -1,0 +1,14 @@
+"""`AcrobotEnv`: swing up two links by a motor between them."""
+
+from gymnasium.envs import classic_control
+
+from atari.classic.envs.adapted import Adapted
+
+
+class AcrobotEnv(Adapted):
+    """Gymnasium's environment with the old interface."""
+
+    original = classic_control.AcrobotEnv
+
+    def __init__(self) -> None:
+        super().__init__()

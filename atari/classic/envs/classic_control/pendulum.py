@@ -1,0 +1,18 @@
+"""`PendulumEnv`: swing up a pendulum."""
+
+from gymnasium.envs import classic_control
+
+from atari.classic.envs.adapted import Adapted
+
+
+class PendulumEnv(Adapted):
+    """Gymnasium's environment with the old interface.
+
+    Args:
+        g: gravity.
+    """
+
+    original = classic_control.PendulumEnv
+
+    def __init__(self, g: float = 10.0) -> None:
+        super().__init__(g=g)

@@ -1,0 +1,131 @@
+"""Several environments at once: in this process, and in processes of their own."""
+
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+import atari.classic as gym
+from atari.classic.vector import AsyncVectorEnv, SyncVectorEnv, VectorEnv
+
+
+class Counter(gym.Env):
+    """Counts to `end`; a negative action is an error."""
+
+    metadata = {"render.modes": ["ansi"]}  # noqa: RUF012
+    action_space = gym.spaces.Discrete(3)
+    observation_space = gym.spaces.Dict({"n": gym.spaces.Box(0, 9, (1,)), "odd": gym.spaces.Discrete(2)})
+
+    def __init__(self, end: int = 2) -> None:
+        self.end, self.begin = end, 0
+
+    def seed(self, seed: int | None = None) -> list[int]:
+        self.begin = seed or 0
+        return [self.begin]
+
+    def reset(self) -> Any:
+        self.n = self.begin
+        return self._see()
+
+    def step(self, action: Any) -> Any:
+        if action < 0:
+            raise ZeroDivisionError(f"no action {action}")
+        self.n += int(action)
+        return self._see(), self.n, self.n >= self.end, {"n": self.n}
+
+    def twice(self, number: int) -> int:
+        return 2 * number
+
+    def _see(self) -> Any:
+        return {"n": np.array([self.n], np.float32), "odd": self.n % 2}
+
+
+@pytest.fixture(params=[SyncVectorEnv, AsyncVectorEnv])
+def kind(request: pytest.FixtureRequest) -> Iterator[Callable[..., VectorEnv]]:
+    return request.param  # type: ignore[no-any-return]
+
+
+def test_steps_begin_new_episodes(kind: Any) -> None:
+    with closing(kind([lambda: Counter(2), lambda: Counter(9)])) as envs:
+        assert (envs.num_envs, envs.is_vector_env, envs.metadata) == (2, True, Counter.metadata)
+        assert envs.single_observation_space == Counter.observation_space
+        assert repr(envs.action_space) == "Tuple(Discrete(3), Discrete(3))"
+        assert envs.seed([1, 0]) == [[1], [0]]
+        first = envs.reset()
+        assert (first["n"].tolist(), first["odd"].tolist()) == ([[1], [0]], [1, 0])
+        observations, rewards, dones, infos = envs.step([1, 2])
+        assert (rewards.dtype, rewards.tolist()) == (np.float64, [2, 2])
+        assert (dones.dtype, dones.tolist()) == (np.bool_, [True, False])
+        assert observations["n"].tolist() == [[1], [2]]
+        assert infos[0]["terminal_observation"]["n"].tolist() == [2]
+        assert infos[1] == {"n": 2}
+
+
+def test_both_kinds_play_the_same_games() -> None:
+    functions = [lambda: gym.make("PongNoFrameskip-v4"), lambda: gym.make("Pong-v4")]
+    with closing(SyncVectorEnv(functions)) as here, closing(AsyncVectorEnv(functions)) as there:
+        for envs in (here, there):
+            envs.seed(3)
+        np.testing.assert_array_equal(here.reset(), there.reset())
+        for actions in ([2, 3], np.array([0, 5])):
+            for ours, theirs in zip(here.step(actions)[:3], there.step(actions)[:3], strict=True):
+                np.testing.assert_array_equal(ours, theirs)
+
+
+def test_methods_and_attributes(kind: Any) -> None:
+    with closing(kind([Counter, lambda: Counter(5)])) as envs:
+        assert (envs.get_attr("end"), envs.call("twice", 4), envs.call("twice", number=5)) == ([2, 5], [8, 8], [10, 10])
+
+
+def test_an_error_of_an_environment_is_raised(kind: Any) -> None:
+    with closing(kind([Counter, Counter])) as envs:
+        envs.reset()
+        with pytest.raises(ZeroDivisionError, match=r"^no action -1$"):
+            envs.step([1, -1])
+
+
+def test_wrong_numbers(kind: Any) -> None:
+    with pytest.raises(ValueError, match=r"^a vector has one environment or more, got no function that makes one$"):
+        kind([])
+    with closing(kind([Counter, Counter])) as envs:
+        envs.reset()
+        with pytest.raises(ValueError, match=r"^there are 2 environments, got 3 actions$"):
+            envs.step([0, 1, 1])
+        with pytest.raises(ValueError, match=r"^there are 2 environments, got 1 seeds$"):
+            envs.seed([0])
+        with pytest.raises(gymnasium.error.Error, match=r"^step_wait\(\) came before step_async\(actions\)"):
+            envs.step_wait()
+
+
+def test_a_failed_construction_is_raised() -> None:
+    def fail() -> gym.Env:
+        raise LookupError("no such environment")
+
+    for kind in (SyncVectorEnv, AsyncVectorEnv):
+        with pytest.raises(LookupError, match=r"^no such environment$"):
+            kind([fail])
+
+
+@pytest.mark.parametrize("asynchronous", [False, True])
+def test_make(asynchronous: bool) -> None:
+    def shorten(env: gym.Env) -> gym.Env:
+        return gym.wrappers.TimeLimit(env, 2)
+
+    with closing(gym.vector.make("CartPole-v1", 2, asynchronous, wrappers=[shorten])) as envs:
+        assert isinstance(envs, AsyncVectorEnv if asynchronous else SyncVectorEnv)
+        assert envs.spec is not None
+        assert envs.spec.id == "CartPole-v1"
+        envs.seed(0)
+        assert envs.reset().shape == (2, 4)
+        assert [envs.step([0, 1])[2].tolist() for _ in range(2)] == [[False, False], [True, True]]
+
+
+def test_closing_twice_ends_the_processes() -> None:
+    envs = AsyncVectorEnv([Counter] * 2)
+    processes = list(envs._processes)
+    envs.close()
+    envs.close()
+    assert [process.exitcode for process in processes] == [0, 0]
