@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-#include "fast/jit/assembler.hpp"
+#include "fast/jit/assembler_x86.hpp"
 #include "ale/colours/colour_conversion.hpp"
 #include "machine/console.hpp"
 #include "machine/cpu/cpu_instructions.hpp"
@@ -455,7 +455,7 @@ NB_MODULE(atari_inspection, m) {
         "short_jump",
         [](size_t distance) {
             if (distance > 1000) throw nb::value_error("distance must be within 0..1000");
-            Assembler code;
+            x86::Assembler code;
             const ShortJump jump = code.jump_short(If::zero);
             for (size_t i = 0; i < distance; ++i) code.ret();
             code.bind_short(jump);
