@@ -214,6 +214,12 @@ def palette(format: str) -> numpy.typing.NDArray[numpy.uint8]:
     Red, green and blue of the 256 palette indices of a TV format, (256, 3).
     """
 
+def translator() -> str | None:
+    """
+    The processor for which cartridges are translated, "x86-64" or "arm64"; None if handlers run all code.
+    Raises ValueError if the environment variable ATARI_JIT is wrong.
+    """
+
 class FirePress(enum.Enum):
     """When FIRE is pressed at the start of an episode."""
 

@@ -19,6 +19,7 @@
 
 #include "ale/environment.hpp"
 #include "bound_emulator.hpp"
+#include "fast/jit/switch.hpp"
 #include "threads.hpp"
 
 namespace nb = nanobind;
@@ -223,6 +224,9 @@ NB_MODULE(_emulator, m) {
 
     m.def("palette", &colours_of, "format"_a, nb::sig("def palette(format: str) -> " ARRAY),
           "Red, green and blue of the 256 palette indices of a TV format, (256, 3).");
+    m.def("translator", &translator, nb::sig("def translator() -> str | None"),
+          "The processor for which cartridges are translated, \"x86-64\" or \"arm64\"; None if handlers run all code.\n"
+          "Raises ValueError if the environment variable ATARI_JIT is wrong.");
 
     register_vector(m);
     register_observations(m);

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "arm64_instructions.hpp"
 #include "fast/jit/assembler_x86.hpp"
 #include "ale/colours/colour_conversion.hpp"
 #include "machine/console.hpp"
@@ -464,6 +465,32 @@ NB_MODULE(atari_inspection, m) {
         "distance"_a,
         "What the JIT translator's assembler makes of a jump of two bytes over `distance` others, and these.\n"
         "Raises RuntimeError if such a jump does not reach so far.");
+    m.def(
+        "arm64_instructions",
+        [] {
+            nb::dict code;
+            for (const auto& [name, bytes] : arm64::instructions())
+                code[name.c_str()] = as_bytes(bytes.data(), bytes.size());
+            return code;
+        },
+        nb::sig("def arm64_instructions() -> dict[str, bytes]"),
+        "Short sequences of the JIT translator's assembler of arm64, by name.");
+    m.def(
+        "arm64_logical_constant",
+        [](uint32_t value) -> std::optional<int> {
+            if (const auto field = arm64::logical_constant(value)) return static_cast<int>(*field);
+            return {};
+        },
+        "value"_a, "The 13 bits that stand for a constant in a logical instruction of arm64; None if it has none.");
+    m.def(
+        "arm64_jump",
+        [](size_t skipped, bool far) {
+            if (skipped > 1'000'000) throw nb::value_error("skipped must be within 0..1000000");
+            const std::vector<uint8_t> code = arm64::jump_over(skipped, far);
+            return as_bytes(code.data(), code.size());
+        },
+        "skipped"_a, nb::kw_only(), "far"_a,
+        "A conditional jump of arm64 over instructions, and these. Raises RuntimeError if it does not reach so far.");
     m.def("same_state", &same_state, "first"_a, "second"_a, "complete"_a,
           "Whether two consoles are in the same state to the byte. Unless this is `complete`, framebuffers and\n"
           "collision latches are left out, and a console that runs frames fast goes on deferring them.");

@@ -69,8 +69,8 @@ struct ShortJump {
 };
 
 // A jump does not reach its target. An assembler that was made with `far` emits jumps that do.
-struct JumpTooFar : std::length_error {
-    JumpTooFar() : std::length_error("a jump leads too far") {}
+struct JumpTooFar : std::runtime_error {
+    JumpTooFar() : std::runtime_error("a jump leads too far") {}
 };
 
 }  // namespace atari

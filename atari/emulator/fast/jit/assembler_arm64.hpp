@@ -93,6 +93,9 @@ class Assembler {
     void store8(Mem to, Reg from) { access(kStore, 0, from, to); }
     void store8(Mem to, uint8_t value) { access(kStore, 0, in_register(value, kSecond), to); }
     void store(Mem to, uint32_t value) { access(kStore, 2, in_register(value, kSecond), to); }
+    // Two numbers of 32 bits that follow each other in memory, at most 252 bytes after the base.
+    void load_two(Reg first, Reg second, Mem from) { access_two(0x29400000, first, second, from); }
+    void store_two(Mem to, Reg first, Reg second) { access_two(0x29000000, first, second, to); }
     void address(Reg to, Mem of) { sum(to, of, 0); }
     void address64(Reg to, Mem of) { sum(to, of, kWide); }
     // Loads the address of the place that is `bytes` before the start of the code.
@@ -462,6 +465,12 @@ class Assembler {
             return put(opcode | (static_cast<uint32_t>(offset) & 0x1ff) << 12 | memory.base << 5 | reg);
         add_constant(free, memory.base, offset, kWide);
         put(opcode | 1 << 24 | free << 5 | reg);
+    }
+    void access_two(uint32_t opcode, Reg first, Reg second, Mem memory) {
+        const int32_t offset = memory.displacement;
+        if (offset < 0 || offset > 252 || offset % 4 || memory.index != kNoRegister)
+            throw std::logic_error("two numbers do not stand there");
+        put(opcode | static_cast<uint32_t>(offset) / 4 << 15 | second << 10 | memory.base << 5 | first);
     }
     void sum(Reg to, Mem of, uint32_t wide) {
         Reg from = of.base;

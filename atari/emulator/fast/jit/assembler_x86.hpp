@@ -51,6 +51,15 @@ class Assembler {
         code({0xc7}, rax, to);
         put32(value);
     }
+    // Two numbers of 32 bits that follow each other in memory.
+    void load_two(Reg first, Reg second, Mem from) {
+        load(first, from);
+        load(second, after(from));
+    }
+    void store_two(Mem to, Reg first, Reg second) {
+        store(to, first);
+        store(after(to), second);
+    }
     void address(Reg to, Mem of) { code({0x8d}, to, of); }
     void address64(Reg to, Mem of) { code({0x8d}, to, of, true); }
     void move64(Reg to, Reg from) { code({0x8b}, to, from, true); }
@@ -255,6 +264,8 @@ class Assembler {
     }
 
   private:
+    static Mem after(Mem number) { return {number.base, number.displacement + 4}; }
+
     // Arithmetic in opcodes, besides `Alu`.
     static constexpr int kAdc = 2, kSbb = 3, kCmp = 7;
 

@@ -9,6 +9,8 @@
 
 namespace atari::arm64 {
 
+inline constexpr char kProcessor[] = "arm64";
+
 // The registers t0 to t3 are free for any use.
 inline constexpr Reg kA = numbered(3), kX = numbered(4), kY = numbered(5), kNz = numbered(6), kCarry = numbered(7);
 inline constexpr Reg kConsole = numbered(19), kRam = numbered(20), kRegisters = numbered(21), kCycles = numbered(22),

@@ -10,6 +10,8 @@
 
 namespace atari::x86 {
 
+inline constexpr char kProcessor[] = "x86-64";
+
 // The registers t0 to t3 are free for any use.
 inline constexpr Reg kA = rax, kX = rcx, kY = rdx, kNz = rsi, kCarry = rdi;
 inline constexpr Reg kConsole = rbx, kRam = rbp, kRegisters = r12, kCycles = r13, kLog = r14;

@@ -99,6 +99,10 @@ static_assert(Offsets::write_value() == Offsets::write_reg() + 1 &&
 static_assert(HMP1 == HMP0 + 1 && HMM0 == HMP0 + 2 && HMM1 == HMP0 + 3 && HMBL == HMP0 + 4);
 static_assert(RESP1 - NUSIZ1 == RESP0 - NUSIZ0);
 
+// Translated code saves and loads these in pairs.
+static_assert(Offsets::a() == Offsets::cycles() + 4 && Offsets::y() == Offsets::x() + 4 &&
+              Offsets::carry() == Offsets::nz() + 4);
+
 // Translated code compares the result of a handler with 0, as a number of 32 bits.
 static_assert(kNext == 0 && sizeof(Exit) == 4);
 // Translated code stores 0 and 1 in flags, and reads flags as bytes.

@@ -109,22 +109,16 @@ void Translator::emit_slow_paths() {
 }
 
 void Translator::save_registers() {
-    a_.store(in_registers(Offsets::cycles()), kCycles);
-    a_.store(in_registers(Offsets::a()), kA);
-    a_.store(in_registers(Offsets::x()), kX);
-    a_.store(in_registers(Offsets::y()), kY);
-    a_.store(in_registers(Offsets::nz()), kNz);
-    a_.store(in_registers(Offsets::carry()), kCarry);
+    a_.store_two(in_registers(Offsets::cycles()), kCycles, kA);
+    a_.store_two(in_registers(Offsets::x()), kX, kY);
+    a_.store_two(in_registers(Offsets::nz()), kNz, kCarry);
     a_.store64(in_console(Offsets::log_end()), kLog);
 }
 
 void Translator::load_registers() {
-    a_.load(kCycles, in_registers(Offsets::cycles()));
-    a_.load(kA, in_registers(Offsets::a()));
-    a_.load(kX, in_registers(Offsets::x()));
-    a_.load(kY, in_registers(Offsets::y()));
-    a_.load(kNz, in_registers(Offsets::nz()));
-    a_.load(kCarry, in_registers(Offsets::carry()));
+    a_.load_two(kCycles, kA, in_registers(Offsets::cycles()));
+    a_.load_two(kX, kY, in_registers(Offsets::x()));
+    a_.load_two(kNz, kCarry, in_registers(Offsets::nz()));
     a_.load64(kLog, in_console(Offsets::log_end()));
 }
 
