@@ -21,6 +21,12 @@ class Game:
     def cartridge_type(self) -> str:
         """The bank switching, given or recognised, such as "F8"."""
 
+def simd_level() -> str:
+    """The level of SIMD instructions that is used."""
+
+def translates() -> bool:
+    """Whether games are translated to machine code."""
+
 def make_game(
     *,
     image: bytes,
