@@ -21,6 +21,9 @@ class Game:
     def cartridge_type(self) -> str:
         """The bank switching, given or recognised, such as "F8"."""
 
+def simd_level() -> str:
+    """The level of SIMD instructions that is used."""
+
 def make_game(
     *,
     image: bytes,

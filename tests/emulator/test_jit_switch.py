@@ -15,7 +15,7 @@ RUNS = "import atari; atari.cores.NativeCore('pong').act(0); print(atari._emulat
 
 
 def run(value: str | None) -> subprocess.CompletedProcess[str]:
-    """A new process that plays: the cartridge of a game is translated once a process."""
+    """A new process that plays: each process translates the cartridge of a game once."""
     environment = {name: text for name, text in os.environ.items() if name != "ATARI_JIT"}
     if value is not None:
         environment["ATARI_JIT"] = value
@@ -39,7 +39,7 @@ def test_1_demands_translated_code(monkeypatch: pytest.MonkeyPatch) -> None:
     assert run("1").stdout == f"{processor}\n"
 
 
-@pytest.mark.parametrize("value", ["", "2", "on", " 1"])
+@pytest.mark.parametrize("value", ["2", "on", " 1"])
 def test_another_value_is_an_error(monkeypatch: pytest.MonkeyPatch, value: str) -> None:
     monkeypatch.setenv("ATARI_JIT", value)
     sentence = f"the environment variable ATARI_JIT is '{value}'; it must be 0"
@@ -49,9 +49,8 @@ def test_another_value_is_an_error(monkeypatch: pytest.MonkeyPatch, value: str) 
         Console(rom(), "4K", plain=False, translated=True)
     played = run(value)
     assert played.returncode == 1
-    assert f"ValueError: {sentence}" in played.stderr
+    assert sentence in played.stderr.splitlines()[-1]
 
 
-def test_the_reference_core_needs_no_choice(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ATARI_JIT", "2")
-    assert not Console(rom(), "4K", plain=True).translated
+def test_empty_is_as_not_set() -> None:
+    assert run("").stdout == run(None).stdout

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "crc32.hpp"
+#include "fast/simd.hpp"
 #include "game_words.hpp"
 
 namespace atari {
@@ -196,6 +197,7 @@ int main(int count, char** arguments) {
         return std::fprintf(stderr, "usage: goldens FILE fast|plain [save STATES | load STATES] [GAME ...]\n"), 2;
     }
     try {
+        atari::check_simd_level();
         return atari::run({arguments + 1, arguments + count});
     } catch (const std::exception& error) {
         return std::fprintf(stderr, "%s: %s\n", arguments[1], error.what()), 2;

@@ -20,6 +20,7 @@
 #include "ale/environment.hpp"
 #include "bound_emulator.hpp"
 #include "fast/jit/switch.hpp"
+#include "fast/simd.hpp"
 #include "threads.hpp"
 
 namespace nb = nanobind;
@@ -119,6 +120,8 @@ NB_MODULE(_emulator, m) {
     // Objects that another library, such as TensorBoard, holds until the interpreter has ended are no leak, and the users
     // of this package can do nothing about nanobind's messages.
     nb::set_leak_warnings(false);
+    check_simd_level();
+    translator_use();  // raises if ATARI_JIT is wrong
     count_forks();
     static_cast<void>(std::current_exception());  // allocates this thread's memory for exceptions (thread_pool.cpp)
     m.attr("END") = static_cast<int>(Op::kEnd);
@@ -131,6 +134,7 @@ NB_MODULE(_emulator, m) {
             "cartridge_type", [](const Shared<Game>& game) { return game.value->cartridge->type_name(); },
             "The bank switching, given or recognised, such as \"F8\".");
 
+    m.def("simd_level", [] { return name_of(simd_level()); }, "The level of SIMD instructions that is used.");
     m.def("make_game", &bound_game, nb::kw_only(), "image"_a, "cartridge"_a, "format"_a, "detect_format"_a,
           "first_line"_a, "height"_a, "hmove_blanks"_a, "paddles"_a, "swap_ports"_a, "swap_paddles"_a, "paddle_range"_a,
           "power_on_switches"_a, "legal_actions"_a, "starting_actions"_a, "default_mode"_a, "variables"_a, "initial"_a,

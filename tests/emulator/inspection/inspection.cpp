@@ -436,6 +436,7 @@ NB_MODULE(atari_inspection, m) {
 
     nb::enum_<SimdLevel>(m, "SimdLevel", "A level of SIMD instructions. The results of all levels are equal.")
         .value("SCALAR", SimdLevel::kScalar)
+        .value("SIMD128", SimdLevel::kSimd128)
         .value("AVX2", SimdLevel::kAvx2)
         .value("AVX512", SimdLevel::kAvx512);
     m.def("best_simd_level", &best_simd_level,

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "executable.hpp"
 #include "target.hpp"
 
 namespace atari {
@@ -21,7 +22,7 @@ constexpr bool kOnByDefault = true;
 TranslatorUse translator_use() {
     const char* const variable = std::getenv("ATARI_JIT");
     const std::string value = variable ? variable : "";
-    if (!variable) return kTranslates && kOnByDefault ? TranslatorUse::kOn : TranslatorUse::kOff;
+    if (value.empty()) return kTranslates && kOnByDefault ? TranslatorUse::kOn : TranslatorUse::kOff;
     if (value == "0") return TranslatorUse::kOff;
     if (value != "1")
         throw std::invalid_argument("the environment variable ATARI_JIT is '" + value +
@@ -33,6 +34,11 @@ TranslatorUse translator_use() {
     return TranslatorUse::kDemanded;
 }
 
-const char* translator() { return translator_use() == TranslatorUse::kOff ? nullptr : kProcessor; }
+const char* translator() {
+    if (translator_use() == TranslatorUse::kOff) return nullptr;
+    Executable probe;
+    probe.fill({0});
+    return probe.begin() ? kProcessor : nullptr;
+}
 
 }  // namespace atari
