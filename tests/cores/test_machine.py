@@ -9,7 +9,6 @@ from typing import Any
 
 import pytest
 
-from atari import _emulator
 from atari.cli import main
 from atari.cores.machine import differences, machine, read_goldens
 
