@@ -24,6 +24,9 @@ class Game:
     def cartridge_type(self) -> str:
         """The bank switching, given or recognised, such as "F8"."""
 
+def simd_level() -> str:
+    """The level of SIMD instructions that is used."""
+
 def make_game(
     *,
     image: bytes,
@@ -215,6 +218,12 @@ class Emulator:
 def palette(format: str) -> numpy.typing.NDArray[numpy.uint8]:
     """
     Red, green and blue of the 256 palette indices of a TV format, (256, 3).
+    """
+
+def translator() -> str | None:
+    """
+    The processor for which cartridges are translated, "x86-64" or "arm64"; None if handlers run all code.
+    Raises ValueError if the environment variable ATARI_JIT is wrong.
     """
 
 class FirePress(enum.Enum):

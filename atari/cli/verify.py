@@ -15,6 +15,7 @@ from tqdm import tqdm
 from atari.cli.arguments import GAME_HELP, Commands, add_command, number
 from atari.cli.printing import print_json
 from atari.cores import CORES
+from atari.cores.machine import differences, machine, read_goldens
 from atari.cores.verify import Difference, Run, read, verify
 from atari.games.catalog import games
 from atari.task import Task
@@ -55,6 +56,11 @@ def register(commands: Commands) -> None:
     )
     parser.add_argument("-o", "--output", type=Path, default=Path("differences"), metavar="FOLDER")
     parser.add_argument(
+        "--machine",
+        action="store_true",
+        help="print what the native core runs on this machine, and compare ten games with check sums of ale-py",
+    )
+    parser.add_argument(
         "--replay", type=Path, metavar="FILE", help="play a difference again from the file written for it"
     )
     add_task(
@@ -66,7 +72,11 @@ def register(commands: Commands) -> None:
 
 
 def _verify(args: argparse.Namespace) -> int:
+    if args.machine:
+        _refuse_others(args, "machine", "plays its own ten games")
+        return _verify_machine(args)
     if args.replay:
+        _refuse_others(args, "replay", "plays what its file says", "output")
         runs = [read(args.replay)]
     else:
         given = given_options(args)
@@ -93,6 +103,32 @@ def _verify(args: argparse.Namespace) -> int:
     else:
         print(f"{len(runs)} runs, {frames} frames, {len(differences)} differences")
     return 1 if differences else 0
+
+
+def _refuse_others(args: argparse.Namespace, option: str, does: str, *accepted: str) -> None:
+    """Refuse the options that have no effect beside `option`."""
+    run = ("games", "frames", "seeds", "modes", "pokes", "strengths", "core", "jobs", "output", "replay", "machine")
+    others = [name for name in run if (getattr(args, name) or None) != (args.parser.get_default(name) or None)]
+    for name in (*others, *given_options(args)):
+        if name not in (option, *accepted):
+            flag = "its games" if name == "games" else f"--{name.replace('_', '-')}"
+            raise ValueError(f"--{option} {does}; leave {flag} out")
+
+
+def _verify_machine(args: argparse.Namespace) -> int:
+    here = machine()
+    found = {game: differences(game, golden) for game, golden in read_goldens().items()}
+    wrong = {game: lines for game, lines in found.items() if lines}
+    if args.json:
+        print_json({**asdict(here), "games": len(found), "differences": wrong})
+        return 1 if wrong else 0
+    print(f"platform: {here.platform}, {here.python}")
+    print(f"SIMD level: {here.simd}")
+    print(f"translator: {here.translator or 'off'}")
+    for game, lines in wrong.items():
+        print(f"{game}: {'; '.join(lines)}")
+    print(f"{len(found)} games of 1000 frames compared with ale-py's check sums, {len(wrong)} differ")
+    return 1 if wrong else 0
 
 
 def _runs(args: argparse.Namespace, tasks: list[Task]) -> Iterator[Run]:

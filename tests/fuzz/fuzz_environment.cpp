@@ -306,7 +306,7 @@ void play_console(Reader& in) {
 // pixel.
 void scale(const Bytes& indices, int rows, const uint8_t* table) {
     Bytes expected;
-    for (SimdLevel level : {SimdLevel::kScalar, SimdLevel::kAvx2, SimdLevel::kAvx512}) {
+    for (SimdLevel level : {SimdLevel::kScalar, SimdLevel::kSimd128, SimdLevel::kAvx2, SimdLevel::kAvx512}) {
         if (level > best_simd_level()) break;
         Bytes pooled(indices.size()), small(84 * 84), whole(84 * 84);
         std::vector<uint32_t> changes(static_cast<size_t>(rows));

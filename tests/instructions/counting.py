@@ -17,10 +17,11 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import atari
-from atari.cores import native
+
+sys.path.insert(0, str(Path(__file__).parent))
+from game_words import game_words
 
 RECORD = Path(__file__).parent / "counts.json"
 GAMES = ("breakout", "pong", "seaquest", "enduro", "ms_pacman", "pitfall2", "freeway", "tetris")
@@ -33,23 +34,6 @@ ALLOWED = 0.03
 
 Counts = dict[str, dict[str, int]]
 """Instructions a frame by game and figure."""
-
-
-def describe(game_id: str) -> str:
-    """The game as the native core describes it to its emulator, as text for `play`: a line a value, its name first."""
-    game = atari.games.find(game_id)
-    # The arguments are those that the core itself passes, so the counts are those of normal play.
-    with mock.patch("atari._emulator.make_game") as make_game:
-        native.compiled.__wrapped__(game, b"")
-    values = {**make_game.call_args.kwargs, "minimal_actions": game.minimal_actions}
-    return "".join(f"{name} {words(value)}\n" for name, value in values.items() if name != "image")
-
-
-def words(value: Any) -> str:
-    """A text, or a number or truth value or a sequence of those, as words."""
-    if isinstance(value, str):
-        return value
-    return " ".join(str(int(number)) for number in (value if isinstance(value, list | tuple) else [value]))
 
 
 def instructions_in(output: str) -> int:
@@ -67,12 +51,11 @@ def instructions_in(output: str) -> int:
 def count(folder: Path, game_id: str, figure: str) -> int:
     """Instructions a frame. Callgrind's files stay in `folder`, for callgrind_annotate."""
     game = folder / f"{game_id}.game"
-    game.write_text(describe(game_id))
-    rom = atari.roms.find(atari.games.find(game_id))
+    game.write_text(game_words(atari.games.find(game_id)))
     totals = []
     for frames in (SHORT, LONG):
         out = folder / f"callgrind.{game_id}.{FIGURES[figure]}.{frames}"
-        play = [str(folder / "play"), str(rom), str(game), str(frames), FIGURES[figure]]
+        play = [str(folder / "play"), str(game), str(frames), FIGURES[figure]]
         command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", *play]
         done = subprocess.run(command, text=True, capture_output=True)
         if done.returncode != 0:

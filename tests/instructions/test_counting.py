@@ -4,7 +4,7 @@ import json
 from typing import Any
 
 import pytest
-from instructions import counting
+from instructions import counting, game_words
 
 import atari
 from atari.games.compiler import compile_rules
@@ -74,10 +74,10 @@ def test_the_table_shows_recorded_counts_new_ones_and_the_change() -> None:
 
 
 def test_a_game_is_described_with_its_rules_and_controllers() -> None:
-    lines = dict(line.partition(" ")[::2] for line in counting.describe("breakout").splitlines())
-    rules = atari.games.find("breakout").rules
-    assert rules is not None
-    assert lines["step"] == counting.words(compile_rules(rules).step)
+    game = atari.games.find("breakout")
+    lines = dict(line.partition(" ")[::2] for line in game_words.game_words(game).splitlines())
+    assert game.rules is not None
+    assert lines["step"] == game_words.words(compile_rules(game.rules).step)
     assert (lines["format"], lines["paddles"], lines["minimal_actions"]) == ("NTSC", "1 0", "0 1 3 4")
 
 

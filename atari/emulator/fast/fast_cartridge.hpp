@@ -15,7 +15,8 @@ namespace atari {
 // Immutable, so that all consoles that run the game share it.
 class FastCartridge final : public Cartridge {
   public:
-    // Takes the arguments of `Cartridge`. If `translated`, the JIT translator runs too, where the platform supports it.
+    // Takes the arguments of `Cartridge`. If `translated`, the JIT translator runs too, by the choice of ATARI_JIT
+    // (switch.hpp).
     FastCartridge(std::vector<uint8_t> image, const std::string& type, bool translated = true);
 
     const DecodedInstruction* code() const { return code_.data(); }  // one for each byte of the image

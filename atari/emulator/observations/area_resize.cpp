@@ -6,13 +6,6 @@
 #include <cstring>
 #include <stdexcept>
 
-// `run` is inlined into functions for higher SIMD levels, so that all its loops use their instructions.
-#if ATARI_X86_SIMD
-#define INLINED __attribute__((always_inline)) inline
-#else
-#define INLINED inline
-#endif
-
 namespace atari {
 namespace {
 
@@ -36,18 +29,35 @@ void across_scalar(const uint8_t* pixels, const AreaResize::Taps* taps, int dept
     std::memcpy(results, sums, sizeof sums);
 }
 
-INLINED void scale(const float* __restrict line, float weight, int count, float* __restrict sum) {
+LEVEL_INLINE void scale(const float* __restrict line, float weight, int count, float* __restrict sum) {
     for (int i = 0; i < count; ++i) sum[i] = weight * line[i];
 }
 
-INLINED void add(const float* __restrict line, float weight, int count, float* __restrict sum) {
+LEVEL_INLINE void add(const float* __restrict line, float weight, int count, float* __restrict sum) {
     for (int i = 0; i < count; ++i) sum[i] += weight * line[i];
 }
 
 // Rounds to nearest, ties to even: the last bit of so large a number is worth one.
-INLINED void round(const float* __restrict sum, int count, uint8_t* __restrict bytes) {
+LEVEL_INLINE void round(const float* __restrict sum, int count, uint8_t* __restrict bytes) {
     for (int i = 0; i < count; ++i) bytes[i] = static_cast<uint8_t>(std::bit_cast<uint32_t>(sum[i] + 12582912.0f));
 }
+
+#if ATARI_SIMD128
+TARGET_SIMD128 LEVEL_INLINE Floats4 chosen_pixels(Bytes16 window, const uint32_t* pixels) {
+    const Bytes16 chosen = look_up(window, load16<Bytes16>(pixels));
+    return __builtin_convertvector(reinterpret_cast<Integers4>(chosen), Floats4);
+}
+
+TARGET_SIMD128 inline void across_simd128(const uint8_t* pixels, const AreaResize::Taps* taps, int depth,
+                                          float* results) {
+    const auto window = load16<Bytes16>(pixels);
+    Floats4 sums[2] = {};
+    for (int n = 0; n < depth; ++n)
+        for (int half : {0, 1})
+            sums[half] += chosen_pixels(window, taps[n].pixel + 4 * half) * load16<Floats4>(taps[n].weight + 4 * half);
+    std::memcpy(results, sums, sizeof sums);
+}
+#endif
 
 #if ATARI_X86_SIMD
 TARGET_AVX2 inline __m256i load(const void* from) { return _mm256_loadu_si256(static_cast<const __m256i*>(from)); }
@@ -150,7 +160,7 @@ void AreaResize::make_windows(const std::vector<Tap>& across) {
 }
 
 // Returns the set of windows that reach into changed columns.
-INLINED uint32_t AreaResize::changed_windows(uint32_t changes) const {
+LEVEL_INLINE uint32_t AreaResize::changed_windows(uint32_t changes) const {
     uint32_t windows = 0;
     for (; changes != 0; changes &= changes - 1) windows |= windows_with_[std::countr_zero(changes)];
     return windows;
@@ -159,7 +169,8 @@ INLINED uint32_t AreaResize::changed_windows(uint32_t changes) const {
 // The results of a source row are computed once, where the row changes. They are then added to the sums of the one or
 // two result rows to which the source row contributes.
 template <auto across, int lanes>
-INLINED void AreaResize::run(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const {
+LEVEL_INLINE void AreaResize::run(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first,
+                                  int last) const {
     float line[kMostResults], sum[kMostResults];
     uint8_t bytes[kMostResults];
     const Window* const windows = windows_.data();
@@ -189,6 +200,13 @@ INLINED void AreaResize::run(const uint8_t* frame, const uint32_t* changes, uint
     }
 }
 
+#if ATARI_SIMD128
+TARGET_SIMD128 void AreaResize::run_simd128(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first,
+                                            int last) const {
+    run<across_simd128, lanes_of(SimdLevel::kSimd128)>(frame, changes, out, first, last);
+}
+#endif
+
 #if ATARI_X86_SIMD
 TARGET_AVX2 void AreaResize::run_avx2(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first,
                                       int last) const {
@@ -205,6 +223,9 @@ void AreaResize::make_rows(const uint8_t* frame, const uint32_t* changes, uint8_
 #if ATARI_X86_SIMD
     if (level_ == SimdLevel::kAvx512) return run_avx512(frame, changes, out, first, last);
     if (level_ == SimdLevel::kAvx2) return run_avx2(frame, changes, out, first, last);
+#endif
+#if ATARI_SIMD128
+    if (level_ == SimdLevel::kSimd128) return run_simd128(frame, changes, out, first, last);
 #endif
     run<across_scalar, lanes_of(SimdLevel::kScalar)>(frame, changes, out, first, last);
 }

@@ -1,6 +1,6 @@
 // `AreaResize`: reduces a gray frame, equal to OpenCV's INTER_AREA in every byte.
 //
-// A `SimdLevel` other than the best is for tests: the results are the same.
+// A `SimdLevel` other than the chosen one is for tests: the results are the same.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ namespace atari {
 class AreaResize {
   public:
     // Throws std::invalid_argument if the size is not served.
-    AreaResize(int rows, int height, int width, SimdLevel level = best_simd_level());
+    AreaResize(int rows, int height, int width, SimdLevel level = simd_level());
 
     int rows() const { return rows_; }
     int height() const { return height_; }
@@ -64,6 +64,7 @@ class AreaResize {
     uint32_t changed_windows(uint32_t changes) const;
     template <auto across, int lanes>
     void run(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
+    void run_simd128(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
     void run_avx2(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
     void run_avx512(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
 

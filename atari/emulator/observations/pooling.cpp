@@ -4,33 +4,11 @@
 #include <bit>
 #include <cstring>
 
+#include "fast/changed_columns.hpp"
 #include "machine/state.hpp"
-
-// `pool` is inlined into functions for higher SIMD levels, so that all its loops use their instructions.
-#if ATARI_X86_SIMD
-#define INLINED __attribute__((always_inline)) inline
-#else
-#define INLINED inline
-#endif
 
 namespace atari {
 namespace {
-
-constexpr uint32_t kWholeRow = (1u << kScreenWidth / 8) - 1;
-
-// Bit k is set if either frame differs from its row above in columns 8k .. 8k+7.
-uint32_t changes_scalar(const uint8_t* early, const uint8_t* late) {
-    uint8_t differences = 0;  // one byte for all columns; no branch, so that the compiler vectorizes the loop
-    for (int x = 0; x < kScreenWidth; ++x)
-        differences |= static_cast<uint8_t>((early[x] ^ early[x - kScreenWidth]) | (late[x] ^ late[x - kScreenWidth]));
-    if (differences == 0) return 0;
-    uint32_t found = 0;
-    for (int k = 0; k < kScreenWidth / 8; ++k, early += 8, late += 8) {
-        const auto differs = [](const uint8_t* row) { return std::memcmp(row, row - kScreenWidth, 8) != 0; };
-        found |= uint32_t{differs(early) || differs(late)} << k;
-    }
-    return found;
-}
 
 void pool_eight(const uint8_t* early, const uint8_t* late, const uint8_t* table, uint8_t* out) {
     uint64_t early_word, late_word;
@@ -53,10 +31,10 @@ void pool_eight_pairs(const uint8_t* early, const uint8_t* late, const uint8_t* 
 }
 
 template <auto changes_of, auto eight>
-INLINED void pool(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-                  uint32_t* changes) {
+LEVEL_INLINE void pool(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
+                       uint32_t* changes) {
     for (int row = 0; row < rows; ++row) {
-        uint32_t left = kWholeRow;
+        uint32_t left = kAllColumns;
         if (row > 0) {
             left = changes_of(early, late);
             std::memcpy(out, out - kScreenWidth, kScreenWidth);
@@ -72,19 +50,20 @@ INLINED void pool(const uint8_t* early, const uint8_t* late, int rows, const uin
     }
 }
 
-#if ATARI_X86_SIMD
-TARGET_AVX2 inline __m256i load(const void* from) { return _mm256_loadu_si256(static_cast<const __m256i*>(from)); }
-
-TARGET_AVX2 inline uint32_t changes_avx2(const uint8_t* early, const uint8_t* late) {
-    uint32_t same = 0;
-    for (int k = 0; k < kScreenWidth / 8; k += 4, early += 32, late += 32) {
-        const __m256i equal = _mm256_and_si256(_mm256_cmpeq_epi64(load(early), load(early - kScreenWidth)),
-                                               _mm256_cmpeq_epi64(load(late), load(late - kScreenWidth)));
-        same |= static_cast<uint32_t>(_mm256_movemask_pd(_mm256_castsi256_pd(equal))) << k;
-    }
-    return same ^ kWholeRow;
+#if ATARI_SIMD128
+TARGET_SIMD128 void pool_simd128(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table,
+                                 uint8_t* out, uint32_t* changes) {
+    pool<changed_columns_simd128<const uint8_t*, const uint8_t*>, pool_eight>(early, late, rows, table, out, changes);
 }
 
+TARGET_SIMD128 void pool_pairs_simd128(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table,
+                                       uint8_t* out, uint32_t* changes) {
+    pool<changed_columns_simd128<const uint8_t*, const uint8_t*>, pool_eight_pairs>(early, late, rows, table, out,
+                                                                                    changes);
+}
+#endif
+
+#if ATARI_X86_SIMD
 // A row as two vectors of 64 pixels and one half-filled vector.
 struct Avx512Row {
     __m512i part[3];
@@ -105,7 +84,7 @@ TARGET_AVX512 inline uint32_t changes_avx512(const Avx512Row& a, const Avx512Row
     uint32_t changes = 0;
     for (int part = 0; part < 3; ++part)
         changes |= uint32_t{_mm512_cmpneq_epi64_mask(a.part[part], b.part[part])} << (8 * part);
-    return changes & kWholeRow;  // the last vector is half filled
+    return changes & kAllColumns;  // the last vector is half filled
 }
 
 TARGET_AVX512 void pool_avx512(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
@@ -115,7 +94,7 @@ TARGET_AVX512 void pool_avx512(const uint8_t* early, const uint8_t* late, int ro
     for (int row = 0; row < rows; ++row, early += kScreenWidth, late += kScreenWidth, out += kScreenWidth) {
         const Avx512Row early_row = load_row(early), late_row = load_row(late);
         changes[row] =
-            row > 0 ? changes_avx512(early_row, early_above) | changes_avx512(late_row, late_above) : kWholeRow;
+            row > 0 ? changes_avx512(early_row, early_above) | changes_avx512(late_row, late_above) : kAllColumns;
         if (changes[row])
             for (int part = 0; part < 3; ++part)
                 pooled.part[part] =
@@ -128,12 +107,12 @@ TARGET_AVX512 void pool_avx512(const uint8_t* early, const uint8_t* late, int ro
 
 TARGET_AVX2 void pool_avx2(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
                            uint32_t* changes) {
-    pool<changes_avx2, pool_eight>(early, late, rows, table, out, changes);
+    pool<changed_columns_avx2<const uint8_t*>, pool_eight>(early, late, rows, table, out, changes);
 }
 
 TARGET_AVX2 void pool_pairs_avx2(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table,
                                  uint8_t* out, uint32_t* changes) {
-    pool<changes_avx2, pool_eight_pairs>(early, late, rows, table, out, changes);
+    pool<changed_columns_avx2<const uint8_t*>, pool_eight_pairs>(early, late, rows, table, out, changes);
 }
 #endif
 
@@ -145,15 +124,21 @@ void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_
     if (level == SimdLevel::kAvx512) return pool_avx512(early, late, rows, table, out, changes);
     if (level == SimdLevel::kAvx2) return pool_avx2(early, late, rows, table, out, changes);
 #endif
-    pool<changes_scalar, pool_eight>(early, late, rows, table, out, changes);
+#if ATARI_SIMD128
+    if (level == SimdLevel::kSimd128) return pool_simd128(early, late, rows, table, out, changes);
+#endif
+    pool<changed_columns<const uint8_t*, const uint8_t*>, pool_eight>(early, late, rows, table, out, changes);
 }
 
 void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
                 uint32_t* changes, [[maybe_unused]] SimdLevel level) {
 #if ATARI_X86_SIMD
-    if (level != SimdLevel::kScalar) return pool_pairs_avx2(early, late, rows, table, out, changes);
+    if (level >= SimdLevel::kAvx2) return pool_pairs_avx2(early, late, rows, table, out, changes);
 #endif
-    pool<changes_scalar, pool_eight_pairs>(early, late, rows, table, out, changes);
+#if ATARI_SIMD128
+    if (level == SimdLevel::kSimd128) return pool_pairs_simd128(early, late, rows, table, out, changes);
+#endif
+    pool<changed_columns<const uint8_t*, const uint8_t*>, pool_eight_pairs>(early, late, rows, table, out, changes);
 }
 
 }  // namespace atari

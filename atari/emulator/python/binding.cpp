@@ -19,6 +19,8 @@
 
 #include "ale/environment.hpp"
 #include "bound_emulator.hpp"
+#include "fast/jit/switch.hpp"
+#include "fast/simd.hpp"
 #include "threads.hpp"
 
 namespace nb = nanobind;
@@ -121,6 +123,8 @@ NB_MODULE(_emulator, m) {
     m.def(
         "report_leaks", [] { nb::set_leak_warnings(true); },
         "Print the objects that still exist when the interpreter has ended.");
+    check_simd_level();
+    translator_use();  // raises if ATARI_JIT is wrong
     count_forks();
     static_cast<void>(std::current_exception());  // allocates this thread's memory for exceptions (thread_pool.cpp)
     m.attr("END") = static_cast<int>(Op::kEnd);
@@ -133,6 +137,7 @@ NB_MODULE(_emulator, m) {
             "cartridge_type", [](const Shared<Game>& game) { return game.value->cartridge->type_name(); },
             "The bank switching, given or recognised, such as \"F8\".");
 
+    m.def("simd_level", [] { return name_of(simd_level()); }, "The level of SIMD instructions that is used.");
     m.def("make_game", &bound_game, nb::kw_only(), "image"_a, "cartridge"_a, "format"_a, "detect_format"_a,
           "first_line"_a, "height"_a, "hmove_blanks"_a, "paddles"_a, "swap_ports"_a, "swap_paddles"_a, "paddle_range"_a,
           "power_on_switches"_a, "legal_actions"_a, "starting_actions"_a, "default_mode"_a, "variables"_a, "initial"_a,
@@ -226,6 +231,9 @@ NB_MODULE(_emulator, m) {
 
     m.def("palette", &colours_of, "format"_a, nb::sig("def palette(format: str) -> " ARRAY),
           "Red, green and blue of the 256 palette indices of a TV format, (256, 3).");
+    m.def("translator", &translator, nb::sig("def translator() -> str | None"),
+          "The processor for which cartridges are translated, \"x86-64\" or \"arm64\"; None if handlers run all code.\n"
+          "Raises ValueError if the environment variable ATARI_JIT is wrong.");
 
     register_vector(m);
     register_observations(m);

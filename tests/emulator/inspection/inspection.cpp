@@ -18,7 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "fast/jit/assembler.hpp"
+#include "arm64_instructions.hpp"
+#include "fast/jit/assembler_x86.hpp"
 #include "ale/colours/colour_conversion.hpp"
 #include "machine/console.hpp"
 #include "machine/cpu/cpu_instructions.hpp"
@@ -435,6 +436,7 @@ NB_MODULE(atari_inspection, m) {
 
     nb::enum_<SimdLevel>(m, "SimdLevel", "A level of SIMD instructions. The results of all levels are equal.")
         .value("SCALAR", SimdLevel::kScalar)
+        .value("SIMD128", SimdLevel::kSimd128)
         .value("AVX2", SimdLevel::kAvx2)
         .value("AVX512", SimdLevel::kAvx512);
     m.def("best_simd_level", &best_simd_level,
@@ -455,7 +457,7 @@ NB_MODULE(atari_inspection, m) {
         "short_jump",
         [](size_t distance) {
             if (distance > 1000) throw nb::value_error("distance must be within 0..1000");
-            Assembler code;
+            x86::Assembler code;
             const ShortJump jump = code.jump_short(If::zero);
             for (size_t i = 0; i < distance; ++i) code.ret();
             code.bind_short(jump);
@@ -464,6 +466,32 @@ NB_MODULE(atari_inspection, m) {
         "distance"_a,
         "What the JIT translator's assembler makes of a jump of two bytes over `distance` others, and these.\n"
         "Raises RuntimeError if such a jump does not reach so far.");
+    m.def(
+        "arm64_instructions",
+        [] {
+            nb::dict code;
+            for (const auto& [name, bytes] : arm64::instructions())
+                code[name.c_str()] = as_bytes(bytes.data(), bytes.size());
+            return code;
+        },
+        nb::sig("def arm64_instructions() -> dict[str, bytes]"),
+        "Short sequences of the JIT translator's assembler of arm64, by name.");
+    m.def(
+        "arm64_logical_constant",
+        [](uint32_t value) -> std::optional<int> {
+            if (const auto field = arm64::logical_constant(value)) return static_cast<int>(*field);
+            return {};
+        },
+        "value"_a, "The 13 bits that stand for a constant in a logical instruction of arm64; None if it has none.");
+    m.def(
+        "arm64_jump",
+        [](size_t skipped, bool far) {
+            if (skipped > 1'000'000) throw nb::value_error("skipped must be within 0..1000000");
+            const std::vector<uint8_t> code = arm64::jump_over(skipped, far);
+            return as_bytes(code.data(), code.size());
+        },
+        "skipped"_a, nb::kw_only(), "far"_a,
+        "A conditional jump of arm64 over instructions, and these. Raises RuntimeError if it does not reach so far.");
     m.def("same_state", &same_state, "first"_a, "second"_a, "complete"_a,
           "Whether two consoles are in the same state to the byte. Unless this is `complete`, framebuffers and\n"
           "collision latches are left out, and a console that runs frames fast goes on deferring them.");

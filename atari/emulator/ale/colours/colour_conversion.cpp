@@ -3,6 +3,7 @@
 #include <bit>
 #include <cstring>
 
+#include "fast/changed_columns.hpp"
 #include "machine/inline.hpp"
 #include "machine/state.hpp"
 
@@ -58,36 +59,13 @@ TARGET_AVX512 void to_rgb_avx512(const uint8_t* framebuffer, int rows, const Pal
     });
 }
 
-TARGET_AVX2 inline __m256i load(const uint8_t* from) {
-    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(from));
-}
-
-// `changes` and `copy`, 32 bytes at a time.
-TARGET_AVX2 inline uint32_t changes_avx2(const uint8_t* row) {
-    uint32_t same = 0;
-    for (int k = 0; k < kScreenWidth / 8; k += 4, row += 32) {
-        const __m256i equal = _mm256_cmpeq_epi64(load(row), load(row - kScreenWidth));
-        same |= static_cast<uint32_t>(_mm256_movemask_pd(_mm256_castsi256_pd(equal))) << k;
-    }
-    return same ^ ((1u << kScreenWidth / 8) - 1);
-}
 TARGET_AVX2 inline void copy_avx2(const uint8_t* from, uint8_t* to, std::size_t bytes) {
-    for (std::size_t i = 0; i < bytes; i += 32) _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + i), load(from + i));
+    for (std::size_t i = 0; i < bytes; i += 32)
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(to + i), load32(from + i));
 }
 #endif
 
 inline void copy(const uint8_t* from, uint8_t* to, std::size_t bytes) { std::memcpy(to, from, bytes); }
-
-// Returns a set of bits: bit k is set if columns 8k .. 8k+7 of a row differ from the row above.
-inline uint32_t changes(const uint8_t* row) {
-    uint8_t any = 0;  // a loop over all columns without a branch, so that the compiler vectorizes it
-    for (int x = 0; x < kScreenWidth; ++x) any |= static_cast<uint8_t>(row[x] ^ row[x - kScreenWidth]);
-    if (any == 0) return 0;
-    uint32_t found = 0;
-    for (int k = 0; k < kScreenWidth / 8; ++k)
-        found |= uint32_t{std::memcmp(row + 8 * k, row + 8 * k - kScreenWidth, 8) != 0} << k;
-    return found;
-}
 
 // Calls `convert(from, to)` for each group of eight pixels that differs from the group above. The other groups are
 // copied from the row above. In games most rows repeat the row above in most of their columns.
@@ -95,7 +73,7 @@ template <int bytes, auto changes, auto copy, typename Convert>
 INLINE void convert_changes(const uint8_t* framebuffer, int rows, uint8_t* out, Convert&& convert) {
     constexpr int kOut = bytes * kScreenWidth;
     for (int row = 0; row < rows; ++row, framebuffer += kScreenWidth, out += kOut) {
-        uint32_t left = (1u << kScreenWidth / 8) - 1;
+        uint32_t left = kAllColumns;
         if (row > 0) {
             left = changes(framebuffer);
             copy(out - kOut, out, kOut);
@@ -125,9 +103,15 @@ INLINE void to_rgb_by_changes(const uint8_t* framebuffer, int rows, const Palett
     });
 }
 
+#if ATARI_SIMD128
+TARGET_SIMD128 void to_rgb_simd128(const uint8_t* framebuffer, int rows, const Palette& palette, uint8_t* out) {
+    to_rgb_by_changes<changed_columns_simd128<const uint8_t*>, copy>(framebuffer, rows, palette, out);
+}
+#endif
+
 #if ATARI_X86_SIMD
 TARGET_AVX2 void to_rgb_avx2(const uint8_t* framebuffer, int rows, const Palette& palette, uint8_t* out) {
-    to_rgb_by_changes<changes_avx2, copy_avx2>(framebuffer, rows, palette, out);
+    to_rgb_by_changes<changed_columns_avx2<>, copy_avx2>(framebuffer, rows, palette, out);
 }
 #endif
 
@@ -138,14 +122,19 @@ void to_rgb(const uint8_t* framebuffer, int rows, const Palette& palette, uint8_
     if (level == SimdLevel::kAvx512) return to_rgb_avx512(framebuffer, rows, palette, out);
     if (level == SimdLevel::kAvx2) return to_rgb_avx2(framebuffer, rows, palette, out);
 #endif
+#if ATARI_SIMD128
+    if (level == SimdLevel::kSimd128) return to_rgb_simd128(framebuffer, rows, palette, out);
+#endif
     static_cast<void>(level);
-    to_rgb_by_changes<changes, copy>(framebuffer, rows, palette, out);
+    to_rgb_by_changes<changed_columns<const uint8_t*>, copy>(framebuffer, rows, palette, out);
 }
 
 void to_gray(const uint8_t* framebuffer, int rows, const Palette& palette, uint8_t* out) {
-    convert_changes<1, changes, copy>(framebuffer, rows, out, [&](const uint8_t* from, uint8_t* to) {
-        for (int i = 0; i < 8; ++i) to[i] = palette.gray[from[i]];
-    });
+    convert_changes<1, changed_columns<const uint8_t*>, copy>(framebuffer, rows, out,
+                                                              [&](const uint8_t* from, uint8_t* to) {
+                                                                  for (int i = 0; i < 8; ++i)
+                                                                      to[i] = palette.gray[from[i]];
+                                                              });
 }
 
 }  // namespace atari

@@ -7,7 +7,7 @@ namespace atari {
 // A handler ends with the jump to the next handler. If the compiler has labels as values, the decoded instruction holds
 // the next handler's label and every handler has a jump of its own, which the host processor predicts separately.
 // Otherwise all handlers return to one switch.
-#if defined(__GNUC__) && !defined(ATARI_NO_COMPUTED_GOTO)
+#if (defined(__GNUC__) || defined(__clang__)) && !defined(ATARI_NO_COMPUTED_GOTO)
 #define COMPUTED_GOTO 1
 #define HANDLER(name) handle_##name:
 #define NEXT goto* r.at->code

@@ -6,17 +6,9 @@
 #include <cstdint>
 
 #include "fast/interpreter/handlers.hpp"
+#include "target.hpp"
 
 namespace atari {
-
-// Translated code is for x86-64 with the calling convention of Unix. Its block entries are reached through the labels
-// of the decoded instructions (interpreter.cpp).
-#if defined(__x86_64__) && defined(__LP64__) && defined(__GNUC__) && !defined(_WIN32) && \
-    !defined(ATARI_NO_COMPUTED_GOTO)
-inline constexpr bool kTranslates = true;
-#else
-inline constexpr bool kTranslates = false;
-#endif
 
 // Only GCC and Clang build the translator, and both define offsetof for structs like these.
 #pragma GCC diagnostic push
@@ -96,15 +88,20 @@ using TableEntry = int32_t;
 inline constexpr uint8_t kTableShift = 2;
 static_assert(sizeof(TableEntry) == std::size_t{1} << kTableShift && kTableShift <= kInstructionShift);
 
-// A log entry's register, value and `beside` are written together as one number of 32 bits.
+// The assembler's `append` appends an entry: the cycle, the register, the value, and 0 for `beside`.
 inline constexpr int32_t kWriteSize = 8;
 static_assert(sizeof(TiaWrite) == kWriteSize);
+static_assert(Offsets::write_cycle() == 0 && Offsets::write_reg() == 4);
 static_assert(Offsets::write_value() == Offsets::write_reg() + 1 &&
               Offsets::write_beside() == Offsets::write_reg() + 2);
 
 // HMOVE reads the motions of players and missiles as one number of 32 bits, and the ball's separately.
 static_assert(HMP1 == HMP0 + 1 && HMM0 == HMP0 + 2 && HMM1 == HMP0 + 3 && HMBL == HMP0 + 4);
 static_assert(RESP1 - NUSIZ1 == RESP0 - NUSIZ0);
+
+// Translated code saves and loads these in pairs.
+static_assert(Offsets::a() == Offsets::cycles() + 4 && Offsets::y() == Offsets::x() + 4 &&
+              Offsets::carry() == Offsets::nz() + 4);
 
 // Translated code compares the result of a handler with 0, as a number of 32 bits.
 static_assert(kNext == 0 && sizeof(Exit) == 4);

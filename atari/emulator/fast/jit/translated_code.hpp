@@ -2,7 +2,8 @@
 // the decoded instructions (decoder.hpp) when the cartridge is loaded. It has the effect of the handlers without a
 // dispatch from one decoded instruction to the next.
 //
-// The handlers stay in use for code in RAM, on processors other than x86-64, and if memory cannot be made executable.
+// The handlers stay in use for code in RAM, on processors other than x86-64 and arm64, by ATARI_JIT=0 (switch.hpp), and
+// if memory cannot be made executable.
 // Translated code of an instruction either handles the likely case inline, or calls the handler. Both agree if the
 // likely cases agree (tests/emulator/test_fast_equals_plain.py runs both).
 #pragma once

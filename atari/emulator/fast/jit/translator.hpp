@@ -12,15 +12,11 @@
 #include <optional>
 #include <vector>
 
-#include "assembler.hpp"
 #include "basic_blocks.hpp"
 #include "fast/interpreter/handlers.hpp"
+#include "target.hpp"
 
 namespace atari {
-
-// The host registers of translated code. Registers r8 to r11 are free for any use.
-inline constexpr Reg kA = rax, kX = rcx, kY = rdx, kNz = rsi, kCarry = rdi;
-inline constexpr Reg kConsole = rbx, kRam = rbp, kRegisters = r12, kCycles = r13, kLog = r14;
 
 inline Mem in_console(int32_t offset) { return {kConsole, offset}; }
 inline Mem in_registers(int32_t offset) { return {kRegisters, offset}; }
@@ -36,7 +32,8 @@ inline Reg index_of(Operand operand) {
 
 class Translator {
   public:
-    Translator(const uint8_t* image, const std::vector<DecodedInstruction>& decoded);
+    // If `far`, jumps reach any distance. Otherwise `translate` may throw `JumpTooFar`.
+    Translator(const uint8_t* image, const std::vector<DecodedInstruction>& decoded, bool far);
 
     // Returns the translated code. It begins with a table: by decoded instruction, the offset of its entry from the
     // start of the table, or 0. `start` is the offset of the function to call; its third argument is an entry.
@@ -71,23 +68,16 @@ class Translator {
     int32_t table_size() const { return static_cast<int32_t>((sizeof(int32_t) * (size_ + 1) + 15) / 16 * 16); }
 
     // translator_instructions.cpp: one instruction
-    struct Source {  // the origin of a byte
-        std::optional<uint8_t> constant;
-        std::optional<Mem> memory;
-        Reg reg;  // if it is not in memory
-    };
     void emit(const BlockInstruction& instruction);
     void emit_inline();
     void skip_rounds();
     void emit_branch();
     void emit_jump();
     void emit_read();
-    Source paged();
+    Byte paged();
     void indexed_ram();
     void add_page_crossing(Reg index);
-    void read_into(Reg to, const Source& source);
-    void combine(Alu what, Reg to, const Source& source);
-    void operate(const Source& source);
+    void operate(const Byte& source);
     void set_nz(Reg of);
     void emit_modify();
     void emit_implied();

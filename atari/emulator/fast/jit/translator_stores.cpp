@@ -30,40 +30,40 @@ void Translator::emit_store() {
         case Operand::RamX:
         case Operand::RamY:
             indexed_ram();
-            a_.store8(Mem{kRam, 0, r8}, value);
+            a_.store8(Mem{kRam, 0, t0}, value);
             break;
         case Operand::AnyX:
         case Operand::AnyY:
-            a_.address(r8, Mem{index_of(at_->operand), at_->given});
+            a_.address(t0, Mem{index_of(at_->operand), at_->given});
             store_in_ram(value);
             break;
         case Operand::IndY:
-            a_.load16(r8, in_ram(at_->given));
-            a_.alu(Alu::add, r8, kY);
+            a_.load16(t0, in_ram(at_->given));
+            a_.alu(Alu::add, t0, kY);
             store_in_ram(value);
             break;
         default: emit_tia_store(value);
     }
 }
 
-// Stores to the address in r8 if that is in RAM; otherwise jumps to the slow path.
+// Stores to the address in t0 if that is in RAM; otherwise jumps to the slow path.
 void Translator::store_in_ram(Reg value) {
-    a_.move(r9, r8);
-    a_.alu(Alu::and_, r9, 0x1280);
-    a_.alu(Alu::cmp, r9, 0x80);
+    a_.move(t1, t0);
+    a_.alu(Alu::and_, t1, 0x1280);
+    a_.compare(t1, 0x80);
     a_.jump(If::not_zero, slow_);
-    a_.alu(Alu::and_, r8, 0x7f);
-    a_.store8(Mem{kRam, 0, r8}, value);
+    a_.alu(Alu::and_, t0, 0x7f);
+    a_.store8(Mem{kRam, 0, t0}, value);
 }
 
 // The deadline check: jumps to `past_deadline` if a TIA write `later` cycles after kCycles does not belong to this
-// frame. Uses r8.
+// frame. Uses t0.
 void Translator::check_deadline(int32_t later, JumpLabel& past_deadline) {
     if (later < Offsets::kDeadlines) {
-        a_.alu(Alu::cmp, kCycles, in_console(Offsets::deadlines() + 4 * later));
+        a_.compare(kCycles, in_console(Offsets::deadlines() + 4 * later));
     } else {
-        a_.address(r8, Mem{kCycles, later});
-        a_.alu(Alu::cmp, r8, in_console(Offsets::deadlines()));
+        a_.address(t0, Mem{kCycles, later});
+        a_.compare(t0, in_console(Offsets::deadlines()));
     }
     a_.jump(If::not_below, past_deadline);
 }
@@ -77,7 +77,7 @@ void Translator::emit_tia_store(Reg value) {
     switch (at_->operand) {
         case Operand::Tia:
         case Operand::TiaA: {
-            a_.alu8(Alu::cmp, shadow(reg), value);
+            a_.compare8(shadow(reg), value);
             const ShortJump same = a_.jump_short(If::zero);
             a_.store8(shadow(reg), value);
             append_write(value);
@@ -86,11 +86,11 @@ void Translator::emit_tia_store(Reg value) {
         }
         case Operand::Nusiz: {
             const Mem strobed = shadow(reg + (RESP0 - NUSIZ0));
-            a_.alu8(Alu::cmp, shadow(reg), value);
+            a_.compare8(shadow(reg), value);
             const ShortJump changed = a_.jump_short(If::not_zero);
-            a_.alu8(Alu::cmp, strobed, uint8_t{0});
+            a_.compare8(strobed, uint8_t{0});
             const ShortJump acts = a_.jump_short(If::not_zero);
-            a_.alu8(Alu::cmp, in_console(Offsets::ark()), uint8_t{0});
+            a_.compare8(in_console(Offsets::ark()), uint8_t{0});
             const ShortJump same = a_.jump_short(If::zero);
             a_.bind_short(changed);
             a_.bind_short(acts);
@@ -101,21 +101,21 @@ void Translator::emit_tia_store(Reg value) {
             break;
         }
         case Operand::Ctrlpf: {
-            a_.load8(r9, shadow(reg));
-            a_.load8(r10, in_console(Offsets::late_reflect()));
-            a_.alu(Alu::xor_, r9, value);
-            a_.alu(Alu::or_, r9, r10);  // bit 0 is the reflect bit
+            a_.load8(t1, shadow(reg));
+            a_.load8(t2, in_console(Offsets::late_reflect()));
+            a_.alu(Alu::xor_, t1, value);
+            a_.or_and_test(t1, t2);  // bit 0 is the reflect bit
             const ShortJump same = a_.jump_short(If::zero);
             a_.store8(shadow(reg), value);
-            a_.test(r9, uint32_t{kReflects});
+            a_.test(t1, uint32_t{kReflects});
             const ShortJump kept = a_.jump_short(If::zero);
-            cycle_in_line(r10);
-            a_.alu(Alu::cmp, r10, int32_t{kLateReflect});
-            a_.set(If::not_below, r10);
-            a_.store8(in_console(Offsets::late_reflect()), r10);
+            cycle_in_line(t2);
+            a_.compare(t2, int32_t{kLateReflect});
+            a_.set(If::not_below, t2);
+            a_.store8(in_console(Offsets::late_reflect()), t2);
             a_.bind_short(kept);
             append_write(value);
-            a_.test(r9, uint32_t{kShapesOfCtrlpf});
+            a_.test(t1, uint32_t{kShapesOfCtrlpf});
             const ShortJump shows = a_.jump_short(If::not_zero);
             a_.store8(in_log(Offsets::write_reg() - kWriteSize), uint8_t{PRIORITY});
             a_.bind_short(shows);
@@ -129,9 +129,9 @@ void Translator::emit_tia_store(Reg value) {
             break;
         case Operand::Motion:
             if (reg == HMM0) {  // may be the Cosmic Ark effect
-                a_.load8(r9, shadow(reg));
-                a_.shift(ShiftDirection::right, r9, 4);
-                a_.alu(Alu::cmp, r9, int32_t{kArkMotion});
+                a_.load8(t1, shadow(reg));
+                a_.shift(ShiftDirection::right, t1, 4);
+                a_.compare(t1, int32_t{kArkMotion});
                 a_.jump(If::zero, slow_);
             }
             a_.store8(shadow(reg), value);
@@ -141,9 +141,9 @@ void Translator::emit_tia_store(Reg value) {
         case Operand::Grp1:
         case Operand::Grp1A: write_graphics(value); break;
         case Operand::Sound: {
-            a_.move(r9, value);
-            a_.alu(Alu::and_, r9, int32_t{bits_of(static_cast<uint8_t>(reg))});
-            a_.store8(in_console(Offsets::sound() + static_cast<int32_t>(reg - AUDC0)), r9);
+            a_.move(t1, value);
+            a_.alu(Alu::and_, t1, int32_t{bits_of(static_cast<uint8_t>(reg))});
+            a_.store8(in_console(Offsets::sound() + static_cast<int32_t>(reg - AUDC0)), t1);
             break;
         }
         case Operand::Hmclr:
@@ -155,11 +155,11 @@ void Translator::emit_tia_store(Reg value) {
 }
 
 void Translator::wait_for_line() {
-    a_.load(r9, in_console(Offsets::first_cycle()));
-    a_.address(r8, Mem{kCycles, write_at_ + kCyclesPerLine - 1});
-    a_.alu(Alu::sub, r8, r9);
-    whole_lines(r8);
-    a_.address(kCycles, Mem{r8, 0, r9});
+    a_.load(t1, in_console(Offsets::first_cycle()));
+    a_.address(t0, Mem{kCycles, write_at_ + kCyclesPerLine - 1});
+    a_.alu(Alu::sub, t0, t1);
+    whole_lines(t0);
+    a_.address(kCycles, Mem{t0, 0, t1});
 }
 
 // Rounds a number of cycles down to whole lines.
@@ -169,13 +169,13 @@ void Translator::whole_lines(Reg cycles) {
     a_.multiply(cycles, cycles, kCyclesPerLine);
 }
 
-// Computes the cycle in the line, `later` cycles after the write. Uses r11.
+// Computes the cycle in the line, `later` cycles after the write. Uses t3.
 void Translator::cycle_in_line(Reg to, int32_t later) {
     a_.address(to, Mem{kCycles, write_at_ + later});
     a_.alu(Alu::sub, to, in_console(Offsets::first_cycle()));
-    a_.move(r11, to);
-    whole_lines(r11);
-    a_.alu(Alu::sub, to, r11);
+    a_.move(t3, to);
+    whole_lines(t3);
+    a_.alu(Alu::sub, to, t3);
 }
 
 // A write to GRP0 or GRP1 also updates the delayed copy of the other; a write to GRP1 also updates that of ENABL.
@@ -183,78 +183,75 @@ void Translator::write_graphics(Reg value) {
     const bool first = at_->given == GRP0;
     const Mem mine = shadow(at_->given), other = shadow(first ? GRP1 : GRP0);
     const Mem old = in_console(first ? Offsets::old_grp1() : Offsets::old_grp0());
-    a_.load8(r9, other);
-    a_.alu8(Alu::cmp, mine, value);
+    a_.load8(t1, other);
+    a_.compare8(mine, value);
     const ShortJump changed = a_.jump_short(If::not_zero);
-    a_.alu8(Alu::cmp, old, r9);
+    a_.compare8(old, t1);
     std::optional<ShortJump> ball_changed;
     if (!first) {
         ball_changed = a_.jump_short(If::not_zero);
-        a_.load8(r10, shadow(ENABL));
-        a_.alu8(Alu::cmp, in_console(Offsets::old_enabl()), r10);
+        a_.load8(t2, shadow(ENABL));
+        a_.compare8(in_console(Offsets::old_enabl()), t2);
     }
     const ShortJump same = a_.jump_short(If::zero);
     a_.bind_short(changed);
     if (ball_changed) a_.bind_short(*ball_changed);
     a_.store8(mine, value);
-    a_.store8(old, r9);
+    a_.store8(old, t1);
     if (!first) {
-        a_.load8(r10, shadow(ENABL));
-        a_.store8(in_console(Offsets::old_enabl()), r10);
-        a_.alu(Alu::and_, r10, int32_t{bits_of(ENABL)});
-        a_.shift(ShiftDirection::left, r10, 7);
-        a_.alu(Alu::or_, r9, r10);
+        a_.load8(t2, shadow(ENABL));
+        a_.store8(in_console(Offsets::old_enabl()), t2);
+        a_.alu(Alu::and_, t2, int32_t{bits_of(ENABL)});
+        a_.shift(ShiftDirection::left, t2, 7);
+        a_.alu(Alu::or_, t1, t2);
     }
     append_write(value);
-    a_.store16(in_log(Offsets::write_beside() - kWriteSize), r9);
+    a_.store16(in_log(Offsets::write_beside() - kWriteSize), t1);
     a_.bind_short(same);
 }
 
 // The log entry of HMOVE contains all motions. An HMOVE at an ordinary cycle that moves no object is logged as STILL.
 void Translator::write_hmove() {
-    a_.load(r9, shadow(HMP0));
-    a_.load8(r10, shadow(HMBL));
-    a_.move(r11, r9);
-    a_.alu(Alu::or_, r11, r10);
-    a_.test(r11, 0xf0f0f0f0u);
+    a_.load(t1, shadow(HMP0));
+    a_.load8(t2, shadow(HMBL));
+    a_.move(t3, t1);
+    a_.alu(Alu::or_, t3, t2);
+    a_.test(t3, 0xf0f0f0f0u);
     const ShortJump moves = a_.jump_short(If::not_zero);
-    cycle_in_line(r10, 1);
-    a_.alu(Alu::cmp, r10, int32_t{kOrdinaryHmoveCycles});
-    a_.move(r10, uint32_t{0});
+    cycle_in_line(t2, 1);
+    a_.compare(t2, int32_t{kOrdinaryHmoveCycles});
+    a_.move(t2, uint32_t{0});
     const ShortJump unusual = a_.jump_short(If::above);
-    a_.address(r8, Mem{kCycles, write_at_});
-    a_.store(in_log(Offsets::write_cycle()), r8);
+    a_.address(t0, Mem{kCycles, write_at_});
+    a_.store(in_log(Offsets::write_cycle()), t0);
     a_.store(in_log(Offsets::write_reg()), uint32_t{STILL});
     JumpLabel done;
     a_.jump(done);
     a_.bind_short(moves);
     a_.bind_short(unusual);
-    a_.shift(ShiftDirection::right, r9, 4);
-    a_.alu(Alu::and_, r9, 0x0f0f0f0f);
-    a_.move(r11, r9);
-    a_.shift(ShiftDirection::right, r11, 4);
-    a_.alu(Alu::or_, r9, r11);
-    a_.alu(Alu::and_, r9, 0x00ff00ff);
-    a_.move(r11, r9);
-    a_.shift(ShiftDirection::right, r11, 8);
-    a_.alu(Alu::or_, r9, r11);
-    a_.address(r8, Mem{kCycles, write_at_});
-    a_.store(in_log(Offsets::write_cycle()), r8);
+    a_.shift(ShiftDirection::right, t1, 4);
+    a_.alu(Alu::and_, t1, 0x0f0f0f0f);
+    a_.move(t3, t1);
+    a_.shift(ShiftDirection::right, t3, 4);
+    a_.alu(Alu::or_, t1, t3);
+    a_.alu(Alu::and_, t1, 0x00ff00ff);
+    a_.move(t3, t1);
+    a_.shift(ShiftDirection::right, t3, 8);
+    a_.alu(Alu::or_, t1, t3);
+    a_.address(t0, Mem{kCycles, write_at_});
+    a_.store(in_log(Offsets::write_cycle()), t0);
     a_.store8(in_log(Offsets::write_reg()), uint8_t{HMOVE});
-    a_.shift(ShiftDirection::right, r10, 4);
-    a_.store8(in_log(Offsets::write_value()), r10);
-    a_.store16(in_log(Offsets::write_beside()), r9);
+    a_.shift(ShiftDirection::right, t2, 4);
+    a_.store8(in_log(Offsets::write_value()), t2);
+    a_.store16(in_log(Offsets::write_beside()), t1);
     a_.bind(done);
     a_.address64(kLog, in_log(kWriteSize));
 }
 
-// Appends the TIA write to the write log. Uses r8.
+// Appends the TIA write to the write log. Uses t0.
 void Translator::append_write(Reg value) {
-    a_.address(r8, Mem{kCycles, write_at_});
-    a_.store(in_log(Offsets::write_cycle()), r8);
-    a_.store(in_log(Offsets::write_reg()), uint32_t{at_->given});
-    a_.store8(in_log(Offsets::write_value()), value);
-    a_.address64(kLog, in_log(kWriteSize));
+    a_.address(t0, Mem{kCycles, write_at_});
+    a_.append(kLog, t0, static_cast<uint8_t>(at_->given), value);
 }
 
 }  // namespace atari

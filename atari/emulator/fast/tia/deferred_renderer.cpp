@@ -14,7 +14,7 @@
 namespace atari {
 namespace {
 
-const Painter kPaint = best_painter();
+const Painter kPaint = chosen_painter();
 
 }  // namespace
 

@@ -22,6 +22,40 @@ constexpr auto kByteMasks = [] {
 
 constexpr uint64_t repeated(uint8_t byte) { return byte * 0x0101010101010101ull; }
 
+#if ATARI_SIMD128
+// The 16 pixels of a block, as bytes of 0x00 or 0xff.
+TARGET_SIMD128 LEVEL_INLINE Bytes16 bytes_of_16(const Mask& mask, int block) {
+    const uint64_t word = mask.word[block / 4];
+    constexpr Words2 kWhich{0, repeated(1)}, kBit{0x8040201008040201, 0x8040201008040201};
+    const uint64_t first = repeated(static_cast<uint8_t>(block % 4 * 2));
+    const auto which = reinterpret_cast<Bytes16>(kWhich + Words2{first, first});
+    const auto spread = look_up(reinterpret_cast<Bytes16>(Words2{word, word}), which);
+    const auto bit = reinterpret_cast<Bytes16>(kBit);
+    return reinterpret_cast<Bytes16>((spread & bit) == bit);
+}
+
+// `colour` where `mask` is set, elsewhere `below`.
+TARGET_SIMD128 LEVEL_INLINE Bytes16 over(Bytes16 below, Bytes16 colour, Bytes16 mask) {
+    return (colour & mask) | (below & ~mask);
+}
+
+TARGET_SIMD128 void paint_simd128(uint8_t* row, const Layers& layers, const uint8_t colours[4], int first, int last) {
+    const Bytes16 none{};
+    const Bytes16 colour0 = none + colours[0], colour1 = none + colours[1], colour_pf = none + colours[2];
+    const Bytes16 background = none + colours[3];
+    const bool whole = first == 0 && last == kScreenWidth;
+    const Mask span = whole ? Mask{} : Mask::range(first, last);
+    for (int block = first / 16; block <= (last - 1) / 16; ++block) {
+        uint8_t* const pixels = row + 16 * block;
+        Bytes16 line = over(background, colour_pf, bytes_of_16(layers.playfield, block));
+        line = over(line, colour1, bytes_of_16(layers.player1, block));
+        line = over(line, colour0, bytes_of_16(layers.player0, block));
+        if (!whole) line = over(load16<Bytes16>(pixels), line, bytes_of_16(span, block));
+        std::memcpy(pixels, &line, sizeof line);
+    }
+}
+#endif
+
 #if ATARI_X86_SIMD
 // The 32 pixels of a block, as bytes of 0x00 or 0xff. A 32-bit read lets one instruction broadcast it from memory.
 TARGET_AVX2 inline __m256i bytes_of(const Mask& mask, int block) {
@@ -83,6 +117,9 @@ void paint_scalar(uint8_t* row, const Layers& layers, const uint8_t colours[4], 
 
 std::vector<Painter> painters() {
     std::vector<Painter> found = {paint_scalar};
+#if ATARI_SIMD128
+    if (best_simd_level() >= SimdLevel::kSimd128) found.push_back(paint_simd128);
+#endif
 #if ATARI_X86_SIMD
     if (best_simd_level() >= SimdLevel::kAvx2) found.push_back(paint_avx2);
     if (best_simd_level() >= SimdLevel::kAvx512) found.push_back(paint_avx512);
@@ -90,6 +127,6 @@ std::vector<Painter> painters() {
     return found;
 }
 
-Painter best_painter() { return painters().back(); }
+Painter chosen_painter() { return painters()[static_cast<size_t>(simd_level())]; }
 
 }  // namespace atari

@@ -18,8 +18,8 @@ struct Layers {
 using Painter = void (*)(uint8_t* row, const Layers& layers, const uint8_t colours[4], int first, int last);
 void paint_scalar(uint8_t* row, const Layers& layers, const uint8_t colours[4], int first, int last);
 
-// The painter of the highest SIMD level that this processor supports.
-Painter best_painter();
+// The painter of the SIMD level that is used.
+Painter chosen_painter();
 
 // The painters of the SIMD levels that this processor supports, by level; for tests.
 std::vector<Painter> painters();
