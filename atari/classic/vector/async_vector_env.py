@@ -63,11 +63,17 @@ class AsyncVectorEnv(VectorEnv):
         super().step_async(actions)
         self._send("step", [(action,) for action in self._actions or []])
 
-    def close(self) -> None:
-        """Close the environments and end the processes; later calls do nothing."""
+    def close(self, terminate: bool = False) -> None:
+        """Close the environments and end the processes; later calls do nothing.
+
+        Args:
+            terminate: end the processes without closing the environments.
+        """
         if self.closed:
             return
         self.closed = True
+        for process in self._processes if terminate else ():
+            process.terminate()
         for pipe in self._pipes:
             with contextlib.suppress(OSError):  # the process has ended
                 pipe.send(("close", ()))
@@ -124,12 +130,12 @@ def _named_end() -> Iterator[None]:
     """Raise an error that says so if a process has ended.
 
     Raises:
-        gymnasium.error.Error: it has.
+        gymnasium.error.Error: a process has ended.
     """
     try:
         yield
-    except (EOFError, ConnectionError):
-        raise gymnasium.error.Error("a process of this vector has ended; make the vector again") from None
+    except (EOFError, OSError):
+        raise gymnasium.error.Error("the vector is closed, or one of its processes has ended; make it again") from None
 
 
 def _work(pipe: Connection, function: bytes) -> None:

@@ -155,5 +155,12 @@ def test_a_killed_process_is_an_error() -> None:
         envs.reset()
         envs._processes[1].kill()
         envs._processes[1].join()
-        with pytest.raises(gymnasium.error.Error, match=r"^a process of this vector has ended; make the vector again$"):
+        with pytest.raises(gymnasium.error.Error, match=r"^the vector is closed, or one of its processes has ended; "):
             envs.get_attr("end")
+
+
+def test_a_closed_vector_of_processes_is_an_error() -> None:
+    envs = AsyncVectorEnv([Counter] * 2)
+    envs.close(terminate=True)
+    with pytest.raises(gymnasium.error.Error, match=r"^the vector is closed, or one of its processes has ended; "):
+        envs.reset()
