@@ -2,8 +2,11 @@
 
 import json
 import os
+import tempfile
 from pathlib import Path
 from typing import Any, Protocol
+
+import gymnasium
 
 from atari.files import durable
 from atari.recording import VideoWriter
@@ -25,14 +28,16 @@ class VideoRecorder:
 
     Args:
         env: an environment that renders "rgb_array".
-        path: the file of the video, with the ending `.mp4`.
+        path: the file of the video, with the ending `.mp4`; without `path` and `base_path`, a file in a new temporary
+            folder.
         metadata: more fields of the description.
         enabled: False writes nothing.
         base_path: `path` without its ending, instead of `path`.
 
     Raises:
-        ValueError: neither or both of `path` and `base_path` are given, or `path` has another ending.
+        ValueError: both `path` and `base_path` are given, or `path` has another ending.
         gymnasium.error.DependencyNotInstalled: PyAV is not installed (extra `video`), from the first `capture_frame`.
+        gymnasium.error.Error: the environment returned no frame, from `capture_frame`.
     """
 
     def __init__(
@@ -43,9 +48,11 @@ class VideoRecorder:
         enabled: bool = True,
         base_path: str | os.PathLike[str] | None = None,
     ) -> None:
-        if (path is None) == (base_path is None):
+        if path is not None and base_path is not None:
             raise ValueError(f"give either path or base_path, got path={path!r} and base_path={base_path!r}")
-        path = f"{os.fspath(base_path)}.mp4" if base_path is not None else os.fspath(path or "")
+        if path is None:
+            path = f"{os.path.join(tempfile.mkdtemp(), 'video') if base_path is None else os.fspath(base_path)}.mp4"
+        path = os.fspath(path)
         if not path.endswith(".mp4"):
             raise ValueError(f"videos are MP4 files, so path ends with .mp4, got {path!r}")
         self.path = path
@@ -59,6 +66,8 @@ class VideoRecorder:
         if not self.enabled:
             return
         frame = self._env.render(mode="rgb_array")
+        if frame is None:
+            raise gymnasium.error.Error(f"render(mode='rgb_array') of {self._env} returned nothing; return the image")
         if self._video is None:
             self._video = self._begin(*frame.shape[:2])
         self._video.write(frame)

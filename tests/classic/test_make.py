@@ -63,6 +63,13 @@ def test_thresholds_and_nondeterminism() -> None:
     }
 
 
+def test_the_spec_has_the_options_of_make() -> None:
+    env = gym.make("FrozenLake-v1", map_name="8x8")
+    assert env.spec is not None
+    assert (env.spec.kwargs, env.observation_space.n) == ({"map_name": "8x8"}, 64)  # type: ignore[attr-defined]
+    assert gym.spec("FrozenLake-v1").kwargs == {"map_name": "4x4"}
+
+
 def test_every_atari_id_has_a_spec_and_makes() -> None:
     for env_id in env_ids.ids():
         assert repr(gym.spec(env_id)) == f"EnvSpec({env_id})"

@@ -88,7 +88,7 @@ def test_a_space_that_gym_did_not_have_stays() -> None:
 
 
 def test_one_generator_for_all_samples() -> None:
-    """As `gym.spaces.prng` was, before spaces had generators of their own."""
+    """As `spaces.prng` was, before spaces had generators of their own."""
 
     def samples(*, seed_last: bool = False) -> list[object]:
         made = [spaces.Discrete(1000), spaces.Box(0, 1, (2,)), spaces.MultiBinary(9), spaces.MultiDiscrete([99, 99])]
@@ -107,3 +107,12 @@ def test_one_generator_for_all_samples() -> None:
         assert seeded[3] != first[3]  # a space that is seeded draws its own
     finally:
         spaces.prng.np_random = None
+
+
+def test_gyms_functions_of_spaces() -> None:
+    space = spaces.Dict({"a": spaces.Discrete(3), "b": spaces.Box(0, 1, (2,))})
+    assert (spaces.flatdim(space), spaces.utils.flatdim(spaces.Discrete(4))) == (5, 4)
+    flat = spaces.flatten(space, {"a": 1, "b": np.array([0.5, 1], np.float32)})
+    assert flat.tolist() == [0, 1, 0, 0.5, 1]
+    assert spaces.unflatten(space, flat)["a"] == 1
+    assert spaces.flatten_space(space).shape == (5,)

@@ -5,6 +5,7 @@ fields of Gym's specs; each lookup derives it from Gymnasium's spec, with Gym's 
 """
 
 import copy
+import dataclasses
 import re
 from collections.abc import Callable, Iterator, MutableMapping, ValuesView
 from typing import Any
@@ -200,11 +201,12 @@ def make(id: str, **options: Any) -> Env:
         (210, 160, 3)
     """
     chosen = spec(id)
+    chosen = dataclasses.replace(chosen, kwargs={**chosen.kwargs, **options})
     modern = copy.copy(gymnasium.registry[chosen.id])
     entry_point = modern.entry_point
     env: Env | gymnasium.Env[Any, Any]
     if isinstance(entry_point, EntryPoint):
-        env = entry_point.create(**{**quiet_options(entry_point.load()), **chosen.kwargs, **options})
+        env = entry_point.create(**{**quiet_options(entry_point.load()), **chosen.kwargs})
     else:
         options = modern_options(options) if history.is_atari(modern) else options
         modern.kwargs = {**modern.kwargs, **history.atari_changes(modern).kwargs, **options}

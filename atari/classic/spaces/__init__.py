@@ -4,7 +4,7 @@ They are subclasses of Gymnasium's, with Gym's constructors and texts, so that G
 accept them.
 """
 
-from gymnasium.spaces import Space
+from gymnasium.spaces import Space, flatdim, flatten, flatten_space, unflatten, utils
 
 from atari.classic.spaces import dict as dict_space
 from atari.classic.spaces import prng
@@ -26,7 +26,12 @@ __all__ = [
     "Space",
     "Tuple",
     "dict_space",
+    "flatdim",
+    "flatten",
+    "flatten_space",
     "from_gymnasium",
     "prng",
     "tuple_space",
+    "unflatten",
+    "utils",
 ]

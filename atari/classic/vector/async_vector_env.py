@@ -3,13 +3,16 @@
 import contextlib
 import multiprocessing
 import pickle
-from collections.abc import Callable, Iterable, Sequence
+import signal
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from multiprocessing.connection import Connection
 from typing import Any
 
 import cloudpickle  # type: ignore[import-untyped]
+import gymnasium
 
 from atari.classic.core import Env
+from atari.classic.spaces import Space
 from atari.classic.vector.vector_env import Lane, VectorEnv, check_env_fns
 
 
@@ -20,6 +23,10 @@ class AsyncVectorEnv(VectorEnv):
 
     Args:
         env_fns: functions that make the environments.
+        observation_space: the space of one environment's observations; None means the first environment's.
+        action_space: the space of one environment's actions; likewise.
+        shared_memory: has no effect; observations come through pipes.
+        copy: has no effect; observations are new arrays.
         context: how processes start: "fork", "spawn" or "forkserver"; None means "fork" where the system has it.
         daemon: whether the processes end with this one.
 
@@ -27,26 +34,46 @@ class AsyncVectorEnv(VectorEnv):
         ValueError: there are no functions, or no such context.
     """
 
-    def __init__(self, env_fns: Iterable[Callable[[], Env]], context: str | None = None, daemon: bool = True) -> None:
+    def __init__(
+        self,
+        env_fns: Iterable[Callable[[], Env]],
+        observation_space: Space[Any] | None = None,
+        action_space: Space[Any] | None = None,
+        shared_memory: bool = True,
+        copy: bool = True,
+        context: str | None = None,
+        daemon: bool = True,
+    ) -> None:
         functions = check_env_fns(env_fns)
         self._pipes: list[Connection] = []
         self._processes: list[Any] = []
+        self.closed = False
         methods = multiprocessing.get_all_start_methods()
         self._start(functions, multiprocessing.get_context(context or ("fork" if "fork" in methods else None)), daemon)
-        facts = self._all("facts", [()] * len(functions))[0]
-        observation_space, action_space, self.metadata, self.reward_range, self.spec = facts
-        super().__init__(len(functions), observation_space, action_space)
+        try:
+            facts = self._all("facts", [()] * len(functions))[0]
+        except BaseException:
+            self.close()  # the processes wait for a command
+            raise
+        *spaces, self.metadata, self.reward_range, self.spec = facts
+        super().__init__(len(functions), observation_space or spaces[0], action_space or spaces[1])
 
     def step_async(self, actions: Any) -> None:
         """Begin to step, for the next `step_wait`."""
         super().step_async(actions)
         self._send("step", [(action,) for action in self._actions or []])
 
-    def close(self) -> None:
-        """Close the environments and end the processes; later calls do nothing."""
+    def close(self, terminate: bool = False) -> None:
+        """Close the environments and end the processes; later calls do nothing.
+
+        Args:
+            terminate: end the processes without closing the environments.
+        """
         if self.closed:
             return
         self.closed = True
+        for process in self._processes if terminate else ():
+            process.terminate()
         for pipe in self._pipes:
             with contextlib.suppress(OSError):  # the process has ended
                 pipe.send(("close", ()))
@@ -85,25 +112,43 @@ class AsyncVectorEnv(VectorEnv):
         return self._receive()
 
     def _send(self, command: str, arguments: Sequence[Any]) -> None:
-        for pipe, own in zip(self._pipes, arguments, strict=True):
-            pipe.send((command, own))
+        with _named_end():
+            for pipe, own in zip(self._pipes, arguments, strict=True):
+                pipe.send((command, own))
 
     def _receive(self) -> list[Any]:
-        answers = [pipe.recv() for pipe in self._pipes]
+        with _named_end():
+            answers = [pipe.recv() for pipe in self._pipes]
         for _, error in answers:
             if error is not None:
                 raise error
         return [value for value, _ in answers]
 
 
+@contextlib.contextmanager
+def _named_end() -> Iterator[None]:
+    """Raise an error that says so if a process has ended.
+
+    Raises:
+        gymnasium.error.Error: a process has ended.
+    """
+    try:
+        yield
+    except (EOFError, OSError):
+        raise gymnasium.error.Error("the vector is closed, or one of its processes has ended; make it again") from None
+
+
 def _work(pipe: Connection, function: bytes) -> None:
     """Answer the commands of the vector with pairs of a value and an exception, until "close"."""
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # the parent ends by it a process that has the parent's handler
     lane: Any = None
     while True:
         try:
             command, arguments = pipe.recv()
         except (EOFError, KeyboardInterrupt):
             command, arguments = "close", ()
+        if command == "close" and lane is None:
+            return
         answer: tuple[Any, Exception | None]
         try:
             lane = lane or _LaneWithFacts(cloudpickle.loads(function)())

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from atari.classic.core import Env
+from atari.classic.spaces import Space
 from atari.classic.vector.vector_env import Lane, VectorEnv, check_env_fns
 
 
@@ -12,6 +13,9 @@ class SyncVectorEnv(VectorEnv):
 
     Args:
         env_fns: functions that make the environments.
+        observation_space: the space of one environment's observations; None means the first environment's.
+        action_space: the space of one environment's actions; likewise.
+        copy: has no effect; observations are new arrays.
 
     Raises:
         ValueError: there are none.
@@ -26,12 +30,19 @@ class SyncVectorEnv(VectorEnv):
         ([1.0, 1.0], [False, False])
     """
 
-    def __init__(self, env_fns: Iterable[Callable[[], Env]]) -> None:
+    def __init__(
+        self,
+        env_fns: Iterable[Callable[[], Env]],
+        observation_space: Space[Any] | None = None,
+        action_space: Space[Any] | None = None,
+        copy: bool = True,
+    ) -> None:
         self.envs = [make() for make in check_env_fns(env_fns)]
         self._lanes = [Lane(env) for env in self.envs]
         first = self.envs[0]
         self.metadata, self.reward_range, self.spec = first.metadata, first.reward_range, first.spec
-        super().__init__(len(self.envs), first.observation_space, first.action_space)
+        spaces = observation_space or first.observation_space, action_space or first.action_space
+        super().__init__(len(self.envs), *spaces)
 
     def close(self) -> None:
         """Close the environments; later calls do nothing."""

@@ -4,6 +4,7 @@ from atari.classic.wrappers import monitoring, normalize
 from atari.classic.wrappers.atari_preprocessing import AtariPreprocessing
 from atari.classic.wrappers.frame_stack import FrameStack, LazyFrames
 from atari.classic.wrappers.monitor import Monitor
+from atari.classic.wrappers.record_episode_statistics import RecordEpisodeStatistics
 from atari.classic.wrappers.record_video import RecordVideo
 from atari.classic.wrappers.time_limit import TimeLimit
 from atari.classic.wrappers.transforms import (
@@ -11,7 +12,6 @@ from atari.classic.wrappers.transforms import (
     FlattenDictWrapper,
     FlattenObservation,
     GrayScaleObservation,
-    RecordEpisodeStatistics,
     RescaleAction,
     ResizeObservation,
     TransformObservation,

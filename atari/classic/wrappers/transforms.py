@@ -71,13 +71,6 @@ class FlattenDictWrapper(ObservationWrapper):
         return np.concatenate([np.ravel(observation[key]) for key in self.dict_keys])
 
 
-class RecordEpisodeStatistics(Bridge):
-    """`info["episode"]` at the end of an episode has its return "r", length "l" and time "t" in seconds."""
-
-    def __init__(self, env: Env, deque_size: int = 100) -> None:
-        super().__init__(env, lambda inside: wrappers.RecordEpisodeStatistics(inside, deque_size))
-
-
 class ClipAction(ActionWrapper):
     """Actions beyond the bounds of a Box are clipped to the bounds."""
 

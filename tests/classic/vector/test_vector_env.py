@@ -1,5 +1,6 @@
 """Several environments at once: in this process, and in processes of their own."""
 
+import multiprocessing
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from typing import Any
@@ -80,6 +81,23 @@ def test_methods_and_attributes(kind: Any) -> None:
         assert (envs.get_attr("end"), envs.call("twice", 4), envs.call("twice", number=5)) == ([2, 5], [8, 8], [10, 10])
 
 
+def test_given_spaces(kind: Any) -> None:
+    space = gym.spaces.Box(0, 5, (1,))
+    with closing(kind([lambda: gym.make("CartPole-v1")] * 2, action_space=space, copy=False)) as envs:
+        assert envs.single_action_space is space
+        assert envs.single_observation_space.shape == (4,)
+
+
+def test_statistics_of_a_vector(kind: Any) -> None:
+    envs: Any = gym.wrappers.RecordEpisodeStatistics(kind([lambda: Counter(2), lambda: Counter(9)]), deque_size=3)
+    envs.reset()
+    ended = [info["episode"] for _ in range(4) for info in envs.step([2, 1])[3] if "episode" in info]
+    assert [(each["r"], each["l"]) for each in ended] == [(2.0, 1)] * 4
+    assert (list(envs.return_queue), list(envs.length_queue), envs.episode_count) == ([2.0] * 3, [1] * 3, 4)
+    assert (envs.episode_returns.tolist(), envs.episode_lengths.tolist()) == ([0, 1 + 2 + 3 + 4], [0, 4])
+    envs.close()
+
+
 def test_an_error_of_an_environment_is_raised(kind: Any) -> None:
     with closing(kind([Counter, Counter])) as envs:
         envs.reset()
@@ -106,7 +124,8 @@ def test_a_failed_construction_is_raised() -> None:
 
     for kind in (SyncVectorEnv, AsyncVectorEnv):
         with pytest.raises(LookupError, match=r"^no such environment$"):
-            kind([fail])
+            kind([Counter, fail])
+    assert multiprocessing.active_children() == []
 
 
 @pytest.mark.parametrize("asynchronous", [False, True])
@@ -129,3 +148,19 @@ def test_closing_twice_ends_the_processes() -> None:
     envs.close()
     envs.close()
     assert [process.exitcode for process in processes] == [0, 0]
+
+
+def test_a_killed_process_is_an_error() -> None:
+    with closing(AsyncVectorEnv([Counter] * 2)) as envs:
+        envs.reset()
+        envs._processes[1].kill()
+        envs._processes[1].join()
+        with pytest.raises(gymnasium.error.Error, match=r"^the vector is closed, or one of its processes has ended; "):
+            envs.get_attr("end")
+
+
+def test_a_closed_vector_of_processes_is_an_error() -> None:
+    envs = AsyncVectorEnv([Counter] * 2)
+    envs.close(terminate=True)
+    with pytest.raises(gymnasium.error.Error, match=r"^the vector is closed, or one of its processes has ended; "):
+        envs.reset()

@@ -2,6 +2,7 @@
 
 import json
 import re
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -63,7 +64,8 @@ def test_two_triggers_are_an_error(tmp_path: Path) -> None:
     assert not (tmp_path / "x").exists()
 
 
-def test_a_recorder_by_itself(tmp_path: Path) -> None:
+def test_a_recorder_by_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path.parent))
     env = gym.make("CartPole-v0")
     env.reset()
     recorder = VideoRecorder(env, base_path=str(tmp_path / "cart"))
@@ -72,16 +74,31 @@ def test_a_recorder_by_itself(tmp_path: Path) -> None:
     recorder.close()
     recorder.close()
     assert (recorder.path, frames(tmp_path / "cart.mp4")) == (str(tmp_path / "cart.mp4"), 3)
+    somewhere = VideoRecorder(env)
+    somewhere.capture_frame()
+    somewhere.close()
+    assert frames(Path(somewhere.path)) == 1
     off = VideoRecorder(env, str(tmp_path / "off.mp4"), enabled=False)
     off.capture_frame()
     off.close()
     assert sorted(file.name for file in tmp_path.iterdir()) == ["cart.meta.json", "cart.mp4"]
 
 
+def test_an_environment_without_an_image(tmp_path: Path) -> None:
+    class Blind(gym.Env):
+        action_space = observation_space = gym.spaces.Discrete(2)
+
+        def render(self, mode: str = "human", **_: Any) -> Any:
+            return None
+
+    text = "render(mode='rgb_array') of <Blind instance> returned nothing; return the image"
+    with pytest.raises(gym.error.Error, match=f"^{re.escape(text)}$"):
+        VideoRecorder(Blind(), tmp_path / "a.mp4").capture_frame()
+
+
 @pytest.mark.parametrize(
     ("paths", "text"),
     [
-        ({}, "give either path or base_path, got path=None and base_path=None"),
         ({"path": "a.mp4", "base_path": "a"}, "give either path or base_path, got path='a.mp4' and base_path='a'"),
         ({"path": "a.gif"}, "videos are MP4 files, so path ends with .mp4, got 'a.gif'"),
     ],

@@ -1,0 +1,53 @@
+"""`RecordEpisodeStatistics`: the return and length of each episode."""
+
+import time
+from collections import deque
+from typing import Any
+
+import numpy as np
+
+from atari.classic.core import Env, Step, Wrapper
+
+
+class RecordEpisodeStatistics(Wrapper):
+    """`info["episode"]` at the end of an episode has its return "r", length "l" and time "t" in seconds.
+
+    `return_queue` and `length_queue` have those of the last episodes.
+
+    Args:
+        env: an environment, or a vector of them.
+        deque_size: the number of episodes in the queues.
+    """
+
+    def __init__(self, env: Env, deque_size: int = 100) -> None:
+        super().__init__(env)
+        self.is_vector_env = getattr(env, "is_vector_env", False)
+        self.num_envs = getattr(env, "num_envs", 1)
+        self.t0 = time.perf_counter()
+        self.episode_count = 0
+        self.return_queue: deque[float] = deque(maxlen=deque_size)
+        self.length_queue: deque[int] = deque(maxlen=deque_size)
+        self.episode_returns = np.zeros(self.num_envs)
+        self.episode_lengths = np.zeros(self.num_envs, np.int32)
+
+    def _reset(self, **options: Any) -> Any:
+        observation = self.env.reset(**options)
+        self.episode_returns[:], self.episode_lengths[:] = 0, 0
+        return observation
+
+    def _step(self, action: Any) -> Step:
+        observation, reward, done, info = self.env.step(action)
+        self.episode_returns += reward
+        self.episode_lengths += 1
+        infos: Any = info if self.is_vector_env else [info]
+        for lane in np.flatnonzero(done).tolist():
+            self._end(lane, infos[lane])
+        return observation, reward, done, info
+
+    def _end(self, lane: int, info: dict[str, Any]) -> None:
+        result, length = float(self.episode_returns[lane]), int(self.episode_lengths[lane])
+        info["episode"] = {"r": result, "l": length, "t": round(time.perf_counter() - self.t0, 6)}
+        self.return_queue.append(result)
+        self.length_queue.append(length)
+        self.episode_count += 1
+        self.episode_returns[lane], self.episode_lengths[lane] = 0, 0
