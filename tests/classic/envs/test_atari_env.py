@@ -92,3 +92,26 @@ def test_a_full_state_repeats_random_frame_skips() -> None:
 def test_wrong_arguments(wrong: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=r".{10}"):
         AtariEnv(**wrong)
+
+
+def test_an_object_around_the_emulator_can_be_assigned() -> None:
+    class Dark:
+        def __init__(self, ale: Any) -> None:
+            self.ale = ale
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(self.ale, name)
+
+        def getScreenRGB(self, *buffer: Any) -> Any:
+            return self.ale.getScreenRGB(*buffer) // 2
+
+    env, twin = AtariEnv("pong", obs_type="image", frameskip=4), AtariEnv("pong", obs_type="image", frameskip=4)
+    own = env.ale
+    env.unwrapped.ale = Dark(env.unwrapped.ale)  # type: ignore[attr-defined]
+    for each in (env, twin):
+        each.seed(0)
+    np.testing.assert_array_equal(env.reset(), twin.reset() // 2)
+    np.testing.assert_array_equal(env.step(2)[0], twin.step(2)[0] // 2)
+    np.testing.assert_array_equal(env.ale.getScreenRGB2(), twin.ale.getScreenRGB2() // 2)
+    env.ale = own
+    np.testing.assert_array_equal(env.step(2)[0], twin.step(2)[0])
