@@ -46,6 +46,12 @@ def memory_of_file(folder: Path) -> Any:
     return ReplayMemory(10, 1, (4, 4), path=folder / "a.replay")
 
 
+def played_through_another(folder: Path) -> Any:
+    env = atari.AtariEnv("pong")
+    env.ale = type("Ale", (), {"__getattr__": lambda self, name: getattr(env.driver.emulated, name)})()
+    return env
+
+
 def locked_run(folder: Path) -> Any:
     pytest.importorskip("torch")
     from atari.learning import RunFolder
@@ -69,6 +75,11 @@ REFUSED: Mapping[str, tuple[Callable[[Path], Any], str]] = {
     "atari.recording.video.writer.VideoWriter": (
         lambda folder: VideoWriter(folder / "a.gif", atari.games["pong"]),
         r"VideoWriter writes .*a\.gif and cannot be copied or pickled; make a new one",
+    ),
+    "AtariEnv with an assigned ale": (
+        played_through_another,
+        r"env\.ale was assigned, and that object plays this environment alone; assign the former env\.ale before you copy "
+        "or pickle the environment",
     ),
     "ReplayMemory with a file": (
         memory_of_file,

@@ -15,7 +15,7 @@ import numpy as np
 
 import atari
 import atari.classic as gym
-from atari import wrappers
+from atari import ale_py, wrappers
 from atari.actions import Action
 from atari.integrations import envpool
 from atari.lab import Freeze, Poke, Ram, RamLabels, Search, Watch
@@ -79,6 +79,22 @@ def frames(core: Any, count: int = 200) -> list[Any]:
             results.append(core.act(int(rng.integers(18))))
         results.append([plain(array()) for array in (core.ram, core.screen, core.audio)])
     return [*results, core.lives, core.frame_number, core.mode, core.difficulty]
+
+
+def raw_program() -> Any:
+    """An `ALEInterface` in the middle of a game."""
+    ale = ale_py.ALEInterface()
+    ale.setInt("random_seed", 5)
+    ale.loadROM(ale_py.roms.get_rom_path("breakout"))
+    raw_frames(ale, 50)
+    return ale
+
+
+def raw_frames(ale: Any, count: int = 200) -> list[Any]:
+    """Rewards, RAM and screens of the actions in turn."""
+    actions = ale.getMinimalActionSet()
+    played = ((ale.act(actions[number % len(actions)]), ale) for number in range(count))
+    return [(reward, ale.lives(), plain(ale.getRAM()), plain(ale.getScreenRGB())) for reward, ale in played]
 
 
 def match(env: Any, count: int = 40) -> list[Any]:
@@ -374,6 +390,8 @@ CASES: Mapping[str, Case] = {
         lambda: core(atari.cores.NativeCore, "breakout", sound=True, interventions=()),
         frames,
     ),
+    "atari.ale_py.interface.ALEInterface": (raw_program, raw_frames),
+    "atari.ale_py.interface.LoggerMode": (lambda: ale_py.LoggerMode.Error, itself),
     "atari.cores.native.PlainCore": (lambda: core(atari.cores.PlainCore, "breakout", difficulty=1), frames),
     "atari.testing.contract.ContractError": (lambda: ContractError("a sentence"), text),
     "atari.recording.video.record_video.RecordVideo": (lambda: video(lambda: atari.AtariEnv("pong")), steps),
