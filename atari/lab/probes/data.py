@@ -128,7 +128,7 @@ def play_episodes(
                     episodes.append(_stacked(parts[lane], envs.task))
                     parts[lane] = []
                 parts[lane].append((observation["image"][lane].copy(), observation["ram"][lane].copy()))
-            actions = generator.integers(envs.single_action_space.n, size=num_envs)  # type: ignore[attr-defined]
+            actions = generator.integers(envs.single_action_space.n, size=num_envs)
             if policy is not None:
                 chosen = np.asarray(policy(observation["image"], lanes))
                 actions = np.where(generator.random(num_envs) < epsilon, actions, chosen)

@@ -76,7 +76,7 @@ class AtariEnv(Adapted):
 
     @ale.setter
     def ale(self, ale: Any) -> None:
-        self._env.ale = ale.interface if isinstance(ale, OldAle) else ale  # type: ignore[misc]
+        self._env.ale = ale.interface if isinstance(ale, OldAle) else ale
 
     @property
     def game(self) -> str:
