@@ -7,8 +7,8 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
-from crash_model import Disk  # noqa: E402
-from crash_trainings import TINY, Outcome, assert_goes_on, outcome, train  # noqa: E402
+from crash_model import Disk, FullDisk  # noqa: E402
+from crash_trainings import TINY, Outcome, assert_ends_or_says_so, assert_goes_on, outcome, train  # noqa: E402
 
 IMAGES = 12
 """Images of each agent and kind; the attacker `crashes` makes as many as its time allows."""
@@ -35,3 +35,18 @@ def test_a_crash_loses_nothing(whole: tuple[str, Disk, Outcome], tmp_path: Path,
         assert not train(agent, path, Disk(path, number, image, generator if power else None))
         has_config = disk.first_config is not None and number >= disk.first_config
         assert_goes_on(image, expected, has_config, f"{agent} before operation {number}, {disk.names[number]}")
+
+
+@pytest.mark.filterwarnings("ignore:no checkpoint at step:RuntimeWarning", "ignore:the log is kept:RuntimeWarning")
+def test_a_full_disk_ends_a_training_with_a_reason(whole: tuple[str, Disk, Outcome], tmp_path: Path) -> None:
+    agent, disk, expected = whole
+    for first in range(0, disk.count, max(1, disk.count // 4)):
+        full = range(first, first + 1000)
+        assert_ends_or_says_so(tmp_path / f"run-{first}", agent, full, disk, expected)
+
+
+@pytest.mark.filterwarnings("ignore:no checkpoint at step:RuntimeWarning", "ignore:the log is kept:RuntimeWarning")
+def test_a_checkpoint_that_fails_may_be_one_that_the_memory_needs(tmp_path: Path) -> None:
+    options = {"compress": True, "num_envs": 8}
+    with pytest.raises(OSError, match="the replay memory needs a checkpoint at step"):
+        train("dqn", tmp_path / "run", FullDisk(tmp_path / "run", range(26, 1026)), **options)

@@ -5,6 +5,7 @@ process that is killed leaves it, or as a loss of power can leave it, when any p
 sync of their file, and any names that changed since the last sync of the folder, are lost.
 """
 
+import errno
 import os
 import random
 import shutil
@@ -112,6 +113,19 @@ class Disk:
                 page = kept[start : min(start + _PAGE, size)]
                 result[start : start + _PAGE] = page.ljust(min(_PAGE, size - start), b"\0")
         return bytes(result)
+
+
+class FullDisk(Disk):
+    """A disk without room for some operations."""
+
+    def __init__(self, folder: Path, full: range) -> None:
+        super().__init__(folder, -1)
+        self.full = full
+
+    def before(self, name: str, arguments: tuple[Any, ...]) -> None:
+        super().before(name, arguments)
+        if name == "write" and self.count in self.full:
+            raise OSError(errno.ENOSPC, "No space left on device")
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import torch
-from crash_model import Disk, Stopped, on
+from crash_model import Disk, FullDisk, Stopped, on
 from small_trainings import make_options
 
 from atari.learning.agents import dqn
@@ -73,3 +73,16 @@ def assert_goes_on(image: Path, expected: Outcome, has_config: bool, where: str)
     weights, rows = outcome(image)
     assert all(torch.equal(weights[name], value) for name, value in expected[0].items()), where
     assert rows == expected[1], where
+
+
+def assert_ends_or_says_so(path: Path, agent: str, full: range, disk: Disk, expected: Outcome, **options: Any) -> None:
+    """A training whose disk has no room for some operations ends as ever, or raises an `OSError` and goes on later."""
+    where = f"{agent} {options}, full at {full}"
+    try:
+        assert train(agent, path, FullDisk(path, full), **options)
+    except OSError:
+        certain = disk.first_config is not None and full.start >= disk.first_config
+        assert_goes_on(path, expected, certain, where)
+        return
+    weights, _ = outcome(path)
+    assert all(weights[name].equal(value) for name, value in expected[0].items()), where

@@ -175,7 +175,7 @@ class DQN(Agent):
 
     def update(self) -> dict[str, float] | None:
         """Play some steps, and learn meanwhile. Returns the columns of the log; see `Agent.update`."""
-        while True:
+        while not self.memory.must_flush:
             observations = self.memory.observations()
             if self.options.normalize and self.steps < 100_000:  # then they are fixed, as the memory has older frames
                 self._normalize(observations)
@@ -186,8 +186,8 @@ class DQN(Agent):
                 self.values.append(value)
             if self.steps // self.options.num_envs % self._rows_of_update() == 0:
                 break
-            if self.memory.must_flush:
-                return None
+        else:
+            return None
         losses, values = self.losses or [0.0], self.values or [0.0]
         self.losses, self.values = [], []
         return {
