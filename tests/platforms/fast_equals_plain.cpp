@@ -28,7 +28,8 @@ class Pair {
     Pair(const Words& words, bool translated) : random_(static_cast<uint32_t>(number(words, "seed"))) {
         const std::vector<uint8_t> image = bytes(text(words, "image"));
         const std::string type = text(words, "cartridge");
-        ConsoleConfig config{chance(3) ? 0 : 34, 210, chance(20), chance(80), {chance(50), chance(50)}, chance(30), chance(30)};
+        ConsoleConfig config{chance(3) ? 0 : 34,       210,        chance(20), chance(80),
+                             {chance(50), chance(50)}, chance(30), chance(30)};
         const auto cartridge = std::make_shared<const FastCartridge>(image, type, translated);
         if (cartridge->translated_code().any() != translated) throw std::runtime_error("no code is translated here");
         consoles_[0] = std::make_unique<FastConsole>(cartridge, config);

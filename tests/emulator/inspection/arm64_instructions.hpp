@@ -136,8 +136,7 @@ inline std::map<std::string, std::vector<uint8_t>> instructions() {
              c.call(a);
              c.ret();
          }},
-        {"add_with_carry",
-         [=](Assembler& c) { c.add_with_carry(a, Byte{{}, near, b}, b, Mem{base, 9}, false); }},
+        {"add_with_carry", [=](Assembler& c) { c.add_with_carry(a, Byte{{}, near, b}, b, Mem{base, 9}, false); }},
         {"add_constant_with_carry",
          [=](Assembler& c) { c.add_with_carry(a, Byte{uint8_t{0x12}, {}, b}, b, Mem{base, 9}, false); }},
         {"add", [=](Assembler& c) { c.add_with_carry(a, Byte{{}, {}, index}, b, Mem{base, 9}, true); }},

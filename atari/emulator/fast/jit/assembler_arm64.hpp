@@ -232,8 +232,8 @@ class Assembler {
         put(0x1a800400 | reg << 16 | opposite_code(If::not_below) << 12 | reg << 5 | reg);
     }
 
-    // The arithmetic of the 6502. `carry` holds 0 or 1. `overflow` becomes 0 or not. The bytes are in the upper 8 bits
-    // for it, so that the processor's own flags are those of the 6502.
+    // The arithmetic of the 6502. `carry` holds 0 or 1. `overflow` becomes 0 or not. The bytes stand in the upper 8 bits,
+    // so that the processor's own flags are those of the 6502.
     // Adds, with the carry unless it is known to be 0.
     void add_with_carry(Reg to, const Byte& with, Reg carry, Mem overflow, bool is_clear) {
         if (is_clear) {
@@ -344,7 +344,6 @@ class Assembler {
 
     // Emits a jump over few bytes. `bind_short` sets its target.
     ShortJump jump_short(If condition) {
-        // Of a single bit.
         if (condition_.what == Condition::kByte && (condition == If::sign || condition == If::not_sign)) {
             require_fresh();
             put((condition == If::sign ? kJumpIfBit : kJumpIfNoBit) | 7 << 19 | condition_.reg);
@@ -359,9 +358,10 @@ class Assembler {
     static constexpr Reg kFirst = numbered(16), kSecond = numbered(17), kSaved = numbered(15), kStack = numbered(31);
     static constexpr uint32_t kWide = 0x80000000, kAdd = 0x0b000000, kOr = 0x2a000000, kBitField = 0x53000000,
                               kSubtractAndCompare = 0x6b000000, kShiftByRegister = 0x1ac02400, kSet = 0x1a9f07e0,
-                              kLoad = 1 << 22, kStore = 0, kJump = 0x14000000, kJumpIfBit = 0x37000000, kJumpIfNoBit = 0x36000000;
+                              kLoad = 1 << 22, kStore = 0, kJump = 0x14000000, kJumpIfBit = 0x37000000,
+                              kJumpIfNoBit = 0x36000000;
 
-    // What the next jump depends on.
+    // The last test or comparison, which the next jump uses.
     struct Condition {
         enum { kNone, kFlags, kZero, kByte, kBit } what = kNone;
         Reg reg = kNoRegister;
@@ -405,8 +405,10 @@ class Assembler {
         const auto value = static_cast<uint32_t>(with);
         const auto constant = logical_constant(value);
         if (!constant) return put(operation(what) | in_register(value, kSecond) << 16 | from << 5 | to);
-        put((what == Alu::and_ ? 0x12000000 : what == Alu::or_ ? 0x32000000 : 0x52000000) | *constant << 10 |
-            from << 5 | to);
+        put((what == Alu::and_  ? 0x12000000
+             : what == Alu::or_ ? 0x32000000
+                                : 0x52000000) |
+            *constant << 10 | from << 5 | to);
     }
     void add_constant(Reg to, Reg from, int32_t value, uint32_t wide) {
         const uint32_t opcode = wide | (value < 0 ? 0x51000000u : 0x11000000u);
@@ -510,7 +512,7 @@ class Assembler {
         condition_ = {Condition::kBit, kFirst, 0, size()};
     }
 
-    // Returns a conditional jump without its distance. What must come before it is emitted.
+    // Returns a conditional jump without its distance. Emits the instruction that must come before it, if any.
     uint32_t conditional(If condition) {
         const Condition before = condition_;
         if (before.what == Condition::kFlags) return 0x54000000 | code(condition);
@@ -550,8 +552,7 @@ class Assembler {
         const bool always = is_unconditional(instruction);
         const bool of_bit = (instruction & 0x7e000000) == 0x36000000;
         const int bits = always ? 26 : of_bit ? 14 : 19;
-        if (distance < -(1 << (bits - 1)) || distance >= 1 << (bits - 1))
-            throw JumpTooFar();
+        if (distance < -(1 << (bits - 1)) || distance >= 1 << (bits - 1)) throw JumpTooFar();
         const uint32_t field = static_cast<uint32_t>(distance) & ((1u << bits) - 1);
         instruction |= always ? field : field << 5;
         std::memcpy(bytes_.data() + at, &instruction, 4);

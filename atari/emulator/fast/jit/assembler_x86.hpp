@@ -291,9 +291,7 @@ class Assembler {
         else if (with.memory) code({opcode(what, 2)}, to, *with.memory, false, true);
         else code({opcode(what, 2)}, to, with.reg, false, true);
     }
-    void set(int condition, Reg reg) {
-        code({0x0f, static_cast<uint8_t>(0x90 + condition)}, rax, reg, false, true);
-    }
+    void set(int condition, Reg reg) { code({0x0f, static_cast<uint8_t>(0x90 + condition)}, rax, reg, false, true); }
     void set_overflow(Mem byte) { code({0x0f, 0x90}, rax, byte); }
 
     void put(uint8_t byte) { bytes_.push_back(byte); }
@@ -331,7 +329,8 @@ class Assembler {
         put(static_cast<uint8_t>((small ? 0x40 : 0x80) | (reg & 7) << 3 | (indexed ? 4 : mem.base & 7)));
         if (indexed) {
             const int scale = mem.scale == 8 ? 3 : mem.scale == 4 ? 2 : mem.scale == 2 ? 1 : 0;
-            put(static_cast<uint8_t>(scale << 6 | (mem.index == kNoRegister ? rsp : mem.index & 7) << 3 | (mem.base & 7)));
+            put(static_cast<uint8_t>(scale << 6 | (mem.index == kNoRegister ? rsp : mem.index & 7) << 3 |
+                                     (mem.base & 7)));
         }
         if (small) put(static_cast<uint8_t>(mem.displacement));
         else put32(static_cast<uint32_t>(mem.displacement));

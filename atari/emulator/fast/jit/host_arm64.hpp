@@ -20,8 +20,7 @@ inline constexpr Reg kResult = numbered(0);
 inline constexpr Reg kReturn = numbered(24);  // the link register of a routine, while it calls a function
 
 // The registers that a function must keep, as far as translated code changes them, in pairs.
-inline constexpr Reg kKept[][2] = {
-    {numbered(29), kLink}, {kConsole, kRam}, {kRegisters, kCycles}, {kLog, kReturn}};
+inline constexpr Reg kKept[][2] = {{numbered(29), kLink}, {kConsole, kRam}, {kRegisters, kCycles}, {kLog, kReturn}};
 
 // Begins translated code, a function of the registers, the console and an entry. The entry is then in t0.
 inline void enter(Assembler& a) {

@@ -64,9 +64,7 @@ void Translator::call_handler(std::size_t place) {
     call_routine(handler_of(decoded_[place]));
 }
 
-void Translator::call_routine(uint16_t handler) {
-    call_routine_or_exit(a_, handlers_[handler], exit_);
-}
+void Translator::call_routine(uint16_t handler) { call_routine_or_exit(a_, handlers_[handler], exit_); }
 
 // Emits the entry for code that does not come from the preceding instruction. The entry establishes the block-entry
 // state. If only the block can do that, the entry calls the handler and continues at the next instruction.

@@ -27,13 +27,8 @@ void Translator::emit(const BlockInstruction& instruction) {
     }
     if (!slow_.has_jumps()) return;
     const auto what = is_jump(instruction.operation) ? SlowPath::kJumpByHandler : SlowPath::kHandler;
-    slow_paths_.push_back({slow_,
-                           what,
-                           instruction.place,
-                           before,
-                           instruction.cycles_after,
-                           instruction.entry.nz,
-                           {a_.here()}});
+    slow_paths_.push_back(
+        {slow_, what, instruction.place, before, instruction.cycles_after, instruction.entry.nz, {a_.here()}});
 }
 
 void Translator::emit_inline() {
