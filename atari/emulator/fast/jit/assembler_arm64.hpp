@@ -232,8 +232,8 @@ class Assembler {
         put(0x1a800400 | reg << 16 | opposite_code(If::not_below) << 12 | reg << 5 | reg);
     }
 
-    // The arithmetic of the 6502. `carry` holds 0 or 1. `overflow` becomes 0 or not. The bytes are in the upper 8 bits
-    // for it, so that the processor's own flags are those of the 6502.
+    // The arithmetic of the 6502. `carry` holds 0 or 1. `overflow` becomes 0 or not. The bytes stand in the upper 8 bits,
+    // so that the processor's own flags are those of the 6502.
     // Adds, with the carry unless it is known to be 0.
     void add_with_carry(Reg to, const Byte& with, Reg carry, Mem overflow, bool is_clear) {
         if (is_clear) {
@@ -344,7 +344,6 @@ class Assembler {
 
     // Emits a jump over few bytes. `bind_short` sets its target.
     ShortJump jump_short(If condition) {
-        // Of a single bit.
         if (condition_.what == Condition::kByte && (condition == If::sign || condition == If::not_sign)) {
             require_fresh();
             put((condition == If::sign ? kJumpIfBit : kJumpIfNoBit) | 7 << 19 | condition_.reg);
@@ -362,7 +361,7 @@ class Assembler {
                               kLoad = 1 << 22, kStore = 0, kJump = 0x14000000, kJumpIfBit = 0x37000000,
                               kJumpIfNoBit = 0x36000000;
 
-    // What the next jump depends on.
+    // The last test or comparison, which the next jump uses.
     struct Condition {
         enum { kNone, kFlags, kZero, kByte, kBit } what = kNone;
         Reg reg = kNoRegister;
@@ -513,7 +512,7 @@ class Assembler {
         condition_ = {Condition::kBit, kFirst, 0, size()};
     }
 
-    // Returns a conditional jump without its distance. What must come before it is emitted.
+    // Returns a conditional jump without its distance. Emits the instruction that must come before it, if any.
     uint32_t conditional(If condition) {
         const Condition before = condition_;
         if (before.what == Condition::kFlags) return 0x54000000 | code(condition);
