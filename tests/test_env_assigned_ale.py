@@ -266,3 +266,14 @@ def test_the_score_begins_anew_when_the_game_is_reset_through_ale() -> None:
 def test_before_any_reset_a_step_is_refused() -> None:
     with pytest.raises(gymnasium.error.ResetNeeded):
         AtariEnv("pong").step(0)
+
+
+@pytest.mark.parametrize("ale", [5, {"act": 1}, object()])
+def test_an_object_that_cannot_play_is_refused(ale: Any) -> None:
+    env = AtariEnv("pong")
+    env.reset(seed=0)
+    own = env.ale
+    with pytest.raises(TypeError, match="has no method act; wrap the former env"):
+        env.ale = ale
+    assert env.ale is own
+    env.step(0)

@@ -22,7 +22,13 @@ SPEC.loader.exec_module(tests_for)
         (
             "atari/env.py",
             [
-                ["tests/test_env.py", "tests/test_env_observers.py", "tests/test_env_snapshots.py"],
+                [
+                    "tests/test_env.py",
+                    "tests/test_env_assigned_ale.py",
+                    "tests/test_env_hooks.py",
+                    "tests/test_env_observers.py",
+                    "tests/test_env_snapshots.py",
+                ],
                 ["tests/conformance/test_ale_goldens.py"],
             ],
         ),

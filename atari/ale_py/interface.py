@@ -17,7 +17,12 @@ ALEState = _emulator.State
 
 
 class LoggerMode(enum.Enum):
-    """The messages that ale-py prints. Nothing is printed here."""
+    """The messages that ale-py prints. Nothing is printed here.
+
+    Example:
+        >>> from atari.ale_py import ALEInterface, LoggerMode
+        >>> ALEInterface.setLoggerMode(LoggerMode.Error)
+    """
 
     Info = 0
     Warning = 1

@@ -74,7 +74,17 @@ class AleGame:
             self.core = core
 
     def play_through(self, ale: Any) -> None:
-        """Play and read the game through an object with the methods of ale-py's `ALEInterface`; None ends this."""
+        """Play and read the game through an object with the methods of ale-py's `ALEInterface`; None ends this.
+
+        Raises:
+            TypeError: the object cannot play.
+        """
+        forwards = hasattr(type(ale), "__getattr__")  # a look-up would run the user's code
+        if ale is not None and not forwards and not callable(getattr(ale, "act", None)):
+            raise TypeError(
+                f"ale must be an object with the methods of ale-py's ALEInterface, and {ale!r} has no method act; "
+                "wrap the former env.ale"
+            )
         self.core = self.emulated if ale is None else AssignedAle(self.emulated, ale)
 
     def game_was_reset(self) -> None:
