@@ -233,7 +233,7 @@ def test_attributes_are_those_of_one_environment() -> None:
     assert ale.getScreenRGB().shape == (*ale.getScreenDims(), 3)
     with pytest.raises(AttributeError, match="act"):
         ale.act(0)
-    with pytest.raises(ValueError, match=r"out must be a uint8 array of shape \(128,\)"):
+    with pytest.raises(ValueError, match=r"must be a uint8 array of shape \(128,\)"):
         ale.getRAM(np.empty(3, np.uint8))
 
 
