@@ -1,6 +1,6 @@
 """ale-py's module under another name: `import atari.ale_py as ale_py` runs programs that were written for it.
 
-The names are those of ale-py 0.12, and `docs/ale-py.md` lists the differences. The games are played by the native core.
+ale-py 0.12 has the same names, and `docs/ale-py.md` lists the differences. The games are played by the native core.
 
 Example:
     >>> import atari.ale_py as ale_py

@@ -91,7 +91,7 @@ class Viewer:
             self._pygame.display.quit()
 
     def _take_events(self) -> bool:
-        """Take the events of the window, and those of keys if the script has a handler; False if the user closed it."""
+        """Take the window's events, and key events if the script has a handler; False if the user closed it."""
         pygame, window = self._pygame, self.window
         handlers = {pygame.KEYDOWN: window.on_key_press, pygame.KEYUP: window.on_key_release}
         for event in pygame.event.get([pygame.QUIT, *(kind for kind, handler in handlers.items() if handler)]):

@@ -20,7 +20,7 @@ _ARRAYS = ("ram", "screen", "audio")
 
 @dataclass(frozen=True)
 class Machine:
-    """What the native core runs on this machine: the platform, and which of its fast paths."""
+    """The platform of this machine, and the fast paths that the native core uses on it."""
 
     platform: str
     python: str

@@ -15,7 +15,7 @@ from atari.classic.core import Env
 class Adapted(Adapter):
     """An environment of the class `original`; a direct subclass sets it.
 
-    A user's subclass may replace methods and constants of the class `original`, other than those of `Env`: they are
+    A user's subclass may replace methods and constants of the class `original`, except the methods of `Env`: they are
     replaced in the adapted environment too, whose `step` uses them.
     """
 

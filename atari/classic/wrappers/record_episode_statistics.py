@@ -12,7 +12,7 @@ from atari.classic.core import Env, Step, Wrapper
 class RecordEpisodeStatistics(Wrapper):
     """`info["episode"]` at the end of an episode has its return "r", length "l" and time "t" in seconds.
 
-    `return_queue` and `length_queue` have those of the last episodes.
+    `return_queue` and `length_queue` have the returns and lengths of the last episodes.
 
     Args:
         env: an environment, or a vector of them.

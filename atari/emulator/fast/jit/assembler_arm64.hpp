@@ -233,7 +233,7 @@ class Assembler {
     }
 
     // The arithmetic of the 6502. `carry` holds 0 or 1. `overflow` becomes 0 or not. The bytes stand in the upper 8 bits,
-    // so that the processor's own flags are those of the 6502.
+    // so that the processor's own flags equal the flags of the 6502.
     // Adds, with the carry unless it is known to be 0.
     void add_with_carry(Reg to, const Byte& with, Reg carry, Mem overflow, bool is_clear) {
         if (is_clear) {

@@ -241,7 +241,7 @@ void Translator::load_operand() {
     a_.load16(t1, Mem{t1, Offsets::instruction_operand()});
 }
 
-// Loads the TIA input at the address in t1 into A: bit 7 is the input, the other bits are those of the bus, from t2.
+// Loads the TIA input at the address in t1 into A: bit 7 is the input, the other bits come from the bus, in t2.
 void Translator::emit_input(int32_t cost) {
     a_.alu(Alu::add, kCycles, cost);
     a_.alu(Alu::and_, t1, 7);
