@@ -21,9 +21,9 @@ from atari.learning import (
     evaluate,
     load_policy,
 )
-from atari.learning.evaluation.compare import Comparison, budget_faults, protocol_faults
+from atari.learning.evaluation.compare import Comparison, budget_faults
 from atari.learning.evaluation.played import Entry
-from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol
+from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol, refusal
 from atari.task.arguments import add_task, seed, show_task
 
 
@@ -98,7 +98,7 @@ def _check_before_playing(args: argparse.Namespace) -> None:
     """Raise errors before the games, which may take hours, rather than after them."""
     protocol = find_protocol(args.protocol)
     Published.human_scores(args.human)
-    _check_comparable(args, lambda agent: protocol_faults(protocol, agent))
+    _check_comparable(args, lambda agent: list(filter(None, [refusal(protocol, agent)])))
     if args.plot:
         if not args.compare:
             raise ValueError("--plot draws a comparison; name a published agent with --compare")
@@ -168,17 +168,20 @@ def _print(args: argparse.Namespace, result: Result, comparison: Comparison | No
 
 def _list(args: argparse.Namespace) -> int:
     agents = [Published(name) for name in Published.names()]
+    comparable = {name: protocol.comparable for name, protocol in PROTOCOLS.items()}
     if args.json:
-        print_json({"protocols": PROTOCOLS, "sets": GAME_SETS, "published": [agent.name for agent in agents]})
+        names = [agent.name for agent in agents]
+        print_json({"protocols": PROTOCOLS, "comparable": comparable, "sets": GAME_SETS, "published": names})
         return 0
-    rows: list[Any] = [(name, f"{len(games)} games") for name, games in GAME_SETS.items()]
     for protocol in PROTOCOLS.values():
         print(protocol)
     print()
-    print_table(rows)
+    print_table((name, f"{len(games)} games") for name, games in GAME_SETS.items())
     print()
-    print_table(
-        (agent.name, f"{len(agent.games)} games", "curves" if agent.has_curves else "scores", agent.source["repo"])
-        for agent in agents
-    )
+    fitting = {agent: name for name, names in comparable.items() for agent in names}
+    rows: list[Any] = [("published agent", "games", "has", "comparable by protocol", "source")]
+    for agent in agents:
+        kind, protocol_name = "curves" if agent.has_curves else "scores", fitting.get(agent.name, "none")
+        rows.append((agent.name, len(agent.games), kind, protocol_name, agent.source["repo"]))
+    print_table(rows)
     return 0

@@ -18,34 +18,62 @@ from typing import Any
 OUTPUT = Path(__file__).parents[2] / "atari" / "learning" / "evaluation" / "data"
 
 
-def facts(sticky: float, noops: int, actions: str, max_frames: int | None, phase: str) -> dict[str, Any]:
-    """The facts that must be equal to compare scores; None means not stated. All sources play four frames an action."""
+def facts(
+    sticky: float | None,
+    noops: tuple[int | None, int | None],
+    actions: str | None,
+    max_frames: int | None,
+    phase: str,
+    lives: str | None = "continue",
+) -> dict[str, Any]:
+    """The facts that must be equal to compare scores; None means not stated. All sources play four frames an action.
+
+    `lives` is "fire" where FIRE is pressed after each lost life, else "continue"; one FIRE at the start does not count.
+    """
     return {
         "repeat_action_probability": sticky,
-        "noop_max": noops,
-        "full_action_space": actions == "all",
+        "noop_min": noops[0],
+        "noop_max": noops[1],
+        "full_action_space": None if actions is None else actions == "all",
         "frame_skip": 4,
         "max_frames": max_frames,
+        "lives": lives,
         "phase": phase,
     }
 
 
+NONE, BASELINES, DREAMER = (0, 0), (1, 30), (0, 30)
+"""No-ops at the start of a game, (least, most). Baselines' wrapper and alewrap draw 1..30, DreamerV3 draws 0..30."""
+
+BEST = "evaluation of the best network"
 PROTOCOLS = {
-    "dopamine": facts(0.25, 0, "minimal", 108_000, "training, epsilon 0.01"),
-    "dopamine_nets": facts(0.25, 0, "minimal", 100_000, "training, epsilon 0.01"),
-    "dreamerv3/atari57": facts(0.25, 30, "all", 108_000, "training"),
-    "dreamerv3/atari100k": facts(0.0, 30, "minimal", 108_000, "training, one to a few games a seed"),
-    "cleanba": facts(0.25, 1, "all", 108_000, "training, the last 100 logged values"),
-    "cleanrl": facts(0.0, 30, "minimal", None, "training"),
-    "cleanrl/ppo_rnd_envpool": facts(0.25, 30, "minimal", None, "training"),
-    "sb3_zoo": facts(0.0, 30, "minimal", None, "evaluation of the last network, actions sampled"),
-    "pfrl": facts(0.0, 30, "minimal", 108_000, "evaluation of the best network"),
-    "pfrl/dqn": facts(0.0, 30, "minimal", 18_000, "evaluation of the best network"),
-    "papers/dqn2015": facts(0.0, 30, "minimal", 18_000, "evaluation of the best network, epsilon 0.05"),
-    "papers/rainbow": facts(0.0, 30, "minimal", None, "evaluation of the best network"),
-    "papers/agent57": facts(0.0, 30, "minimal", None, "evaluation"),
+    # rainbow.gin and others: sticky actions, epsilon 0.01 of the training, 27,000 steps; atari_lib.py: minimal actions
+    "dopamine": facts(0.25, NONE, "minimal", 108_000, "training, epsilon 0.01"),
+    # atari_lib.py with Gymnasium: max_num_frames_per_episode=100_000
+    "dopamine_nets": facts(0.25, NONE, "minimal", 100_000, "training, epsilon 0.01"),
+    # configs.yaml, env.atari and env.atari100k; atari.py: a limit of 108,000 frames, rng.integers(noops + 1)
+    "dreamerv3/atari57": facts(0.25, DREAMER, "all", 108_000, "training"),
+    "dreamerv3/atari100k": facts(0.0, DREAMER, "minimal", 108_000, "training, one to a few games a seed"),
+    # only its scores are in the repository of DreamerV3
+    "dreamerv3/atari57/muzero": facts(None, (None, None), None, None, "training", lives=None),
+    # cleanba_ppo.py, cleanba_impala.py: EnvPool with noop_max=1, episodic_life=False, full_action_space=True
+    "cleanba": facts(0.25, (1, 1), "all", 108_000, "training, the last 100 logged values"),
+    # the wrappers of Baselines, or EnvPool with episodic_life=True, which presses FIRE after lost lives too
+    "cleanrl": facts(0.0, BASELINES, "minimal", None, "training", lives="fire"),
+    "cleanrl/ppo_rnd_envpool": facts(0.25, BASELINES, "minimal", None, "training", lives="fire"),
+    "sb3_zoo": facts(0.0, BASELINES, "minimal", None, "evaluation of the last network, actions sampled", lives="fire"),
+    # train_*.py, test=True: no episodic lives; wrap_deepmind has fire_reset=False; epsilon by agent
+    "pfrl/dqn": facts(0.0, BASELINES, "minimal", 18_000, f"{BEST}, epsilon 0.05"),
+    "pfrl/iqn": facts(0.0, BASELINES, "minimal", 108_000, f"{BEST}, epsilon 0.001"),
+    "pfrl/rainbow": facts(0.0, BASELINES, "minimal", 108_000, BEST),
+    "pfrl/a3c": facts(0.0, BASELINES, "minimal", 108_000, f"{BEST}, actions sampled"),
+    "papers/dqn2015": facts(0.0, BASELINES, "minimal", 18_000, f"{BEST}, epsilon 0.05"),
+    # Hessel et al. 2018: no-op starts, up to 30; "truncated at 108K frames (or 30 minutes of simulated play)"
+    "papers/rainbow": facts(0.0, BASELINES, "minimal", 108_000, BEST),
+    # the table of preprocessing in Badia et al. 2020 ("Never Give Up"), whose environments Agent57 has: action set full
+    "papers/agent57": facts(0.0, (None, 30), "all", 108_000, "evaluation"),
 }
-"""By source, or by source and agent where agents differ."""
+"""By source, or by source and agent where agents differ; the comment above a line names where it was read."""
 
 ALIASES = {
     "cleanrl/ppo": "cleanrl/ppo_atari_envpool_xla_jax",
@@ -94,9 +122,8 @@ def main() -> None:
     }
     for name, agents in files.items():
         for agent, entry in agents.items():
-            entry["protocol"] = next(
-                PROTOCOLS[key] for key in (f"{name}/{agent}", f"{name}/{agent.split('/')[0]}", name) if key in PROTOCOLS
-            )
+            keys = (f"{name}/{agent}", f"{name}/{agent.split('/')[0]}", name)
+            entry["protocol"] = next(PROTOCOLS[key] for key in keys if key in PROTOCOLS)
         write(name, agents)
     write("human", human(published / "human_random.json"))
     write(

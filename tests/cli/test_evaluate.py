@@ -1,6 +1,7 @@
 """`atari evaluate`: its output, and errors that come before the first game."""
 
 import json
+import re
 
 import pytest
 from cli_tools import read, read_json
@@ -48,6 +49,9 @@ def test_lists(capsys):
     content = read_json(capsys, "evaluate", "--list")
     assert list(content["protocols"]) == list(PROTOCOLS)
     assert content["published"] == list(Published.names())
+    assert content["comparable"]["dqn2015"] == ["papers/dqn2015", "pfrl/dqn"]
+    assert re.search(r"^papers/rainbow +54 +scores +noop_starts +seungjaeryanlee/rldb", text, re.MULTILINE)
+    assert re.search(r"^papers/agent57 +57 +scores +none ", text, re.MULTILINE)
     for name in (*PROTOCOLS, *content["sets"], *content["published"]):
         assert name in text
 
@@ -70,6 +74,7 @@ def test_lists(capsys):
         (("random", "pong", "--protocol", "dopamin"), "did you mean 'dopamine'"),
         (("random", "pong", "--compare", "dopamine/rainbw"), "dopamine/rainbow"),
         (("random", "pong", "--compare", "cleanrl/ppo"), "cleanrl/ppo is not comparable: repeat_action_probability"),
+        (("random", "pong", "--compare", "cleanrl/ppo"), "protocol 'baselines' has its environments; --mixed compares"),
         (
             ("random", "pong", "--protocol", "dopamine", "--compare", "dopamine/rainbow", "--frames", "262144"),
             "dopamine/rainbow is not comparable: the first scores",

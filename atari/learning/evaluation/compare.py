@@ -11,7 +11,7 @@ import numpy as np
 
 from atari.files import durable
 from atari.games.catalog import games
-from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences
+from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences, refusal
 from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result, aligned
 from atari.learning.evaluation.statistics import (
@@ -173,9 +173,8 @@ def compare(
     frames = _common_frames(results, frames, faults)
     faults += [*_human_faults(human, protocol), *_game_faults(results)]
     for other in others:
-        faults += [
-            f"{other.name}: {fault}" for fault in (*protocol_faults(protocol, other), *budget_faults(other, frames))
-        ]
+        found = (refusal(protocol, other), *budget_faults(other, frames))
+        faults += [f"{other.name}: {fault}" for fault in found if fault]
     if faults and not mixed:
         raise ValueError(f"these are not comparable: {'; '.join(faults)}; mixed=True compares them, and says so")
     played = {one.game for result in results for one in result.games}
@@ -214,22 +213,6 @@ def _notes(
     if set(comparison.games) >= set(GAME_SETS["atari5"]):
         estimates = (f"{row.name} {atari5_estimate(comparison.normalised(row)):.3f}" for row in comparison.rows)
         yield f"Atari-5's estimate of the median over 57 games: {', '.join(estimates)}"
-
-
-def protocol_faults(protocol: EvaluationProtocol, other: Published) -> list[str]:
-    """The differences between a protocol and the environments of a published agent, in words.
-
-    One no-op is no random start, and counts as none. A limit of frames that is not stated is no difference.
-    """
-    facts = other.protocol
-    pairs = [
-        ("repeat_action_probability", protocol.repeat_action_probability, facts["repeat_action_probability"]),
-        ("noop_max", protocol.noop_max if protocol.noop_max > 1 else 0, facts["noop_max"] * (facts["noop_max"] > 1)),
-        ("full_action_space", protocol.full_action_space, facts["full_action_space"]),
-        ("frame_skip", protocol.frame_skip, facts["frame_skip"]),
-        ("max_frames", protocol.max_frames, facts["max_frames"] or protocol.max_frames),
-    ]
-    return [f"{name} is {theirs}, and {ours} in {protocol.name}" for name, ours, theirs in pairs if ours != theirs]
 
 
 def _check_results(results: Any) -> list[Result]:

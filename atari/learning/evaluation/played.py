@@ -197,15 +197,17 @@ def _check_id(entry: Entry, protocol: EvaluationProtocol, policy: Task | None) -
 
 
 def _check_given(task: Task, played: Task, protocol: EvaluationProtocol) -> None:
-    """Refuse a task with a field that is not played. Fields with the values of ALE's v5 are not compared."""
-    differing = task.differences(played)
-    for name in Task.of(task.game if task.definition.file is None else task.definition).differences(task):
-        if name in differing and name not in (*GROUPS["game"], *GROUPS["reward"], "interventions"):
-            value, other = differing[name]
-            raise ValueError(
-                f"the task of {task.game} has {name}={value!r}, and protocol {protocol.name!r} with this policy plays "
-                f"{other!r}; pass {task.game!r}, or EvaluationProtocol.of_task(task, ...) as the protocol"
-            )
+    """Refuse a task with fields that are not played. Fields with the values of ALE's v5 are not compared."""
+    given = Task.of(task.game if task.definition.file is None else task.definition).differences(task)
+    decided = (*GROUPS["game"], *GROUPS["reward"], "interventions")
+    pairs = {name: pair for name, pair in task.differences(played).items() if name in given and name not in decided}
+    if pairs:
+        ours = ", ".join(f"{name}={value!r}" for name, (value, _) in pairs.items())
+        theirs = ", ".join(f"{name}={value!r}" for name, (_, value) in pairs.items())
+        raise ValueError(
+            f"the task of {task.game} has {ours}, and protocol {protocol.name!r} with this policy plays {theirs}; "
+            f"pass {task.game!r}, or EvaluationProtocol.of_task(task, ...) as the protocol"
+        )
 
 
 def game_of(task: Task) -> Task:

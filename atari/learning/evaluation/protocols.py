@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 from types import MappingProxyType, SimpleNamespace
 from typing import Any, Literal
 
+from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.tables import check_known_name, read_table
 from atari.task import PRESETS, Task
 from atari.task.description import summary
@@ -46,6 +47,8 @@ class EvaluationProtocol:
         >>> protocol = replace(PROTOCOLS["dopamine"], name="mine", epsilon=0.0)
         >>> protocol.name, protocol.epsilon
         ('mine', 0.0)
+        >>> protocol.comparable[:3]
+        ('dopamine/dqn', 'dopamine/c51', 'dopamine/rainbow')
     """
 
     name: str
@@ -115,6 +118,42 @@ class EvaluationProtocol:
     def frames(self) -> tuple[int, int]:
         """The range of the frame skip, (low, high): low..high-1."""
         return self.frame_skip if isinstance(self.frame_skip, tuple) else (self.frame_skip, self.frame_skip + 1)
+
+    @property
+    def comparable(self) -> tuple[str, ...]:
+        """The names of the published agents whose environments are those of this protocol, see `faults`."""
+        return tuple(name for name in Published.names() if not self.faults(Published(name)))
+
+    def faults(self, other: Published) -> list[str]:
+        """The fields in which the environments of a published agent differ from this protocol, in words.
+
+        A field that the agent's source does not state is a difference, except for the limit of frames and the least
+        number of no-ops. One no-op is no random start, and counts as none; so does one FIRE at the start of a game.
+        """
+        facts = other.protocol
+        noops = (0, 0) if facts["noop_max"] == 1 else (facts["noop_min"], facts["noop_max"])
+        own_noops = (0, 0) if self.noop_max == 1 else (self.noop_min, self.noop_max)
+        pairs = {
+            "repeat_action_probability": (facts["repeat_action_probability"], self.repeat_action_probability),
+            "full_action_space": (facts["full_action_space"], self.full_action_space),
+            "noop_min": (own_noops[0] if noops[0] is None else noops[0], own_noops[0]),
+            "noop_max": (noops[1], own_noops[1]),
+            "frame_skip": (facts["frame_skip"], self.frame_skip),
+            "max_frames": (facts["max_frames"] or self.max_frames, self.max_frames),
+            "lives": (facts["lives"], "fire" if self._fires_after_lost_lives else "continue"),
+        }
+        return [
+            f"{name} is {'not stated' if theirs is None else theirs}, and {ours} in {self.name}"
+            for name, (theirs, ours) in pairs.items()
+            if theirs != ours
+        ]
+
+    @property
+    def _fires_after_lost_lives(self) -> bool:
+        """Whether FIRE is pressed after each lost life."""
+        if self.task is not None:
+            return self.task.fire != "never" and self.task.episodic_life
+        return self.lives == "fire" or (self.lives == "preset" and "fire" in PRESETS[self.preset].fields)
 
     def to_json(self) -> dict[str, Any]:
         """All fields, as the types of JSON."""
@@ -193,11 +232,12 @@ _UNLIKE = frozenset((*GROUPS["game"], "interventions", *GROUPS["observation"], *
 _HALF_AN_HOUR = 108_000
 
 
-def _of_preset(name: str, source: str, **others: Any) -> EvaluationProtocol:
-    """The protocol of a preset: 100 games of at most half an hour, unless `others` say otherwise."""
-    task: Any = SimpleNamespace(**{**DEFAULTS, **PRESETS[name].fields})
+def _of_preset(name: str, source: str, preset: str = "", **others: Any) -> EvaluationProtocol:
+    """The protocol of a preset, by default that of its name: 100 games of at most half an hour, or as `others` say."""
+    preset = preset or name
+    task: Any = SimpleNamespace(**{**DEFAULTS, **PRESETS[preset].fields})
     numbers = {**_numbers_of(task), "max_frames": _HALF_AN_HOUR, "epsilon": 0.0, "episodes": 100, **others}
-    return EvaluationProtocol(name, source, preset=name, **numbers)
+    return EvaluationProtocol(name, source, preset=preset, **numbers)
 
 
 _ALL = (
@@ -209,9 +249,22 @@ _ALL = (
         episodes=30,
     ),
     _of_preset(
+        "noop_starts",
+        "the no-op starts of Double DQN and Rainbow (van Hasselt et al. 2016, Hessel et al. 2018), as in PFRL: half an "
+        "hour, epsilon 0.001",
+        preset="dqn2015",
+        epsilon=0.001,
+    ),
+    _of_preset(
         "machado2018",
         "Machado et al. 2018, with the 4 frames an action and 108,000 frames that later users of it take. The paper "
         "reports the last 100 games of the training; this plays 100 games after it",
+    ),
+    _of_preset(
+        "dreamerv3",
+        "DreamerV3's 57 games (Hafner et al. 2023): as machado2018, after 0 to 30 no-ops. It reports training games",
+        preset="machado2018",
+        noop_max=30,
     ),
     _of_preset(
         "atari100k",
@@ -219,8 +272,21 @@ _ALL = (
         epsilon=0.001,
     ),
     _of_preset(
+        "atari100k_noops",
+        "the Atari 100k benchmark as in DreamerV3 (Hafner et al. 2023): 0 to 30 no-ops. It reports training games",
+        preset="atari100k",
+        noop_max=30,
+    ),
+    _of_preset(
         "dopamine",
         "Dopamine's evaluation, epsilon 0.001, with 100 games in place of 125,000 steps, which favour short games",
+        epsilon=0.001,
+    ),
+    _of_preset(
+        "dopamine_nets",
+        "as dopamine, with the 100,000 frames a game of Dopamine's newer runs (Nature CNN and Impala networks)",
+        preset="dopamine",
+        max_frames=100_000,
         epsilon=0.001,
     ),
     _of_preset(
@@ -249,3 +315,22 @@ def find_protocol(protocol: Any) -> EvaluationProtocol:
     if isinstance(protocol, EvaluationProtocol):
         return protocol
     return PROTOCOLS[check_known_name("protocol", protocol, PROTOCOLS, others=OTHER_NAMES)]
+
+
+def refusal(protocol: EvaluationProtocol, other: Published) -> str:
+    """The fields in which a published agent is not comparable, and the protocol that would do; "" if there are none.
+
+    If no protocol would do, the text names the one with the fewest differences.
+    """
+    faults = protocol.faults(other)
+    if not faults:
+        return ""
+    nearest = min(PROTOCOLS.values(), key=lambda one: len(one.faults(other)))
+    left = nearest.faults(other)
+    if not left:
+        advice = f"protocol {nearest.name!r} has its environments"
+    elif None in (other.protocol["repeat_action_probability"], other.protocol["lives"]):
+        advice = "its source does not state its environments, so no protocol has them"
+    else:
+        advice = f"no protocol has its environments; the nearest is {nearest.name!r}, where {', '.join(left)}"
+    return f"{', '.join(faults)}; {advice}"

@@ -106,6 +106,7 @@ def test_another_budget_is_marked_and_not_renamed(to, frames, at):
     ("arguments", "text"),
     [
         ({"to": "cleanrl/ppo"}, "repeat_action_probability is 0.0, and 0.25 in dopamine"),
+        ({"to": "cleanrl/ppo"}, "lives is fire, and continue in dopamine; protocol 'baselines' has its environments"),
         ({"to": ["dopamine/rainbow", "dreamerv3/ppo"]}, "full_action_space is True"),
         ({"to": "dopamine_nets/rainbow_cnn"}, "max_frames is 100000"),
         ({"results": result("machado2018")}, "full_action_space is False, and True in machado2018"),
@@ -136,6 +137,10 @@ def test_what_is_comparable():
         ("dqn2015", "papers/dqn2015"),
         ("baselines", "cleanrl/ppo"),
         ("baselines", "sb3_zoo/ppo"),
+        ("dopamine_nets", "dopamine_nets/rainbow_cnn"),
+        ("noop_starts", "papers/rainbow"),
+        ("dreamerv3", "dreamerv3/ppo"),
+        ("atari100k_noops", "dreamerv3/atari100k/dreamerv3"),
         ("machado2018", "cleanba/cleanba_ppo_8gpu"),  # one no-op is no random start
     ]:
         assert not compare(result(name), to).mixed

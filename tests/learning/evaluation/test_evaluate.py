@@ -12,7 +12,7 @@ from atari.learning import PROTOCOLS, EvaluationProtocol, Result, ScoresPolicy, 
 from atari.learning.evaluation.evaluate import episode_seed
 from atari.learning.evaluation.played import find_entries, usual_protocol
 from atari.learning.evaluation.player import Player
-from atari.task import Task
+from atari.task import PRESETS, Task
 from atari.wrappers import preset, preset_options
 
 
@@ -28,9 +28,13 @@ def sums(observations):
 def single_game(game, protocol, seed, policy=sums):
     """Score and frames of one game, played with the wrappers of single environments."""
     options = {**preset_options(protocol.preset), "max_num_frames_per_episode": protocol.max_frames}
-    env = atari.AtariEnv(game, **options)
     lives = {"episodic_life": protocol.lives != "continue"}
-    env = preset(env, protocol.preset, clip_reward=False, **lives)
+    noops = (protocol.noop_min, protocol.noop_max)
+    if noops == PRESETS[protocol.preset].fields.get("noops", (0, 0)):
+        env = preset(atari.AtariEnv(game, **options), protocol.preset, clip_reward=False, **lives)
+    else:  # as the preset, after other no-ops
+        own = {"noops": noops, "max_num_frames_per_episode": protocol.max_frames, "reward_clipping": False}
+        env = Task.of(game, preset=protocol.preset, **own, **lives).make()
     observation, info = env.reset(seed=seed)
     while True:
         observation, _, terminated, truncated, info = env.step(int(policy(observation[None])[0]))
@@ -272,7 +276,12 @@ def of_task(task, **environment):
         ),
         (ValueError, {"games": "ALE/Pong-v5", "protocol": "dqn2015"}, "pass 'pong', or another protocol"),
         (ValueError, {"games": ["pong", Task.of("pong", mode=1)]}, "pong is given twice"),
-        (ValueError, {"games": Task.of("pong", frameskip=3)}, "the task of pong has frameskip=3, and protocol"),
+        (
+            ValueError,
+            {"games": Task.of("pong", frameskip=3, repeat_action_probability=0.1)},
+            "the task of pong has repeat_action_probability=0.1, frameskip=3, and protocol 'machado2018' with this policy "
+            "plays repeat_action_probability=0.25, frameskip=4; pass 'pong'",
+        ),
         (gymnasium.error.NameNotFound, {"games": "ALE/Pog-v5"}, "ALE/Pong-v5"),
         (ValueError, {"policy": needs(preset="dqn15")}, "dqn2015"),
         (ValueError, {"policy": needs(actions=["FLY"])}, "got 'FLY'"),

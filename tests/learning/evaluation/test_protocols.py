@@ -3,13 +3,14 @@
 import json
 import re
 from dataclasses import asdict, replace
+from pathlib import Path
 
 import pytest
 
 import atari
-from atari.learning import GAME_SETS, PROTOCOLS, EvaluationProtocol
+from atari.learning import GAME_SETS, PROTOCOLS, EvaluationProtocol, Published
 from atari.learning.evaluation.played import find_entries
-from atari.learning.evaluation.protocols import differences, find_protocol
+from atari.learning.evaluation.protocols import differences, find_protocol, refusal
 from atari.task import Task
 
 
@@ -18,7 +19,11 @@ from atari.task import Task
     {
         # sticky, all actions, no-ops, frames, epsilon, games
         "dqn2015": (0.0, False, (1, 30), 18_000, 0.05, 30),
+        "noop_starts": (0.0, False, (1, 30), 108_000, 0.001, 100),
         "machado2018": (0.25, True, (0, 0), 108_000, 0.0, 100),
+        "dreamerv3": (0.25, True, (0, 30), 108_000, 0.0, 100),
+        "atari100k_noops": (0.0, False, (0, 30), 108_000, 0.0, 100),
+        "dopamine_nets": (0.25, False, (0, 0), 100_000, 0.001, 100),
         "atari100k": (0.0, False, (0, 0), 108_000, 0.001, 100),
         "dopamine": (0.25, False, (0, 0), 108_000, 0.001, 100),
         "baselines": (0.0, False, (1, 30), 108_000, 0.0, 100),
@@ -39,11 +44,74 @@ def test_numbers(name, numbers):
 
 @pytest.mark.parametrize("name", PROTOCOLS)
 def test_numbers_are_those_of_the_preset(name):
-    """An evaluation differs in episodic life, clipping, epsilon, and the five minutes of dqn2015."""
-    fields, mine = atari.PRESETS[name].fields, PROTOCOLS[name]
+    """An evaluation differs in episodic life, clipping, epsilon, limits, and the no-ops of DreamerV3's protocols."""
+    mine = PROTOCOLS[name]
+    fields = atari.PRESETS[mine.preset].fields
     assert fields["repeat_action_probability"] == mine.repeat_action_probability
     assert (fields.get("actions") == "full") == mine.full_action_space
-    assert fields.get("noops", (0, 0)) == (mine.noop_min, mine.noop_max)
+    noops = (0, 30) if name in ("dreamerv3", "atari100k_noops") else fields.get("noops", (0, 0))
+    assert noops == (mine.noop_min, mine.noop_max)
+
+
+ROW = re.compile(r'^\| `"(\w+)"` \| (.*) \|$|^\| (no protocol) \| (.*) \|$', re.MULTILINE)
+
+
+def in_table(names):
+    """The published agents of a protocol as docs/evaluation.md names them: by name, or a whole source as its number."""
+    cells = []
+    for source in dict.fromkeys(name.split("/")[0] for name in names):
+        mine = [name for name in names if name.startswith(f"{source}/")]
+        every = len(Published.names(f"{source}/"))
+        number = f"all {every} of `{source}`" if len(mine) == every else f"{len(mine)} of {every} of `{source}`"
+        cells.append(number if len(mine) > 3 and source != "pfrl" else ", ".join(f"`{name}`" for name in mine))
+    return ", ".join(cells) or "none"
+
+
+def test_the_table_of_protocols_and_publications_is_that_of_the_data():
+    text = (Path(__file__).parents[3] / "docs" / "evaluation.md").read_text(encoding="utf-8")
+    table = text.split("### Protocols and publications")[1].split("\n- ")[0]
+    rows = [(name or none, one or other) for name, one, none, other in ROW.findall(table)]
+    comparable = {name: protocol.comparable for name, protocol in PROTOCOLS.items()}
+    every = [agent for names in comparable.values() for agent in names]
+    left = tuple(sorted(set(Published.names()) - set(every)))
+    assert rows == [(name, in_table(names)) for name, names in {**comparable, "no protocol": left}.items()]
+    assert len(every) == len(set(every))  # an agent has one protocol
+
+
+@pytest.mark.parametrize(
+    ("protocol", "agent", "text"),
+    [
+        ("dopamine", "dopamine/rainbow", ""),
+        (
+            "dopamine",
+            "dopamine_nets/dqn_cnn",
+            "max_frames is 100000, and 108000 in dopamine; protocol 'dopamine_nets' has",
+        ),
+        ("baselines", "pfrl/rainbow", "lives is continue, and fire in baselines; protocol 'noop_starts' has its env"),
+        ("atari100k", "dreamerv3/atari100k/ppo", "noop_max is 30, and 0 in atari100k; protocol 'atari100k_noops' has"),
+        ("machado2018", "dreamerv3/atari57/ppo", "noop_max is 30, and 0 in machado2018; protocol 'dreamerv3' has its"),
+        ("dopamine", "dreamerv3/muzero", "its source does not state its environments, so no protocol has them"),
+        (
+            "baselines",
+            "cleanrl/ppo_rnd_envpool",
+            "no protocol has its environments; the nearest is 'baselines', where repeat_action_probability is 0.25",
+        ),
+    ],
+)
+def test_a_refusal_names_the_fields_and_the_protocol_that_would_do(protocol, agent, text):
+    found = refusal(PROTOCOLS[protocol], Published(agent))
+    assert text in found
+    assert bool(text) == bool(found)
+
+
+def test_protocols_of_tasks_and_presets_press_fire_after_lost_lives_as_they_do():
+    agents = (Published("cleanrl/ppo"), Published("pfrl/rainbow"))
+    lives = Task.of("pong", preset="baselines"), Task.of("pong", preset="baselines", episodic_life=False)
+    assert [not of_task(task).faults(agent) for task in lives for agent in agents] == [True, False, False, True]
+    baselines = replace(PROTOCOLS["baselines"], name="mine", lives="preset")
+    assert [not baselines.faults(agent) for agent in agents] == [True, False]
+    starts = replace(PROTOCOLS["noop_starts"], name="mine", lives="preset")
+    assert [not starts.faults(agent) for agent in agents] == [False, True]
 
 
 def test_other_numbers_need_another_name():

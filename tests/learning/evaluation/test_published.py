@@ -22,10 +22,12 @@ def test_every_agent_can_be_read():
         assert {"repo", "licence", "copyright", "score"} <= set(agent.source), name
         assert {
             "repeat_action_probability",
+            "noop_min",
             "noop_max",
             "full_action_space",
             "frame_skip",
             "max_frames",
+            "lives",
             "phase",
         } == set(agent.protocol)
         assert set(agent.games) <= set(atari.games)
