@@ -1,6 +1,6 @@
 """Self-play in Pong: PPO, one policy for both sides, and its own checkpoints as further opponents.
 
-    python examples/self_play.py train runs/self     # checkpoints and curve.csv
+    python examples/self_play.py train runs/self     # a run folder; the same command goes on after a kill
     python examples/self_play.py elo runs/self       # a round-robin of the checkpoints: their Elo ratings
     python examples/self_play.py match runs/self     # the best two of `elo`: best.a26, and best.mp4 with sound
 
@@ -14,7 +14,7 @@ import argparse
 import csv
 import random
 import time
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,14 +26,17 @@ from torch import Tensor, nn
 
 import atari
 from atari.actions import Action
+from atari.learning import RunFolder
 from atari.learning.evaluation.elo import elo_ratings
 from atari.learning.networks import ActorCritic, Encoder
 from atari.multiplayer import MultiplayerCore
 from atari.recording import RecordReplay, Replay
 
-GAME: dict[str, Any] = {"obs_type": "ram", "repeat_action_probability": 0.25, "num_threads": 1}
 MODES = (3, 4)
 """A step moves the ball up or down by less in mode 3 than in the one-player game, and by more in mode 4."""
+ALONE = atari.Task.of("pong", obs_type="ram", repeat_action_probability=0.25)
+TASK = ALONE.replace(players=2, mode=MODES[-1])
+"""The games of two players. Sticky actions make each game another one."""
 ACTIONS = (Action.FIRE, Action.RIGHTFIRE, Action.LEFTFIRE)
 """FIRE serves, and changes nothing otherwise. So these are all actions that differ in effect, and serve."""
 INDICES = np.array([atari.games["pong"].minimal_actions.index(action) for action in ACTIONS])
@@ -53,12 +56,24 @@ class Sight:
     ball are mirror images; 0 is no ball.
     """
 
-    def __init__(self, games: int) -> None:
-        self.seen = np.zeros((games, 2, STACK, VALUES), np.uint8)
-        self.ball = np.zeros((2, games), np.int64)
+    def __init__(self, ram: Bytes) -> None:
+        self.seen = np.zeros((len(ram), 2, STACK, VALUES), np.uint8)
+        self.ball = np.zeros((2, len(ram)), np.int64)
+        self.begin(ram, np.ones(len(ram), np.bool_))
 
-    def push(self, ram: Bytes, started: npt.NDArray[np.bool_] | bool) -> Bytes:
-        """Add the RAM (games, 128) after a step; in games that have `started`, it fills the stack."""
+    def begin(self, ram: Bytes, games: npt.NDArray[np.bool_]) -> Bytes:
+        """Fill the stacks of some games with the RAM (games, 128) at their start."""
+        self.ball[:, games] = 0  # the ball of the game before
+        self.seen[games] = self._newest(ram)[games]
+        return self.seen
+
+    def push(self, ram: Bytes) -> Bytes:
+        """Add the RAM (games, 128) after a step of all games."""
+        self.seen = np.concatenate([self.seen[:, :, 1:], self._newest(ram)], 2)
+        return self.seen
+
+    def _newest(self, ram: Bytes) -> Bytes:
+        """What both players see at a time, (games, 2, 1, VALUES)."""
         x, y, first, second = ram[:, BYTES].T.astype(np.int64)
         before = self.ball
         self.ball = np.stack([x, y])
@@ -66,10 +81,7 @@ class Sight:
         dx, dy = np.where(flies, self.ball - before, 0)
         mine = _values(x, y, first, second, dx, dy, 0)
         yours = _values(np.where(x > 0, 256 - x, 0), y, second, first, -dx, dy, 255)
-        newest = np.stack([mine, yours], 1)[:, :, None]
-        older = np.where(np.reshape(started, (-1, 1, 1, 1)), newest, self.seen[:, :, 1:])
-        self.seen = np.concatenate([older, newest], 2)
-        return self.seen
+        return np.stack([mine, yours], 1)[:, :, None]
 
 
 def _values(x: Any, y: Any, own: Any, other: Any, dx: Any, dy: Any, player: int) -> Bytes:
@@ -91,19 +103,6 @@ def choose(network: ActorCritic, seen: Bytes) -> Tensor:
 # Games of the policy against itself and against checkpoints
 
 
-def make_games(games: int, autoreset_mode: str, mode: int, max_frames: int = 108_000) -> atari.AtariVectorEnv:
-    """Games of two players, with RAM as observations. Sticky actions make each game another one."""
-    return atari.AtariVectorEnv(
-        "pong",
-        games,
-        players=2,
-        mode=mode,
-        autoreset_mode=autoreset_mode,
-        max_num_frames_per_episode=max_frames,
-        **GAME,
-    )
-
-
 class SelfPlayGames:
     """Games whose seats, (game, player), are the learner's or a checkpoint's, in equal parts of each mode.
 
@@ -111,7 +110,8 @@ class SelfPlayGames:
     """
 
     def __init__(self, games: int, opponents: int, seed: int) -> None:
-        self.envs = [make_games(games // len(MODES), "SameStep", mode) for mode in MODES]
+        tasks = [TASK.replace(mode=mode) for mode in MODES]
+        self.envs = [task.make_vec(games // len(MODES), autoreset_mode="SameStep", num_threads=1) for task in tasks]
         numbers = np.arange(games)
         learns = np.ones((games, 2), np.bool_)
         shared = numbers[numbers % 4 >= 2]
@@ -119,28 +119,46 @@ class SelfPlayGames:
         self.learners = np.nonzero(learns)
         self.others = [np.nonzero(~learns)[0][start::opponents] for start in range(opponents)]
         self.pool: list[ActorCritic] = []
-        self.sight = Sight(games)
         ram = [envs.reset(seed=seed + 1000 * index)[0] for index, envs in enumerate(self.envs)]
-        self.seen = self.sight.push(np.concatenate(ram), True)
+        self.sight = Sight(np.concatenate(ram))
         self.actions = np.zeros((games, 2), np.int64)
 
     @property
     def observations(self) -> Tensor:
         """What the learner's seats see, (seats, STACK, VALUES)."""
-        return torch.from_numpy(self.seen[self.learners])
+        return torch.from_numpy(self.sight.seen[self.learners])
 
-    def step(self, actions: Tensor) -> tuple[Tensor, Tensor]:
-        """Play a step with the learner's actions; rewards and ends of the learner's seats, float32."""
+    def step(self, actions: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+        """Play a step with the learner's actions.
+
+        Returns:
+            Of the learner's seats: rewards (seats,), terminations (seats,), truncations (seats,), float32, and what
+            they saw at the end of the step, before the reset of a game, (seats, STACK, VALUES) uint8.
+        """
         self.actions[self.learners] = actions.numpy()
         for network, games in zip(self.pool, self.others, strict=True):
             seats = games, games % 2
-            self.actions[seats] = choose(network, self.seen[seats]).numpy()
-        actions = np.split(INDICES[self.actions], len(MODES))
-        results = [envs.step(part)[:4] for envs, part in zip(self.envs, actions, strict=True)]
-        ram, rewards, terminations, truncations = map(np.concatenate, zip(*results, strict=True))
-        ends = terminations | truncations
-        self.seen = self.sight.push(ram, ends.any(1))
-        return torch.from_numpy(rewards[self.learners]).float(), torch.from_numpy(ends[self.learners]).float()
+            self.actions[seats] = choose(network, self.sight.seen[seats]).numpy()
+        parts = np.split(INDICES[self.actions], len(MODES))
+        results = [envs.step(part) for envs, part in zip(self.envs, parts, strict=True)]
+        ram, rewards, terminations, truncations = map(np.concatenate, zip(*(each[:4] for each in results), strict=True))
+        last = np.concatenate([info.get("final_obs", ram) for ram, *_, info in results])
+        over = (terminations | truncations).any(1)
+        after = self.sight.push(np.where(over[:, None], last, ram))[self.learners]
+        if over.any():
+            self.sight.begin(ram, over)
+        mine = (torch.from_numpy(part[self.learners]).float() for part in (rewards, terminations, truncations))
+        return *mine, torch.from_numpy(after)
+
+    def state(self) -> dict[str, Any]:
+        """The games and what is seen of them."""
+        return {"envs": [envs.snapshot() for envs in self.envs], "sight": vars(self.sight)}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from a state."""
+        for envs, snapshot in zip(self.envs, state["envs"], strict=True):
+            envs.restore(None, snapshot)
+        vars(self.sight).update(state["sight"])
 
 
 # Proximal policy optimisation
@@ -163,6 +181,23 @@ class Options:
     entropy: float = 0.01
     checkpoints: int = 12
     seed: int = 0
+
+
+def advantages_of(
+    rewards: Tensor, values: Tensor, following: Tensor, terminations: Tensor, truncations: Tensor, options: Options
+) -> Tensor:
+    """Generalised advantages (Schulman et al. 2016) of steps, (steps, seats) each.
+
+    `following` has the values of what follows each step. A truncation cuts a game off: what would have followed still
+    counts. Nothing follows a termination.
+    """
+    advantages, later = torch.zeros_like(rewards), torch.zeros(rewards.shape[1])
+    for step in reversed(range(len(rewards))):
+        error = rewards[step] + options.gamma * (1 - terminations[step]) * following[step] - values[step]
+        same_game = (1 - terminations[step]) * (1 - truncations[step])
+        later = error + options.gamma * options.gae_lambda * same_game * later
+        advantages[step] = later
+    return advantages
 
 
 class Learner:
@@ -197,7 +232,7 @@ class Learner:
         horizon, size = self.options.horizon, (self.options.horizon, self.seats)
         seen = torch.zeros(*size, STACK, VALUES, dtype=torch.uint8)
         actions = torch.zeros(*size, dtype=torch.int64)
-        log_probs, rewards, ends, advantages = torch.zeros(4, *size).unbind()
+        log_probs, rewards, terminations, truncations, following = torch.zeros(5, *size).unbind()
         values = torch.zeros(horizon + 1, self.seats)
         for step in range(horizon):
             seen[step] = self.games.observations
@@ -205,14 +240,12 @@ class Learner:
             distribution = F.log_softmax(logits, 1)
             drawn = torch.multinomial(distribution.exp(), 1)
             actions[step], log_probs[step] = drawn[:, 0], distribution.gather(1, drawn)[:, 0]
-            rewards[step], ends[step] = self.games.step(actions[step])
+            rewards[step], terminations[step], truncations[step], after = self.games.step(actions[step])
+            if truncations[step].any():
+                following[step] = self.network(after)[1]
         values[horizon] = self.network(self.games.observations)[1]
-        following = torch.zeros(self.seats)
-        for step in reversed(range(horizon)):
-            goes_on = self.options.gamma * (1 - ends[step])
-            error = rewards[step] + goes_on * values[step + 1] - values[step]
-            following = error + goes_on * self.options.gae_lambda * following
-            advantages[step] = following
+        following = torch.where(truncations > 0, following, values[1:])
+        advantages = advantages_of(rewards, values[:-1], following, terminations, truncations, self.options)
         returns = advantages + values[:-1]
         normal = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
         return [part.flatten(0, 1) for part in (seen, actions, log_probs, normal, returns)]
@@ -231,39 +264,68 @@ class Learner:
         nn.utils.clip_grad_norm_(self.network.parameters(), 1.0)
         self.optimizer.step()
 
+    def state(self) -> dict[str, Any]:
+        """All that the training needs to go on."""
+        return {
+            "steps": self.steps,
+            "network": self.network.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
+            "games": self.games.state(),
+            "random": self.random.getstate(),
+            "torch": torch.get_rng_state(),
+        }
 
-def train(folder: Path, options: Options) -> None:
-    """Train; the folder gets `step-NNNNNNNN.pt` at equal distances, and the curve.
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from a state."""
+        self.steps = state["steps"]
+        self.network.load_state_dict(state["network"])
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.games.restore(state["games"])
+        self.random.setstate(state["random"])
+        torch.set_rng_state(state["torch"])
 
-    If the folder has checkpoints, training continues from the newest one, with a new optimiser.
+
+def train(path: Path, options: Options) -> None:
+    """Train in a run folder. At equal distances, the policy becomes an opponent, and the folder gets a checkpoint.
+
+    A folder whose training was stopped goes on from its last checkpoint, and ends with the same weights.
     """
     torch.set_num_threads(1)
-    learner, pool, spent, due = Learner(options), [], [0.0, 0.0], 0.0
-    if folder.exists():
-        steps, pool = load(folder)
-        learner.network.load_state_dict(pool[-1].state_dict())
-        learner.steps = steps[-1]
-        due = learner.steps + options.steps / options.checkpoints
-        *_, last = csv.reader((folder / "curve.csv").open(newline=""))
-        spent = [float(minutes) for minutes in last[1:3]]
-    else:
-        folder.mkdir(parents=True)
-        append(folder, ["steps", "minutes", "processor_minutes", "built_in"])
-    before = np.array(spent) - clocks()
-    while learner.steps < options.steps or not pool:
-        if pool:
-            learner.update(pool)
-        if learner.steps >= min(due, options.steps):
+    exists = (path / "config.json").exists()
+    with RunFolder.resume(path) if exists else RunFolder.begin(path, "self_play", TASK, asdict(options)) as run:
+        if run.config["options"] != asdict(options):
+            raise SystemExit(f"{path} has a training with {run.config['options']}; give the same --steps and --seed")
+        learner, spent, due = Learner(options), np.zeros(2), 0.0
+        pool: dict[int, ActorCritic] = {}
+        if run.state is not None:
+            spent, due, pool = np.array(run.state["minutes"]), run.state["due"], opponents(run)
+            learner.restore(run.state)  # last: a new network draws random numbers
+        before = spent - clocks()
+        while learner.steps < options.steps or not pool:
+            if pool:
+                learner.update([*pool.values()])
+            if learner.steps < min(due, options.steps):
+                continue
             due += options.steps / options.checkpoints
-            pool.append(make_network())
-            pool[-1].load_state_dict(learner.network.state_dict())
-            torch.save(learner.network.state_dict(), folder / f"step-{learner.steps:08}.pt")
-            row = [
-                learner.steps,
-                *(f"{number:.2f}" for number in (*(before + clocks()), score_built_in(learner.network))),
-            ]
-            append(folder, row)
-            print("steps {}, minutes {}, processor minutes {}, mean score, one player: {}".format(*row), flush=True)
+            pool[learner.steps] = make_network()
+            pool[learner.steps].load_state_dict(learner.network.state_dict())
+            score, minutes = score_built_in(learner.network), before + clocks()
+            row = {"step": learner.steps, "minutes": minutes[0], "processor_minutes": minutes[1], "built_in": score}
+            run.log(row)
+            weights = {step: network.state_dict() for step, network in pool.items()}
+            state = learner.state() | {"pool": weights, "minutes": minutes.tolist(), "due": due}
+            run.checkpoint(learner.steps, state, learner.network.state_dict())
+            print("; ".join(f"{name} {number:,.10g}" for name, number in row.items()), flush=True)
+        run.end("steps")
+
+
+def opponents(run: RunFolder) -> dict[int, ActorCritic]:
+    """The networks of the opponents by step, from the checkpoint of a folder that is resumed."""
+    networks = {}
+    for step, weights in ({} if run.state is None else run.state["pool"]).items():
+        networks[step] = make_network()
+        networks[step].load_state_dict(weights)
+    return networks
 
 
 def clocks() -> npt.NDArray[np.float64]:
@@ -271,25 +333,20 @@ def clocks() -> npt.NDArray[np.float64]:
     return np.array([time.monotonic(), time.process_time()]) / 60
 
 
-def append(folder: Path, row: list[Any]) -> None:
-    """Add a row to the curve."""
-    with (folder / "curve.csv").open("a", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerow(row)
-
-
 # Tests of strength
 
 
 def score_built_in(network: ActorCritic, games: int = 32, max_frames: int = 18_000) -> float:
     """The mean score, -21 .. 21, in the one-player game, in which the cartridge plays the other side."""
-    envs = atari.AtariVectorEnv("pong", games, autoreset_mode="Disabled", max_num_frames_per_episode=max_frames, **GAME)
-    sight, scores, over = Sight(games), np.zeros(games), np.zeros(games, np.bool_)
-    seen = sight.push(envs.reset(seed=1_000_000)[0], True)
+    task = ALONE.replace(max_num_frames_per_episode=max_frames)
+    envs = task.make_vec(games, autoreset_mode="Disabled", num_threads=1)
+    sight, scores, over = Sight(envs.reset(seed=1_000_000)[0]), np.zeros(games), np.zeros(games, np.bool_)
     while not over.all():
-        ram, rewards, terminations, truncations, _ = envs.step(INDICES[choose(network, seen[:, 0]).numpy()])
+        actions = INDICES[choose(network, sight.seen[:, 0]).numpy()]
+        ram, rewards, terminations, truncations, _ = envs.step(actions)
         scores += np.where(over, 0, rewards)
         over |= terminations | truncations
-        seen = sight.push(ram, False)
+        sight.push(ram)
     envs.close()
     return float(scores.mean())
 
@@ -302,18 +359,19 @@ def round_robin(networks: list[ActorCritic], games: int = 8, max_frames: int = 1
     """
     count = len(networks)
     seats = np.array([(i, j) for i in range(count) for j in range(count) if i != j for _ in range(games)])
-    envs = make_games(len(seats), "Disabled", MODES[-1], max_frames)
-    sight, points, over = Sight(len(seats)), np.zeros(len(seats)), np.zeros(len(seats), np.bool_)
-    seen, actions = sight.push(envs.reset(seed=2_000_000)[0], True), np.zeros(seats.shape, np.int64)
+    task = TASK.replace(max_num_frames_per_episode=max_frames)
+    envs = task.make_vec(len(seats), autoreset_mode="Disabled", num_threads=1)
+    sight, points = Sight(envs.reset(seed=2_000_000)[0]), np.zeros(len(seats))
+    over, actions = np.zeros(len(seats), np.bool_), np.zeros(seats.shape, np.int64)
     while not over.all():
         for index, network in enumerate(networks):
             mine = (seats == index) & ~over[:, None]
             if mine.any():
-                actions[mine] = choose(network, seen[mine]).numpy()
+                actions[mine] = choose(network, sight.seen[mine]).numpy()
         ram, rewards, terminations, truncations, _ = envs.step(INDICES[actions])
         points += np.where(over, 0, rewards[:, 0] - rewards[:, 1])
         over |= (terminations | truncations).any(1)
-        seen = sight.push(ram, False)
+        sight.push(ram)
     envs.close()
     wins = np.zeros((count, count))
     np.add.at(wins, (seats[:, 0], seats[:, 1]), (np.sign(points) + 1) / 2)
@@ -322,14 +380,12 @@ def round_robin(networks: list[ActorCritic], games: int = 8, max_frames: int = 1
 
 
 def load(folder: Path) -> tuple[list[int], list[ActorCritic]]:
-    """Steps and networks of the checkpoints in a folder."""
-    networks, files = [], sorted(folder.glob("step-*.pt"))
-    for file in files:
-        networks.append(make_network())
-        networks[-1].load_state_dict(torch.load(file, weights_only=True))
-    if len(files) < 2:
-        raise SystemExit(f"{folder} has {len(files)} checkpoints; make some with: self_play.py train {folder}")
-    return [int(file.stem.split("-")[1]) for file in files], networks
+    """Steps and networks of the opponents in a folder."""
+    with RunFolder.resume(folder) as run:
+        pool = opponents(run)
+    if len(pool) < 2:
+        raise SystemExit(f"{folder} has {len(pool)} checkpoints; make some with: self_play.py train {folder}")
+    return [*pool], [*pool.values()]
 
 
 def rank(folder: Path, games: int) -> list[int]:
@@ -363,12 +419,18 @@ class Player:
     """One side of a `MultiplayerCore`: a network that chooses in every fourth frame."""
 
     def __init__(self, networks: list[ActorCritic]) -> None:
-        self.networks, self.sight, self.frame, self.actions = networks, Sight(1), 0, [0, 0]
+        self.networks, self.frame, self.actions = networks, 0, [0, 0]
+        self.sight: Sight | None = None
 
     def __call__(self, core: MultiplayerCore) -> list[int]:
         """ALE's numbers of both players' actions for the next frame."""
         if self.frame % 4 == 0:
-            seen = self.sight.push(np.array(core.ram())[None], self.frame == 0)
+            ram = np.array(core.ram())[None]
+            if self.sight is None:
+                self.sight = Sight(ram)
+            else:
+                self.sight.push(ram)
+            seen = self.sight.seen
             self.actions = [ACTIONS[int(choose(net, seen[:, side]))] for side, net in enumerate(self.networks)]
         self.frame += 1
         return self.actions
@@ -381,9 +443,7 @@ def match(folder: Path, frames: int, seed: int) -> list[int]:
     torch.manual_seed(seed)
     steps, networks = load(folder)
     sides = Player([networks[steps.index(one)] for one in best])
-    core = MultiplayerCore(
-        "pong", mode=MODES[-1], seed=seed, repeat_action_probability=GAME["repeat_action_probability"]
-    )
+    core = MultiplayerCore("pong", mode=TASK.mode, seed=seed, repeat_action_probability=TASK.repeat_action_probability)
     with RecordReplay(core, folder / "best.a26") as game:
         game.reset()
         while not (core.game_over or core.truncated) and sides.frame < frames:
