@@ -8,19 +8,24 @@ import gymnasium
 
 from atari.cli.arguments import Commands, add_command, number
 from atari.cli.printing import print_json
+from atari.cli.sweep import add_sweep, is_sweep, run_sweep
 from atari.learning.agents import AGENTS
 
 
 def register(commands: Commands) -> None:
     """Add `atari train`."""
     parser = add_command(commands, "train", _train, "let an agent learn to play a game")
-    parser.usage = "atari train AGENT GAME [options]\n       atari train --resume RUN [options]"
+    parser.usage = (
+        "atari train AGENT GAME [options]\n       atari train --resume RUN [options]\n"
+        "       atari train AGENT GAMES --seeds SEEDS [--jobs N] [-o FOLDER] [--protocol NAME] [options]"
+    )
     parser.epilog = (
         "`atari train ppo --help` shows the options of an agent, and those that change what is played. "
         "Examples: atari train ppo pong --fast; atari train dqn Breakout-ram-v4 --network mlp"
     )
     parser.add_argument("--resume", type=Path, metavar="RUN", help="go on with the training in a run folder")
     _add_games(parser)
+    add_sweep(parser)
     parser.add_argument(
         "words", nargs=argparse.REMAINDER, metavar="AGENT GAME", help=f"{', '.join(AGENTS)}, its game and its options"
     )
@@ -43,10 +48,16 @@ def _train(args: argparse.Namespace) -> int:
     from atari.learning.run import RunFolder
 
     if args.resume is not None:
-        if args.words:
-            raise ValueError(f"a training goes on with its own options; leave out {' '.join(args.words)}")
+        extra = [*args.words, *(f"--{name}" for name in ("seeds", "jobs") if getattr(args, name) is not None)]
+        if extra:
+            raise ValueError(f"a training goes on with its own options; leave out {' '.join(extra)}")
         resume(args.resume, args.json)
         folder = args.resume
+    elif is_sweep(args, args.words):
+        try:
+            return run_sweep(args, args.words)
+        except SystemExit as exit_:  # argparse has printed help or the error
+            return int(exit_.code or 0)
     else:
         agent, *words = args.words or [""]
         if agent not in AGENTS:

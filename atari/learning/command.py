@@ -75,6 +75,24 @@ def train(
     return folder
 
 
+def options_of(agent: str, argv: Sequence[str], prog: str) -> TrainingOptions:
+    """The options of the training that a command line without a run folder describes.
+
+    A mistake in the command line ends the program with the usage and the error, see `argparse`.
+    """
+    found = find_agent(agent)
+    parser = _parser(found, prog, None)
+    args = parser.parse_args(argv)
+    for flag, value in (("--print-task", args.print_task), ("-o", args.run)):
+        if value:
+            parser.error(f"{flag} is for one training; leave it out")
+    try:
+        options: TrainingOptions = _options(found, args)
+    except (TypeError, ValueError, FileNotFoundError, gymnasium.error.NameNotFound) as error:
+        parser.error(str(error))
+    return options
+
+
 def _options(agent: Any, args: argparse.Namespace) -> Any:
     """The options of the training that a command line describes.
 

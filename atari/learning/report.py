@@ -55,6 +55,7 @@ def write_report(folder: RunFolder, result: Result) -> Path:
     last = rows[-1]
     video = '<video controls loop src="best.mp4#t=3"></video>' if (folder.path / "best.mp4").exists() else ""
     page = Template(_PAGE).substitute(
+        style=STYLE,
         title=html.escape(f"{config['agent'].upper()} on {game.title}, from {kind}"),
         score=f"{played.mean:,.1f}",
         episodes=len(played.scores),
@@ -132,13 +133,7 @@ def _duration(seconds: float) -> str:
     return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s" if minutes else f"{rest} s"
 
 
-_PAGE = """\
-<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>$title</title>
-<style>
+STYLE = """
   :root { color-scheme: light dark; --line: #8884; }
   body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 0 auto; padding: 1rem; }
   h1 { font-size: 1.6rem; margin: 0.5rem 0; }
@@ -152,7 +147,16 @@ _PAGE = """\
   table { border-collapse: collapse; font-size: 0.85rem; }
   th, td { text-align: left; padding: 0.15rem 1rem 0.15rem 0; border-bottom: 1px solid var(--line);
     vertical-align: top; overflow-wrap: anywhere; }
-</style>
+"""
+"""The style of the pages about runs."""
+
+_PAGE = """\
+<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>$title</title>
+<style>$style</style>
 <h1>$title</h1>
 <dl>
   <div><dt>mean score of $episodes whole games after training<dd>$score</div>

@@ -97,6 +97,21 @@ def read_rows(file: Path) -> list[dict[str, float]]:
     return rows if "step" in columns else []
 
 
+def read_last_row(file: Path) -> dict[str, float]:
+    """The last whole row of a log, also while a training writes into it; {} if there is none."""
+    if not file.is_file():
+        return {}
+    with file.open("rb") as log:
+        header = log.readline()
+        log.seek(max(len(header), log.seek(0, io.SEEK_END) - 4096))
+        lines = log.read().decode(errors="replace").split("\n")[:-1]
+    columns = header.decode(errors="replace").strip().split(",")
+    try:
+        return dict(zip(columns, map(float, lines[-1].split(",")), strict=True)) if lines else {}
+    except ValueError:
+        return {}
+
+
 def _text(columns: list[str], rows: list[Mapping[str, float]] | list[dict[str, float]], header: bool) -> bytes:
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, lineterminator="\n")

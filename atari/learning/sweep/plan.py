@@ -1,0 +1,138 @@
+"""The runs of a sweep: games, seeds, options, and a folder that has no others."""
+
+import dataclasses
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from atari.learning.evaluation.played import find_entries, game_of, played_task
+from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol
+from atari.learning.options import SEEDS, TrainingOptions
+from atari.learning.run import RunFolder
+from atari.learning.training import read_options
+from atari.policy.needs import needs_of
+
+MOST_SEEDS = 1000
+
+Resolve = Callable[[str, int], TrainingOptions]
+"""A function of a game, as a user names it, and a seed, which returns the options of the training."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """A training of a sweep.
+
+    Attributes:
+        path: its run folder.
+        game: the game as the user names it.
+        options: its options; `options.task.game` is the game's id.
+    """
+
+    path: Path
+    game: str
+    options: TrainingOptions
+
+    @property
+    def name(self) -> str:
+        """The name of the run folder."""
+        return self.path.name
+
+
+def find_games(text: str) -> list[str]:
+    """The games of the words "pong,breakout", in which a name of `GAME_SETS` stands for its games.
+
+    Raises:
+        ValueError: a word is empty.
+    """
+    words = [word.strip() for word in text.split(",")]
+    if not all(words):
+        raise ValueError(f"games are named with commas between, as in pong,breakout or atari26, got {text!r}")
+    return [game for word in words for game in GAME_SETS.get(word, (word,))]
+
+
+def find_seeds(text: str) -> list[int]:
+    """The seeds of a text such as "0-2,7".
+
+    Raises:
+        ValueError: the text has another form, a seed is named twice or is too large, or there are too many.
+    """
+    seeds: list[int] = []
+    for part in text.split(","):
+        found = re.fullmatch(r"(\d{1,10})(?:-(\d{1,10}))?", part.strip())
+        low, high = (int(found[1]), int(found[2] or found[1])) if found else (1, 0)
+        if not low <= high < SEEDS:
+            raise ValueError(f"seeds are numbers and ranges below 2**32 with commas between, as in 0-2,7, got {text!r}")
+        if len(seeds) + high - low >= MOST_SEEDS:
+            raise ValueError(f"a sweep has at most {MOST_SEEDS:,} seeds, and {text!r} has more")
+        seeds += range(low, high + 1)
+    if twice := sorted({seed for seed in seeds if seeds.count(seed) > 1}):
+        raise ValueError(f"seed {twice[0]} is named twice in {text!r}; leave one of them out")
+    return seeds
+
+
+def plan(games: Sequence[str], seeds: Sequence[int], folder: Path, resolve: Resolve) -> list[Run]:
+    """The runs of a sweep, those of a game one after another.
+
+    Raises:
+        ValueError: a game is named twice.
+    """
+    runs: list[Run] = []
+    named: dict[str, str] = {}
+    for game in games:
+        for seed in seeds:
+            options = resolve(game, seed)
+            run = Run(folder / f"{options.task.game}-seed{seed}", game, options)
+            if named.setdefault(options.task.game, game) != game or run.path in [other.path for other in runs]:
+                other = named[options.task.game]
+                raise ValueError(
+                    f"{options.task.game} is named twice, as {other!r} and {game!r}; leave one of them out"
+                )
+            runs.append(run)
+    return runs
+
+
+def check_protocol(runs: Sequence[Run], protocol: EvaluationProtocol) -> None:
+    """Check that the policies of the runs can be evaluated by a protocol.
+
+    Raises:
+        ValueError: a task and the protocol differ; the message names the field.
+    """
+    for run in runs:
+        task = run.options.task
+        (entry,) = find_entries(game_of(task))
+        played_task(entry, protocol, needs_of(SimpleNamespace(task=task, environment=None), task.definition))
+
+
+def check_folder(folder: Path, agent: str, runs: Sequence[Run], resolve: Resolve) -> None:
+    """Check that all run folders in a folder are of this sweep, or of one with more games or seeds.
+
+    Raises:
+        FileNotFoundError, ValueError: a run folder is damaged, or has other options; the message names them.
+    """
+    planned = {run.path: run for run in runs}
+    for config in sorted(folder.glob("*/config.json")):
+        found = RunFolder.open(config.parent)
+        if found.config["agent"] != agent:
+            raise ValueError(
+                f"{found.path} is a run of {found.config['agent']}, and this sweep is of {agent}; give another folder"
+            )
+        theirs = read_options(found)
+        run = planned.get(found.path)
+        expected = run.options if run else resolve(theirs.task.game, theirs.seed)
+        if differing := [*_differences(theirs, expected)]:
+            raise ValueError(f"{found.path} has {', '.join(differing)}; give another folder, or equal options")
+
+
+def _differences(theirs: TrainingOptions, ours: TrainingOptions) -> Iterator[str]:
+    """The options in which two trainings differ, in words."""
+    for field in dataclasses.fields(ours):
+        one, other = getattr(theirs, field.name), getattr(ours, field.name)
+        if one == other:
+            continue
+        pairs: dict[str, tuple[Any, Any]] = {field.name: (one, other)}
+        if field.name == "task":
+            pairs = theirs.task.differences(ours.task)
+        yield from (f"{name}={first!r}, and this sweep {second!r}" for name, (first, second) in pairs.items())

@@ -1,0 +1,100 @@
+"""The page about all runs of a sweep."""
+
+import html
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from atari.files import durable
+from atari.learning.evaluation.compare import Comparison
+from atari.learning.evaluation.results import Result
+from atari.learning.report import STYLE, draw_levels, draw_published, draw_scores
+from atari.learning.run import RunFolder
+from atari.learning.sweep.plan import Run
+from atari.learning.sweep.processes import Settings
+
+
+def write_report(
+    folder: Path, runs: Sequence[Run], settings: Settings, results: Sequence[Result], comparison: Comparison | None
+) -> Path:
+    """Write `report.html` about runs and their evaluations, which needs no server, and return its path.
+
+    Raises:
+        ImportError: Matplotlib is not installed.
+    """
+    games: dict[str, list[Run]] = {}
+    for run in runs:
+        games.setdefault(run.options.task.game, []).append(run)
+    drawing = ""
+    if comparison is not None:
+        comparison.plot(folder / "comparison.svg")
+        drawing = '<img src="comparison.svg" alt="normalised scores with intervals">'
+    words = " ".join(settings.words)
+    page = Template(_PAGE).substitute(
+        style=STYLE,
+        title=html.escape(f"{settings.agent.upper()}: {len(games)} games, {len(runs)} runs"),
+        command=html.escape(f"atari train {settings.agent} {','.join(games)} {words}"),
+        curves="\n".join(f"<h3>{html.escape(game)}</h3>\n{_curves(game, several)}" for game, several in games.items()),
+        table=_table(runs, results),
+        protocol=html.escape(str(settings.protocol)),
+        comparison=html.escape("no game has a score of a human" if comparison is None else str(comparison)),
+        drawing=drawing,
+    )
+    durable.write_file(folder / "report.html", page.encode())
+    return folder / "report.html"
+
+
+def _curves(game: str, runs: Sequence[Run]) -> str:
+    """A picture, SVG: the scores of the runs of a game over frames, with published curves, random play and a human."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8, 4), layout="constrained")
+    axes: Any = figure.add_subplot()
+    logs = [RunFolder.open(run.path).rows() for run in runs]
+    draw_published(axes, game, max((rows[-1]["frames"] for rows in logs if rows), default=0))
+    for number, (run, rows) in enumerate(zip(runs, logs, strict=True)):
+        draw_scores(axes, rows, f"seed {run.options.seed}", f"C{number + 3}")
+    draw_levels(axes, game)
+    axes.set_xlabel("million frames")
+    axes.set_ylabel("score of whole games")
+    axes.legend(fontsize="small")
+    text = io.StringIO()
+    figure.savefig(text, format="svg")
+    return "<svg" + text.getvalue().partition("<svg")[2]
+
+
+def _table(runs: Sequence[Run], results: Sequence[Result]) -> str:
+    """The runs with their scores, and links to their own reports."""
+    rows = ["<tr><th>run<th>games<th>mean score<th>standard deviation<th>least<th>greatest"]
+    for run, result in zip(runs, results, strict=True):
+        played = result.games[0]
+        name = html.escape(run.name)
+        link = f'<a href="{name}/report.html">{name}</a>' if (run.path / "report.html").exists() else name
+        numbers = (played.mean, played.std, min(played.scores), max(played.scores))
+        rows.append(f"<tr><td>{link}<td>{len(played.scores)}" + "".join(f"<td>{number:,.1f}" for number in numbers))
+    return f"<table>{''.join(rows)}</table>"
+
+
+_PAGE = """\
+<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>$title</title>
+<style>$style</style>
+<h1>$title</h1>
+<p><code>$command</code></p>
+<h2>Evaluation</h2>
+<p>$protocol</p>
+$table
+<h2>Comparison</h2>
+$drawing
+<pre>$comparison</pre>
+<h2>Learning curves</h2>
+<p>Mean scores of the last whole games in the trainings, all lives, not clipped. Published curves are of other
+protocols, with the same number of frames.</p>
+$curves
+</html>
+"""

@@ -1,0 +1,120 @@
+"""The runs of a sweep: games, seeds, and folders that hold other runs."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("torch")
+
+from atari.learning import GAME_SETS, PROTOCOLS
+from atari.learning.agents.ppo import PPO
+from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, plan
+from atari.learning.training import Training
+
+
+def resolve(game: str, seed: int, **options: Any) -> Any:
+    return PPO.options_class.of(game, seed=seed, **{"num_envs": 4, "minibatch": 64, "horizon": 16, **options})
+
+
+@pytest.mark.parametrize(
+    ("text", "seeds"), [("0", [0]), ("0-2", [0, 1, 2]), ("7,0-1", [7, 0, 1]), ("4294967295", [2**32 - 1])]
+)
+def test_seeds(text: str, seeds: list[int]) -> None:
+    assert find_seeds(text) == seeds
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("", "as in 0-2,7, got ''"),
+        ("2-0", "got '2-0'"),
+        ("-1", "got '-1'"),
+        ("0,,1", "got '0,,1'"),
+        ("1.5", "got '1.5'"),
+        ("4294967296", r"below 2\*\*32"),
+        ("0-4294967295", "at most 1,000 seeds"),
+        ("0-2,1", "seed 1 is named twice in '0-2,1'; leave one of them out"),
+    ],
+)
+def test_wrong_seeds(text: str, error: str) -> None:
+    with pytest.raises(ValueError, match=error):
+        find_seeds(text)
+
+
+def test_games_are_those_of_sets_and_names() -> None:
+    assert find_games("pong") == ["pong"]
+    assert find_games("atari26,surround") == [*GAME_SETS["atari26"], "surround"]
+    with pytest.raises(ValueError, match="games are named with commas between"):
+        find_games("pong,,breakout")
+
+
+def test_a_run_has_a_folder_and_the_options_of_its_seed(tmp_path: Path) -> None:
+    runs = plan(["pong", "Breakout-ram-v4"], [3, 5], tmp_path, resolve)
+    assert [run.name for run in runs] == ["pong-seed3", "pong-seed5", "breakout-seed3", "breakout-seed5"]
+    assert [run.options.seed for run in runs] == [3, 5, 3, 5]
+    assert runs[2].options.from_ram
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("games", "error"),
+    [
+        (["pong", "pong"], "pong is named twice, as 'pong' and 'pong'; leave one of them out"),
+        (["pong", "ALE/Pong-v5"], "pong is named twice, as 'pong' and 'ALE/Pong-v5'"),
+        ([*GAME_SETS["atari26"], "pong"], "pong is named twice"),
+        (["pong", "breakuot"], "breakout"),
+    ],
+)
+@pytest.mark.parametrize("seeds", [[0], [0, 1]])
+def test_wrong_games(games: list[str], error: str, seeds: list[int], tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=error):
+        plan(games, seeds, tmp_path, resolve)
+
+
+def test_a_protocol_that_does_not_fit_is_refused_before_the_first_training(tmp_path: Path) -> None:
+    runs = plan(["pong"], [0], tmp_path, lambda game, seed: resolve(game, seed, frameskip=3))
+    with pytest.raises(ValueError, match="protocol 'dopamine' plays 4 frames an action, the policy 3"):
+        check_protocol(runs, PROTOCOLS["dopamine"])
+    check_protocol(runs, replace(PROTOCOLS["dopamine"], name="mine", frame_skip=3))
+
+
+def begun(path: Path, agent: str, options: Any) -> None:
+    Training.begin(agent, options, path).close()
+
+
+OtherOptions = Callable[[str, int], Any]
+
+
+@pytest.mark.parametrize(
+    ("name", "other", "error"),
+    [
+        ("pong-seed0", {"gamma": 0.9}, r"pong-seed0 has gamma=0.9, and this sweep 0.99; give another folder"),
+        ("pong-seed0", {"noops": (0, 3)}, r"pong-seed0 has noops=\(0, 3\), and this sweep \(1, 30\)"),
+        ("pong-seed0", {"seed": 4}, r"pong-seed0 has seed=4, and this sweep 0"),
+        ("else", {"seed": 9, "gamma": 0.9}, r"else has gamma=0.9, and this sweep 0.99"),
+        ("else", {"seed": 9}, None),
+        ("pong-seed0", {}, None),
+    ],
+)
+def test_a_folder_with_runs_of_other_options_is_refused(
+    name: str, other: dict[str, Any], error: str | None, tmp_path: Path
+) -> None:
+    runs = plan(["pong"], [0], tmp_path, resolve)
+    begun(tmp_path / name, "ppo", resolve("pong", **{"seed": 0, **other}))
+    if error is None:
+        check_folder(tmp_path, "ppo", runs, resolve)
+        return
+    with pytest.raises(ValueError, match=error):
+        check_folder(tmp_path, "ppo", runs, resolve)
+
+
+def test_a_run_of_another_agent_or_a_damaged_one_is_refused(tmp_path: Path) -> None:
+    begun(tmp_path / "pong-seed0", "ppo", resolve("pong", 0))
+    with pytest.raises(ValueError, match="pong-seed0 is a run of ppo, and this sweep is of pqn"):
+        check_folder(tmp_path, "pqn", [], resolve)
+    (tmp_path / "pong-seed0" / "config.json").write_text("{}")
+    with pytest.raises(ValueError, match=r"config\.json"):
+        check_folder(tmp_path, "ppo", [], resolve)

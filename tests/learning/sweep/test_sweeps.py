@@ -1,0 +1,192 @@
+"""`atari train` with several games and seeds: kills, equality with single trainings, results, and wrong input."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from atari.cli import main  # noqa: E402
+from atari.learning import PROTOCOLS, Result, RunFolder  # noqa: E402
+from atari.learning.command import options_of  # noqa: E402
+from atari.learning.run_log import read_last_row  # noqa: E402
+from atari.learning.sweep.plan import plan  # noqa: E402
+from atari.learning.sweep.processes import Settings, do_runs  # noqa: E402
+from atari.learning.sweep.results import comparable_agents, compare_runs  # noqa: E402
+from atari.learning.training import Training  # noqa: E402
+
+TINY = "--total-steps 1024 --num-envs 8 --horizon 32 --minibatch 256 --checkpoint-minutes 0".split()
+SWEEP = "--jobs 2 -o runs --games 0 --episodes 1 --protocol dopamine".split()
+WORDS = ["train", "ppo", "pong,breakout", "--seeds", "0,3", *SWEEP, *TINY]
+NAMES = ["pong-seed0", "pong-seed3", "breakout-seed0", "breakout-seed3"]
+
+
+def resolve(game: str, seed: int) -> Any:
+    return options_of("ppo", [game, *TINY, "--seed", str(seed)], "atari train ppo")
+
+
+def wait_for(what: Any, seconds: float = 120) -> None:
+    end = time.monotonic() + seconds
+    while not what():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_a_sweep_that_is_killed_ends_as_one_that_was_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The sweep is killed in its first trainings, then a process of its other ones; the same command goes on."""
+    monkeypatch.chdir(tmp_path)
+    runs = plan(["pong", "breakout"], [0, 3], Path("runs"), resolve)
+    assert [run.name for run in runs] == NAMES
+    sweep = subprocess.Popen([sys.executable, "-m", "atari", *WORDS], stderr=subprocess.PIPE)
+    wait_for(lambda: read_last_row(runs[0].path / "log.csv"))
+    sweep.send_signal(signal.SIGKILL)
+    sweep.communicate()
+    killed_at = read_last_row(runs[0].path / "log.csv")["step"]
+
+    command = (sys.executable, "-m", "atari.cli.sweep")
+    settings = Settings("ppo", tuple(TINY), 0, PROTOCOLS["dopamine"], 1, 2, command)
+    killed: list[str] = []
+
+    def kill_one(every: Any) -> None:
+        for one in every[2:]:
+            if not killed and one.process is not None and one.row:
+                one.process.kill()
+                killed.append(one.run.name)
+
+    done = do_runs(runs, settings, Event(), kill_one)
+    assert [one.run.name for one in done if one.state == "failed"] == killed != []
+    (failed,) = (one for one in done if one.state == "failed")
+    assert failed.error == "it was ended by signal 9; the same command goes on"
+
+    assert main(WORDS) == 0
+    shown = capsys.readouterr()
+    assert f"{killed[0]} done 1,024 1,024" in shown.err
+    assert "human-normalised scores (table noop57) of 2 games" in shown.out
+    assert "no published agent of protocol dopamine has scores of these games at 4,096 frames" in shown.out
+    page = Path("runs", "report.html").read_text()
+    assert all(name in page for name in NAMES)
+    assert page.count("<svg") == 2
+    assert Path("runs", "comparison.svg").exists()
+
+    for run in runs:
+        training = Training.begin("ppo", run.options, Path("alone", run.name))
+        training.run()
+        training.close()
+        alone, own = (RunFolder.open(path) for path in (training.folder.path, run.path))
+        assert own.config["options"] == alone.config["options"]
+        assert own.config["task"] == alone.config["task"]
+        weights = own.load_weights()
+        assert all(torch.equal(value, weights[name]) for name, value in alone.load_weights().items())
+        assert [row["step"] for row in own.rows()] == [row["step"] for row in alone.rows()]
+    assert killed_at <= 1024
+
+    before = {file: file.stat().st_mtime_ns for file in Path("runs").glob("*/policy.pt")}
+    assert main(["train", "--json", *WORDS[1:]]) == 0  # all is done: nothing is trained or played
+    printed = json.loads(capsys.readouterr().out)
+    assert {file: file.stat().st_mtime_ns for file in before} == before
+    assert [Path(one["run"]).name for one in printed["runs"]] == NAMES
+    assert printed["comparison"]["rows"][0]["runs"] == 2
+    assert main([*WORDS, "--gamma", "0.9"]) == 1
+    assert "runs/breakout-seed0 has gamma=0.99, and this sweep 0.9" in capsys.readouterr().err
+    _check_the_comparison(runs)
+
+
+def _check_the_comparison(runs: Any) -> None:
+    results = [Result.load(run.path / "evaluation-dopamine.json") for run in runs]
+    comparison = compare_runs("ppo", runs, results, [], mixed=False)
+    assert comparison is not None
+    (row,) = comparison.rows
+    assert (row.name, row.frames, len(row.scores["pong"])) == ("ppo", 4096, 2)
+    assert row.iqm.low is not None
+
+
+def test_the_published_agents_of_a_sweep_have_all_its_games_at_its_frames(tmp_path: Path) -> None:
+    def at(steps: int, **options: Any) -> Any:
+        return lambda game, seed: options_of("ppo", [game, "--total-steps", str(steps)], "")
+
+    runs = plan(["pong", "breakout"], [0], tmp_path, at(2_500_000))
+    assert "dopamine/rainbow" in comparable_agents(runs, PROTOCOLS["dopamine"])
+    assert comparable_agents(runs, PROTOCOLS["baselines"]) == []
+    runs = plan(["pong", "venture"], [0], tmp_path, at(10_000_000))
+    found = comparable_agents(runs, PROTOCOLS["baselines"])
+    assert "cleanrl/ppo_atari_envpool_xla_jax" in found  # 57 games, at 40 million frames
+    assert "cleanrl/ppo_atari" not in found  # three games
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["ppo", "pong,pong"], "pong is named twice, as 'pong' and 'pong'; leave one of them out"),
+        (["ppo", "atari26,pong"], "pong is named twice"),
+        (["ppo", "pong,"], "games are named with commas between"),
+        (["a2c", "pong,breakout"], "name an agent and then its games"),
+        (["ppo", "--seeds", "0-2", "pong"], "name an agent and then its games"),
+        (["ppo", "pong", "--seeds", "2-0"], "as in 0-2,7, got '2-0'"),
+        (["ppo", "pong", "--seeds", "0,0"], "seed 0 is named twice"),
+        (["ppo", "pong,breakout", "--seed", "3"], "a sweep has --seeds, such as --seeds 0-2; leave --seed out"),
+        (["ppo", "pong", "--seeds", "0", "--protocol", "dopamin"], "did you mean 'dopamine'"),
+        (["ppo", "pong", "--seeds", "0", "--frameskip", "3"], "plays 4 frames an action, the policy 3"),
+        (["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbw"], "dopamine/rainbow"),
+        (
+            ["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbow"],
+            "full_action_space is False, and True in machado2018; protocol 'dopamine' has its environments",
+        ),
+        (
+            ["ppo", "pong", "--seeds", "0", "--compare", "cleanba/cleanba_ppo_8gpu"],
+            "scores only at 200,000,000 frames, not at 40,000,000",
+        ),
+        (["--resume", "runs/pong", "--seeds", "0"], "a training goes on with its own options; leave out --seeds"),
+    ],
+)
+def test_wrong_input_is_one_sentence(
+    words: list[str], text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", *words]) == 1
+    captured = capsys.readouterr()
+    assert text in captured.err
+    assert captured.err.startswith("atari: error: ")
+    assert captured.err.count("\n") == 1
+    assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["ppo", "pong,breakuot"], "did you mean 'breakout'?"),
+        (["ppo", "pong", "--seeds", "0", "--clip", "x"], "argument --clip"),
+        (["ppo", "pong", "--seeds", "0", "--colour", "1"], "unrecognized arguments: --colour 1"),
+        (["ppo", "pong", "--seeds", "0", "--jobs", "0"], "argument --jobs"),
+        (["ppo", "pong", "--seeds", "0", "--print-task"], "--print-task is for one training; leave it out"),
+    ],
+)
+def test_wrong_words_show_the_usage(
+    words: list[str], text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", *words]) == 2
+    assert text in capsys.readouterr().err
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_folder_has_one_sweep_at_a_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from atari.files import durable
+
+    monkeypatch.chdir(tmp_path)
+    Path("runs").mkdir()
+    with durable.lock_file(Path("runs", "sweep.lock"), ""):
+        assert main(WORDS) == 1
+    assert "a sweep writes into runs; wait for its end, or stop it" in capsys.readouterr().err
