@@ -147,8 +147,7 @@ def append(path: Path, data: bytes) -> None:
     Raises:
         OSError: the disk is full, for example, or the file is a symbolic link; the file is unchanged.
     """
-    flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
-    file = os.open(path, flags, 0o666)
+    file = open_to_append(path)
     try:
         size = os.fstat(file).st_size
         try:
@@ -159,6 +158,16 @@ def append(path: Path, data: bytes) -> None:
             raise
     finally:
         os.close(file)
+
+
+def open_to_append(path: Path) -> int:
+    """The descriptor of a file, new or not, whose writes are added to its end.
+
+    Raises:
+        OSError: the file cannot be opened, or is a symbolic link.
+    """
+    flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
+    return os.open(path, flags, 0o666)
 
 
 def lock_file(path: Path, in_use: str) -> BinaryIO:

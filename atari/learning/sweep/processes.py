@@ -160,7 +160,7 @@ def _start(one: Progress, settings: Settings, free: bool) -> None:
         own_group: dict[str, Any] = {"start_new_session": True}  # Ctrl-C ends this process, and this process the others
         if os.name == "nt":
             own_group = {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
-        with _log_file(one.run).open("ab") as log:
+        with open(durable.open_to_append(_log_file(one.run)), "ab") as log:
             one.process = subprocess.Popen(
                 [*settings.command, *words], stdin=subprocess.PIPE, stdout=log, stderr=log, **own_group
             )

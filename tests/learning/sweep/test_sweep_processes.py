@@ -114,6 +114,14 @@ def test_a_run_that_another_process_writes_waits(settings: Settings) -> None:
     assert states[:3] == ["in use", "in use", "training"]
 
 
+def test_no_output_goes_through_a_link(settings: Settings, tmp_path: Path) -> None:
+    (tmp_path / "other.txt").write_text("other")
+    Path("runs", "pong-seed0.log").symlink_to(tmp_path / "other.txt")
+    with pytest.raises(OSError, match=r"pong-seed0\.log"):
+        do_runs(runs_of(["pong"]), settings, Event(), lambda every: None)
+    assert (tmp_path / "other.txt").read_text() == "other"
+
+
 def test_a_damaged_run_folder_fails(settings: Settings) -> None:
     (run,) = runs_of(["pong"])
     run.path.mkdir()
