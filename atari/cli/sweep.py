@@ -12,15 +12,17 @@ import sys
 import threading
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from atari.cli.arguments import number
 from atari.cli.printing import print_json, print_table
 from atari.learning import GAME_SETS
-from atari.learning.agents import AGENTS
 from atari.learning.evaluation.compare import budget_faults
-from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol, refusal
+from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_protocol, refusal
 from atari.learning.evaluation.published import Published
+
+if TYPE_CHECKING:
+    from atari.learning.agent_code import AgentCode
 
 FLAGS = ("--seeds", "--jobs")
 """Flags that make a training a sweep."""
@@ -34,71 +36,121 @@ def add_sweep(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def is_sweep(args: argparse.Namespace, words: Sequence[str]) -> bool:
-    """Whether a command line of `atari train` names several games or seeds."""
-    flags = any(word.partition("=")[0] in FLAGS for word in words)
-    games = words[1] if len(words) > 1 else ""
-    several = games in GAME_SETS or ("," in games and not Path(games).exists())
-    return flags or several or args.seeds is not None or args.jobs is not None
+def is_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str]) -> bool:
+    """Whether a command line of `atari train`, without the agent, names several games or seeds."""
+    from atari.learning.command import game_among
+
+    if args.seeds is not None or args.jobs is not None or any(word.partition("=")[0] in FLAGS for word in words):
+        return True
+    if not any("," in word or word in GAME_SETS for word in words):
+        return False
+    games = game_among(code, words, _program(code))
+    return games in GAME_SETS or ("," in games and not Path(games).exists())
 
 
-def run_sweep(args: argparse.Namespace, words: Sequence[str]) -> int:
-    """Do the sweep of a command line: AGENT, GAMES, flags of the sweep and options of the trainings."""
+def run_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str]) -> int:
+    """Do the sweep of a command line, without the agent: GAMES, flags of the sweep and options of the trainings."""
     import atari.learning.evaluation.plot  # noqa: F401 - raises an error without Matplotlib, before the trainings
-    from atari._interrupt import ctrl_c_as_event
-    from atari.files import durable
     from atari.learning.command import options_of
-    from atari.learning.sweep import plan
-    from atari.learning.sweep.processes import Settings, do_runs
-    from atari.learning.sweep.results import comparable_agents, planned_frames
-    from atari.learning.sweep.table import Table
+    from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, plan
+    from atari.learning.sweep.results import comparable_agents
 
-    agent, games, *rest = [*words, "", ""][: max(2, len(words))]
-    if agent not in AGENTS or not games or games.startswith("-"):
-        raise ValueError("name an agent and then its games, as in `atari train ppo pong,breakout --seeds 0-2`")
-    args, options = _parser().parse_known_args(rest, argparse.Namespace(**vars(args)))
-    if any(word.partition("=")[0] == "--seed" for word in options):
-        raise ValueError("a sweep has --seeds, such as --seeds 0-2; leave --seed out")
+    args, games, options = _parsed(args, code, words)
     protocol = find_protocol(args.protocol)
-    folder = args.folder or Path("runs", f"{agent}-sweep")
+    folder = args.folder or Path("runs", f"{code.name}-sweep")
 
     def resolve(game: str, seed: int) -> Any:
-        return options_of(agent, [game, *options, "--seed", str(seed)], f"atari train {agent}")
+        return options_of(code, [game, *options, "--seed", str(seed)], _program(code))
 
-    seeds = plan.find_seeds("0" if args.seeds is None else args.seeds)
-    runs = plan.plan(plan.find_games(games), seeds, folder, resolve)
-    plan.check_protocol(runs, protocol)
-    plan.check_folder(folder, agent, runs, resolve)
-    frames = planned_frames(runs[0].options)
-    for agent_ in map(Published, args.compare):
-        faults = [fault for fault in (refusal(protocol, agent_), *budget_faults(agent_, frames)) if fault]
-        if faults and not args.mixed:
-            raise ValueError(f"{agent_.name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
-    episodes = protocol.episodes if args.episodes is None else args.episodes
-    command = (sys.executable, "-m", "atari.cli.sweep")
-    settings = Settings(agent, tuple(options), args.games, protocol, episodes, args.jobs or 1, command)
+    seeds = find_seeds("0" if args.seeds is None else args.seeds)
+    runs = plan(find_games(games), seeds, folder, resolve)
+    check_protocol(runs, protocol)
+    check_folder(folder, code, runs, resolve)
+    _check_comparable(args, protocol, runs[0])
+    settings = _do(args, code, options, folder, runs)
+    return _finish(args, code.name, folder, runs, settings, args.compare or comparable_agents(runs, protocol))
+
+
+def _program(code: "AgentCode") -> str:
+    """The words that begin a training, for errors."""
+    return f"atari train {code.name}"
+
+
+def _parsed(
+    args: argparse.Namespace, code: "AgentCode", words: Sequence[str]
+) -> tuple[argparse.Namespace, str, list[str]]:
+    """The flags of a sweep, the word of its games, and the options of its trainings.
+
+    Raises:
+        ValueError: the options have a seed.
+    """
+    from atari.learning.command import game_among
+
+    args, options = _parser().parse_known_args(words, argparse.Namespace(**vars(args)))
+    games = game_among(code, options, _program(code))
+    places = [place for place, word in enumerate(options) if word == games]
+    free = [place for place in places if place == 0 or not options[place - 1].startswith("-")]
+    del options[(free or places)[0]]
+    if any(word.partition("=")[0] == "--seed" for word in options):
+        raise ValueError("a sweep has --seeds, such as --seeds 0-2; leave --seed out")
+    return args, games, options
+
+
+def _check_comparable(args: argparse.Namespace, protocol: EvaluationProtocol, run: Any) -> None:
+    """Check the published agents of `--compare` before the trainings, which may take days."""
+    from atari.learning.sweep.results import planned_frames
+
+    for agent in map(Published, args.compare):
+        faults = [refusal(protocol, agent), *budget_faults(agent, planned_frames(run.options))]
+        if any(faults) and not args.mixed:
+            text = "; ".join(filter(None, faults))
+            raise ValueError(f"{agent.name} is not comparable: {text}; --mixed compares it, and says so")
+
+
+def _do(args: argparse.Namespace, code: "AgentCode", options: Sequence[str], folder: Path, runs: Sequence[Any]) -> Any:
+    """Train and evaluate all runs, and return the settings of the sweep.
+
+    Raises:
+        BlockingIOError: another sweep writes into the folder.
+        KeyboardInterrupt: after Ctrl-C, when all processes have saved and ended.
+        RuntimeError: runs have failed.
+    """
+    from atari._interrupt import ctrl_c_as_event
+    from atari.files import durable
+    from atari.learning.sweep.processes import Settings, do_runs
+    from atari.learning.sweep.table import Table
+
     folder.mkdir(parents=True, exist_ok=True)
     lock = durable.lock_file(folder / "sweep.lock", f"a sweep writes into {folder}; wait for its end, or stop it")
     with lock, ctrl_c_as_event() as stop:
-        table = Table(sys.stderr, *shutil.get_terminal_size())
-        done = do_runs(runs, settings, stop, table.show)
+        word = code.name
+        if code.file is not None:  # a copy, so that an edit of the file during the sweep changes no run
+            durable.write_file(folder / code.file.name, code.source)
+            word = f"{folder / code.file.name}:{code.kind.__name__}"
+        protocol = find_protocol(args.protocol)
+        episodes = protocol.episodes if args.episodes is None else args.episodes
+        command = (sys.executable, "-m", "atari.cli.sweep")
+        settings = Settings(word, tuple(options), args.games, protocol, episodes, args.jobs or 1, command)
+        done = do_runs(runs, settings, stop, Table(sys.stderr, *shutil.get_terminal_size()).show)
     if stop.is_set():
-        raise KeyboardInterrupt("; the same command goes on")
+        raise KeyboardInterrupt("before all runs were done; the same command goes on")
     if failed := [one for one in done if one.state == "failed"]:
         reasons = "; ".join(f"{one.run.name}: {one.error}" for one in failed)
         raise RuntimeError(f"{len(failed)} of {len(runs)} runs failed: {reasons}")
-    return _finish(args, folder, runs, settings, args.compare or comparable_agents(runs, protocol))
+    return settings
 
 
-def _finish(args: argparse.Namespace, folder: Path, runs: Sequence[Any], settings: Any, to: Sequence[str]) -> int:
+def _finish(
+    args: argparse.Namespace, agent: str, folder: Path, runs: Sequence[Any], settings: Any, to: Sequence[str]
+) -> int:
     """Compare, write the page, and print the results."""
     from atari.learning.sweep.processes import evaluation_of
     from atari.learning.sweep.report import write_report
     from atari.learning.sweep.results import compare_runs
 
     results = [result for run in runs if (result := evaluation_of(run, settings)) is not None]
-    comparison = compare_runs(f"{settings.agent} ({folder.name})", runs, results, to, args.mixed)
-    report = write_report(folder, runs, settings, results, comparison)
+    comparison = compare_runs(f"{agent} ({folder.name})", runs, results, to, args.mixed)
+    report = write_report(folder, agent, runs, settings, results, comparison)
     if args.json:
         shown = [{"run": run.path, "evaluation": result.to_json()} for run, result in zip(runs, results, strict=True)]
         print_json({"runs": shown, "comparison": comparison and comparison.to_json(), "report": report})

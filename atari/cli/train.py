@@ -9,14 +9,14 @@ import gymnasium
 from atari.cli.arguments import Commands, add_command, number
 from atari.cli.printing import print_json
 from atari.cli.sweep import add_sweep, is_sweep, run_sweep
-from atari.learning.agents import AGENTS
+from atari.learning.agents import AGENTS, is_agent
 
 
 def register(commands: Commands) -> None:
     """Add `atari train`."""
     parser = add_command(commands, "train", _train, "let an agent learn to play a game")
     parser.usage = (
-        "atari train AGENT GAME [options]\n       atari train --resume RUN [options]\n"
+        "atari train AGENT GAME [options]\n       atari train --resume RUN [--total-steps N] [options]\n"
         "       atari train AGENT GAMES --seeds SEEDS [--jobs N] [-o FOLDER] [--protocol NAME] [options]"
     )
     parser.epilog = (
@@ -27,7 +27,10 @@ def register(commands: Commands) -> None:
     _add_games(parser)
     add_sweep(parser)
     parser.add_argument(
-        "words", nargs=argparse.REMAINDER, metavar="AGENT GAME", help=f"{', '.join(AGENTS)}, its game and its options"
+        "words",
+        nargs=argparse.REMAINDER,
+        metavar="AGENT GAME",
+        help=f"{', '.join(AGENTS)}, or a Python file with an agent of your own; its game and its options",
     )
 
 
@@ -41,33 +44,74 @@ def _add_games(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _agent_among(words: list[str]) -> tuple[str, list[str]]:
+    """The word that names the agent, and the other words: options may stand before it.
+
+    A word after an option can be the option's value, so it is the agent only if no other word is.
+
+    Raises:
+        ValueError: no word names an agent.
+    """
+    named = [place for place, word in enumerate(words) if is_agent(word)]
+    free = [place for place in named if place == 0 or not words[place - 1].startswith("-")]
+    if not named:
+        raise ValueError(
+            f"name an agent ({', '.join(AGENTS)}, or a Python file such as my_ppo.py) and a game, as in "
+            "`atari train ppo pong --fast`"
+        )
+    place = (free or named)[0]
+    return words[place], words[:place] + words[place + 1 :]
+
+
+def _parse_after_resume(args: argparse.Namespace) -> argparse.Namespace:
+    """The options that follow `--resume RUN`.
+
+    Raises:
+        ValueError: a word is no such option.
+    """
+    from atari.learning.options import TrainingOptions, parse
+
+    parser = _output_parser()
+    parser.add_argument("--total-steps", type=lambda text: parse(TrainingOptions, "total_steps", text))
+    args, unknown = parser.parse_known_args(args.words, argparse.Namespace(**vars(args)))
+    if unknown:
+        raise ValueError(
+            f"a training goes on with its own options, but for --total-steps N; leave out {' '.join(unknown)}"
+        )
+    return args
+
+
+def _output_parser() -> argparse.ArgumentParser:
+    """The flags that may stand before and after the agent."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--json", action="store_true", help="print one JSON document")
+    _add_games(parser)
+    return parser
+
+
 def _train(args: argparse.Namespace) -> int:
     if find_spec("torch") is None:
         raise gymnasium.error.DependencyNotInstalled("atari train needs torch: pip install 'atari-envs[learn]'")
-    from atari.learning.command import finish_run, resume, train
+    from atari.learning.agent_code import agent_code
+    from atari.learning.command import extend, finish_run, resume, train
     from atari.learning.run import RunFolder
 
     if args.resume is not None:
-        extra = [*args.words, *(f"--{name}" for name in ("seeds", "jobs") if getattr(args, name) is not None)]
-        if extra:
-            raise ValueError(f"a training goes on with its own options; leave out {' '.join(extra)}")
+        if args.seeds is not None or args.jobs is not None:
+            raise ValueError("--seeds and --jobs are for new trainings; leave them out beside --resume")
+        args = _parse_after_resume(args)
+        if args.total_steps is not None:
+            extend(args.resume, args.total_steps)
         resume(args.resume, args.json)
         folder = args.resume
-    elif is_sweep(args, args.words):
-        try:
-            return run_sweep(args, args.words)
-        except SystemExit as exit_:  # argparse has printed help or the error
-            return int(exit_.code or 0)
     else:
-        agent, *words = args.words or [""]
-        if agent not in AGENTS:
-            raise ValueError(f"name an agent ({', '.join(AGENTS)}) and a game, as in `atari train ppo pong --fast`")
-        output = argparse.ArgumentParser(add_help=False)  # flags that may also precede the agent
-        output.add_argument("--json", action="store_true", help="print one JSON document")
-        _add_games(output)
-        args = argparse.Namespace(json=args.json, games=args.games)
+        agent, words = _agent_among(args.words)
+        code = agent_code(agent)
         try:
-            trained = train(agent, words, f"atari train {agent}", output, args)
+            if is_sweep(args, code, words):
+                return run_sweep(args, code, words)
+            args = argparse.Namespace(json=args.json, games=args.games)
+            trained = train(code, words, f"atari train {agent}", _output_parser(), args)
         except SystemExit as exit_:  # argparse has printed help or the error
             return int(exit_.code or 0)
         if trained is None:  # --print-task

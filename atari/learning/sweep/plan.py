@@ -8,11 +8,13 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from atari.learning.agent_code import AgentCode
 from atari.learning.evaluation.played import find_entries, game_of, played_task
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol
 from atari.learning.options import SEEDS, TrainingOptions
 from atari.learning.run import RunFolder
 from atari.learning.training import read_options
+from atari.learning.trust import sha256
 from atari.policy.needs import needs_of
 
 MOST_SEEDS = 1000
@@ -106,7 +108,7 @@ def check_protocol(runs: Sequence[Run], protocol: EvaluationProtocol) -> None:
         played_task(entry, protocol, needs_of(SimpleNamespace(task=task, environment=None), task.definition))
 
 
-def check_folder(folder: Path, agent: str, runs: Sequence[Run], resolve: Resolve) -> None:
+def check_folder(folder: Path, code: AgentCode, runs: Sequence[Run], resolve: Resolve) -> None:
     """Check that all run folders in a folder are of this sweep, or of one with more games or seeds.
 
     Raises:
@@ -115,10 +117,10 @@ def check_folder(folder: Path, agent: str, runs: Sequence[Run], resolve: Resolve
     planned = {run.path: run for run in runs}
     for config in sorted(folder.glob("*/config.json")):
         found = RunFolder.open(config.parent)
-        if found.config["agent"] != agent:
-            raise ValueError(
-                f"{found.path} is a run of {found.config['agent']}, and this sweep is of {agent}; give another folder"
-            )
+        if (agent := found.config["agent"]) != code.name:
+            raise ValueError(f"{found.path} is a run of {agent}, and this sweep is of {code.name}; give another folder")
+        if found.config.get("program", {}).get("sha256") != (sha256(code.source) if code.file else None):
+            raise ValueError(f"{found.path} is a run of another program than {code.file or agent}; give another folder")
         theirs = read_options(found)
         run = planned.get(found.path)
         expected = run.options if run else resolve(theirs.task.game, theirs.seed)

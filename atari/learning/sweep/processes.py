@@ -24,7 +24,7 @@ class Settings:
     """The settings of a sweep.
 
     Attributes:
-        agent: the agent's name.
+        agent: the agent as a word of `atari train`.
         words: the options of all trainings, as words of `atari train`.
         games: whole games of the evaluation at the end of a training; 0 is none.
         protocol: the protocol of the evaluations that are compared.

@@ -17,7 +17,12 @@ from atari.learning.sweep.processes import Settings
 
 
 def write_report(
-    folder: Path, runs: Sequence[Run], settings: Settings, results: Sequence[Result], comparison: Comparison | None
+    folder: Path,
+    agent: str,
+    runs: Sequence[Run],
+    settings: Settings,
+    results: Sequence[Result],
+    comparison: Comparison | None,
 ) -> Path:
     """Write `report.html` about runs and their evaluations, which needs no server, and return its path.
 
@@ -34,8 +39,8 @@ def write_report(
     words = " ".join(settings.words)
     page = Template(_PAGE).substitute(
         style=STYLE,
-        title=html.escape(f"{settings.agent.upper()}: {len(games)} games, {len(runs)} runs"),
-        command=html.escape(f"atari train {settings.agent} {','.join(games)} {words}"),
+        title=html.escape(f"{agent.upper()}: {len(games)} games, {len(runs)} runs"),
+        command=html.escape(f"atari train {agent} {','.join(games)} {words}"),
         curves="\n".join(f"<h3>{html.escape(game)}</h3>\n{_curves(game, several)}" for game, several in games.items()),
         table=_table(runs, results),
         protocol=html.escape(str(settings.protocol)),

@@ -10,6 +10,7 @@ import pytest
 pytest.importorskip("torch")
 
 from atari.learning import GAME_SETS, PROTOCOLS
+from atari.learning.agent_code import agent_code
 from atari.learning.agents.ppo import PPO
 from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, plan
 from atari.learning.training import Training
@@ -81,7 +82,7 @@ def test_a_protocol_that_does_not_fit_is_refused_before_the_first_training(tmp_p
     check_protocol(runs, replace(PROTOCOLS["dopamine"], name="mine", frame_skip=3))
 
 
-def begun(path: Path, agent: str, options: Any) -> None:
+def begun(path: Path, agent: Any, options: Any) -> None:
     Training.begin(agent, options, path).close()
 
 
@@ -105,16 +106,29 @@ def test_a_folder_with_runs_of_other_options_is_refused(
     runs = plan(["pong"], [0], tmp_path, resolve)
     begun(tmp_path / name, "ppo", resolve("pong", **{"seed": 0, **other}))
     if error is None:
-        check_folder(tmp_path, "ppo", runs, resolve)
+        check_folder(tmp_path, agent_code("ppo"), runs, resolve)
         return
     with pytest.raises(ValueError, match=error):
-        check_folder(tmp_path, "ppo", runs, resolve)
+        check_folder(tmp_path, agent_code("ppo"), runs, resolve)
 
 
 def test_a_run_of_another_agent_or_a_damaged_one_is_refused(tmp_path: Path) -> None:
     begun(tmp_path / "pong-seed0", "ppo", resolve("pong", 0))
     with pytest.raises(ValueError, match="pong-seed0 is a run of ppo, and this sweep is of pqn"):
-        check_folder(tmp_path, "pqn", [], resolve)
+        check_folder(tmp_path, agent_code("pqn"), [], resolve)
     (tmp_path / "pong-seed0" / "config.json").write_text("{}")
     with pytest.raises(ValueError, match=r"config\.json"):
-        check_folder(tmp_path, "ppo", [], resolve)
+        check_folder(tmp_path, agent_code("ppo"), [], resolve)
+
+
+def test_a_run_of_another_program_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "runs").mkdir()
+    source = "from atari.learning.agents.ppo import PPO\n\nclass Mine(PPO):\n    pass\n"
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "mine.py").write_text(f"# {name}\n{source}")
+    first, second = (agent_code(tmp_path / name / "mine.py") for name in ("first", "second"))
+    begun(tmp_path / "runs" / "pong-seed0", first, resolve("pong", 0))
+    check_folder(tmp_path / "runs", first, [], resolve)
+    with pytest.raises(ValueError, match=r"pong-seed0 is a run of another program than .*second.mine\.py"):
+        check_folder(tmp_path / "runs", second, [], resolve)

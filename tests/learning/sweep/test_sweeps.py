@@ -16,6 +16,7 @@ torch = pytest.importorskip("torch")
 
 from atari.cli import main  # noqa: E402
 from atari.learning import PROTOCOLS, Result, RunFolder  # noqa: E402
+from atari.learning.agent_code import agent_code  # noqa: E402
 from atari.learning.command import options_of  # noqa: E402
 from atari.learning.run_log import read_last_row  # noqa: E402
 from atari.learning.sweep.plan import plan  # noqa: E402
@@ -30,7 +31,7 @@ NAMES = ["pong-seed0", "pong-seed3", "breakout-seed0", "breakout-seed3"]
 
 
 def resolve(game: str, seed: int) -> Any:
-    return options_of("ppo", [game, *TINY, "--seed", str(seed)], "atari train ppo")
+    return options_of(agent_code("ppo"), [game, *TINY, "--seed", str(seed)], "atari train ppo")
 
 
 def wait_for(what: Any, seconds: float = 120) -> None:
@@ -113,7 +114,7 @@ def _check_the_comparison(runs: Any) -> None:
 
 def test_the_published_agents_of_a_sweep_have_all_its_games_at_its_frames(tmp_path: Path) -> None:
     def at(steps: int, **options: Any) -> Any:
-        return lambda game, seed: options_of("ppo", [game, "--total-steps", str(steps)], "")
+        return lambda game, seed: options_of(agent_code("ppo"), [game, "--total-steps", str(steps)], "")
 
     runs = plan(["pong", "breakout"], [0], tmp_path, at(2_500_000))
     assert "dopamine/rainbow" in comparable_agents(runs, PROTOCOLS["dopamine"])
@@ -130,8 +131,8 @@ def test_the_published_agents_of_a_sweep_have_all_its_games_at_its_frames(tmp_pa
         (["ppo", "pong,pong"], "pong is named twice, as 'pong' and 'pong'; leave one of them out"),
         (["ppo", "atari26,pong"], "pong is named twice"),
         (["ppo", "pong,"], "games are named with commas between"),
-        (["a2c", "pong,breakout"], "name an agent and then its games"),
-        (["ppo", "--seeds", "0-2", "pong"], "name an agent and then its games"),
+        (["a2c", "pong,breakout"], "name an agent (ppo, pqn, dqn, or a Python file"),
+        (["--seeds", "2-0", "ppo", "pong"], "as in 0-2,7, got '2-0'"),
         (["ppo", "pong", "--seeds", "2-0"], "as in 0-2,7, got '2-0'"),
         (["ppo", "pong", "--seeds", "0,0"], "seed 0 is named twice"),
         (["ppo", "pong,breakout", "--seed", "3"], "a sweep has --seeds, such as --seeds 0-2; leave --seed out"),
@@ -146,7 +147,11 @@ def test_the_published_agents_of_a_sweep_have_all_its_games_at_its_frames(tmp_pa
             ["ppo", "pong", "--seeds", "0", "--compare", "cleanba/cleanba_ppo_8gpu"],
             "scores only at 200,000,000 frames, not at 40,000,000",
         ),
-        (["--resume", "runs/pong", "--seeds", "0"], "a training goes on with its own options; leave out --seeds"),
+        (
+            ["--resume", "runs/pong", "--seeds", "0"],
+            "--seeds and --jobs are for new trainings; leave them out beside --resume",
+        ),
+        (["--seeds", "0", "--resume", "runs/pong"], "--seeds and --jobs are for new trainings; leave them out beside"),
     ],
 )
 def test_wrong_input_is_one_sentence(
@@ -167,6 +172,7 @@ def test_wrong_input_is_one_sentence(
         (["ppo", "pong,breakuot"], "did you mean 'breakout'?"),
         (["ppo", "pong", "--seeds", "0", "--clip", "x"], "argument --clip"),
         (["ppo", "pong", "--seeds", "0", "--colour", "1"], "unrecognized arguments: --colour 1"),
+        (["ppo", "--seeds", "0-2"], "the following arguments are required: GAME"),
         (["ppo", "pong", "--seeds", "0", "--jobs", "0"], "argument --jobs"),
         (["ppo", "pong", "--seeds", "0", "--print-task"], "--print-task is for one training; leave it out"),
     ],
@@ -178,6 +184,39 @@ def test_wrong_words_show_the_usage(
     assert main(["train", *words]) == 2
     assert text in capsys.readouterr().err
     assert not any(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "ppo pong,breakout --fast --actions UP,DOWN --seeds 1-2",
+        "--seeds 1-2 --fast --actions UP,DOWN ppo pong,breakout",
+        "--fast ppo --seeds=1-2 pong,breakout --actions UP,DOWN",
+        "ppo --actions UP,DOWN pong,breakout --fast --jobs 3 --seeds 1,2",
+    ],
+)
+def test_options_stand_before_and_after_the_agent_and_its_games(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    seen: list[Any] = []
+    monkeypatch.setattr("atari.cli.sweep._do", lambda *given: seen.append(given) or SystemExit())
+    monkeypatch.setattr("atari.cli.sweep._finish", lambda *given: 0)
+    assert main(["train", *words.split()]) == 0
+    (_, code, options, folder, runs), *_ = seen
+    assert (code.name, folder) == ("ppo", Path("runs/ppo-sweep"))
+    assert sorted(options) == ["--actions", "--fast", "UP,DOWN"]
+    assert [run.name for run in runs] == ["pong-seed1", "pong-seed2", "breakout-seed1", "breakout-seed2"]
+    assert {run.options.network for run in runs} == {"small"}
+
+
+@pytest.mark.parametrize("words", ["ppo pong --actions UP,DOWN", "ppo --noops 0,0 pong --fast", "ppo atari.toml"])
+def test_a_comma_in_an_option_makes_no_sweep(words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[str] = []
+    monkeypatch.setattr("atari.cli.train.run_sweep", lambda *given: pytest.fail("a sweep"))
+    monkeypatch.setattr("atari.learning.command.train", lambda code, *given: seen.append(code.name))
+    assert main(["train", *words.split()]) == 0
+    assert seen == ["ppo"]
 
 
 def test_a_folder_has_one_sweep_at_a_time(
