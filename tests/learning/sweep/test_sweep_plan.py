@@ -121,7 +121,8 @@ def test_a_run_of_another_agent_or_a_damaged_one_is_refused(tmp_path: Path) -> N
         check_folder(tmp_path, agent_code("ppo"), [], resolve)
 
 
-def test_a_run_of_another_program_is_refused(tmp_path: Path) -> None:
+def test_a_run_of_another_program_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("atari.learning.trust.user_data_path", lambda *_, **__: tmp_path / "data")
     (tmp_path / "runs").mkdir()
     source = "from atari.learning.agents.ppo import PPO\n\nclass Mine(PPO):\n    pass\n"
     for name in ("first", "second"):

@@ -219,6 +219,24 @@ def test_a_comma_in_an_option_makes_no_sweep(words: str, monkeypatch: pytest.Mon
     assert seen == ["ppo"]
 
 
+def test_the_processes_of_an_agent_of_your_own_have_a_copy_of_its_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("atari.learning.trust.user_data_path", lambda *_, **__: tmp_path / "data")
+    source = "from atari.learning.agents.ppo import PPO\n\nclass Mine(PPO):\n    pass\n"
+    Path("mine.py").write_text(source)
+    seen: list[Settings] = []
+    monkeypatch.setattr(
+        "atari.learning.sweep.processes.do_runs", lambda runs, settings, *_: seen.append(settings) or []
+    )
+    monkeypatch.setattr("atari.cli.sweep._finish", lambda *given: 0)
+    assert main(["train", "mine.py", *WORDS[2:]]) == 0
+    copy = Path("runs", "mine.py")
+    assert seen[0].agent == f"{copy}:Mine"
+    assert copy.read_text() == source
+
+
 def test_a_folder_has_one_sweep_at_a_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
