@@ -47,6 +47,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/games/interventions": ("tests/lab",),
     "atari/games": ("tests/games", "tests/conformance/test_ale_goldens.py"),
     "atari/learning/trust.py": ("tests/learning/test_agent_code.py",),
+    "atari/cli/sweep.py": ("tests/learning/sweep/test_sweeps.py",),
     "atari/policy/__init__.py": ("tests/learning/test_policies.py", "tests/testing/test_policy.py"),
     "atari/policy/needs.py": ("tests/learning/evaluation", "tests/testing/test_policy.py"),
     "atari/observations": (
@@ -73,6 +74,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "scripts": ("tests/test_scripts.py",),
     "docs": ("tests/test_documented_places.py",),
     "CONTRIBUTING.md": ("tests/test_documented_places.py",),
+    "examples/self_play.py": ("tests/learning/test_self_play.py",),
     "examples": ("tests/test_notebook.py",),
 }
 """By file or folder, its tests where they are not in the folder of the same name; the longest name counts."""

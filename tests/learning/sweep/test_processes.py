@@ -1,6 +1,5 @@
-"""The processes of a sweep, with a program in place of `atari` that takes no time, and the table that shows them."""
+"""The processes of a sweep, with a program in place of `atari` that takes no time."""
 
-import io
 import json
 import sys
 import time
@@ -15,10 +14,8 @@ torch = pytest.importorskip("torch")
 from atari.learning import PROTOCOLS  # noqa: E402
 from atari.learning.agents.ppo import PPO  # noqa: E402
 from atari.learning.run import RunFolder  # noqa: E402
-from atari.learning.run_log import read_last_row  # noqa: E402
 from atari.learning.sweep.plan import Run, plan  # noqa: E402
-from atari.learning.sweep.processes import Progress, Settings, do_runs, next_step  # noqa: E402
-from atari.learning.sweep.table import Table  # noqa: E402
+from atari.learning.sweep.processes import Settings, do_runs, next_step  # noqa: E402
 
 PROGRAM = """
 import os, sys, threading, time
@@ -129,66 +126,3 @@ def test_a_damaged_run_folder_fails(settings: Settings) -> None:
     (one,) = do_runs([run], settings, Event(), lambda every: None)
     assert one.state == "failed"
     assert "format 99" in one.error
-
-
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
-def progress(games: list[str], states: list[str]) -> list[Progress]:
-    return [Progress(run, state) for run, state in zip(runs_of(games), states, strict=True)]
-
-
-def test_a_line_a_change_without_a_terminal(settings: Settings) -> None:
-    stream = io.StringIO()
-    table = Table(stream, 80, 24)
-    one, other = progress(["pong", "breakout"], ["training", "waiting"])
-    table.show([one, other])
-    table.show([one, other])
-    assert stream.getvalue() == "pong-seed0 training 0 10,000,000 -\n"
-    one.run.path.mkdir()
-    (one.run.path / "log.csv").write_text("step,score\n128,nan\n256,-20.5\n3")
-    one.state, other.state, other.error = "done", "failed", "no\x1b[2J room"
-    table.show([one, other])
-    assert stream.getvalue().splitlines()[1:] == [
-        "pong-seed0 done 256 10,000,000 -20.5",
-        "breakout-seed0 failed: no\\x1b[2J room 0 10,000,000 -",
-    ]
-
-
-def test_a_table_in_a_terminal_changes_in_place(settings: Settings) -> None:
-    stream = Terminal()
-    table = Table(stream, 60, 24)
-    runs = progress(["pong", "breakout"], ["done", "training"])
-    table.show(runs)
-    lines = stream.getvalue().splitlines()
-    assert [line.split()[:2] for line in lines[:3]] == [
-        ["run", "state"],
-        ["pong-seed0", "done"],
-        ["breakout-seed0", "training"],
-    ]
-    assert lines[3] == "2 runs: 1 done, 1 training"
-    runs[1].state = "evaluating"
-    table.show(runs)
-    assert "\x1b[4F\x1b[J" in stream.getvalue()
-    small = Terminal()
-    runs[0].error = "long " * 40
-    Table(small, 40, 4).show(runs)  # there is room for one run, the one at work
-    assert [line.split()[0] for line in small.getvalue().splitlines()] == ["run", "breakout-seed0", "2"]
-    assert max(map(len, small.getvalue().splitlines())) < 40
-
-
-def test_the_last_row_of_a_log_that_is_being_written(tmp_path: Path) -> None:
-    file = tmp_path / "log.csv"
-    assert read_last_row(file) == {}
-    for text, row in [
-        ("", {}),
-        ("step,loss\n", {}),
-        ("step,loss\n1,0.5\n", {"step": 1.0, "loss": 0.5}),
-        ("step,loss\n1,0.5\n2,0.", {"step": 1.0, "loss": 0.5}),
-        ("step,loss\n1,0.5\n2,x\n", {}),
-        ("step,loss\n" + "1,0.5\n" * 5000 + "7,0.25\n", {"step": 7.0, "loss": 0.25}),
-    ]:
-        file.write_text(text)
-        assert read_last_row(file) == row
