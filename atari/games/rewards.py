@@ -147,8 +147,8 @@ class _Compiler:
                 self._node(operand)
                 self._emit(_UNARY[type(op)])
             case ast.Compare(left=left, ops=ops, comparators=rights) if all(type(op) in _COMPARE for op in ops):
-                for number, (a, op, b) in enumerate(zip([left, *rights], ops, rights, strict=False)):
-                    self._fold(_COMPARE[type(op)], (a, b))
+                for number, (a, comparison, b) in enumerate(zip([left, *rights], ops, rights, strict=False)):
+                    self._fold(_COMPARE[type(comparison)], (a, b))
                     if number:
                         self._emit("both")
             case ast.BoolOp(op=op, values=values):

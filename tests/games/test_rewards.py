@@ -26,7 +26,7 @@ def paid(game: str, text: str, now: reference.Moment, before: reference.Moment) 
     return formula.pay(inputs, now.ram, now.lives, now.reward)
 
 
-@settings(max_examples=400)
+@settings(max_examples=400, deadline=None)
 @given(game=st.sampled_from(GAMES), data=st.data())
 def test_formulas_equal_plain_python(game: str, data: st.DataObject) -> None:
     text = ast.unparse(ast.parse(data.draw(expressions(game)), mode="eval"))
