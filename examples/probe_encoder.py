@@ -15,7 +15,7 @@ import torch
 
 from atari.lab.probes import majority, play_episodes, probe, split_episodes
 from atari.lab.probes.probe import ProbeResult
-from atari.learning.agents import find_agent
+from atari.learning.agent_code import kept_agent
 from atari.learning.run import RunFolder
 from atari.learning.training import read_options
 
@@ -36,7 +36,7 @@ def main() -> None:
         raise SystemExit(f"{args.run} is a training from RAM; probe one from images")
     screen = {"stack_num": task.stack_num, "img_height": task.img_height, "img_width": task.img_width}
     shape = tuple(screen.values())
-    agent = find_agent(folder.config["agent"])
+    agent = kept_agent(folder).kind
     networks = []
     for _ in range(2):
         torch.manual_seed(0)

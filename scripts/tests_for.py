@@ -47,6 +47,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/validation.py": ("tests/test_env.py", "tests/wrappers", "tests/vector"),
     "atari/games/interventions": ("tests/lab",),
     "atari/games": ("tests/games", "tests/conformance/test_ale_goldens.py"),
+    "atari/learning/trust.py": ("tests/learning/test_agent_code.py",),
     "atari/policy/__init__.py": ("tests/learning/test_policies.py", "tests/testing/test_policy.py"),
     "atari/policy/needs.py": ("tests/learning/evaluation", "tests/testing/test_policy.py"),
     "atari/observations": (

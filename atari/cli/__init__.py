@@ -72,7 +72,9 @@ def _run(argv: Sequence[str] | None) -> int:
         if (former := " ".join(words[:2])) in _FORMER:
             raise ValueError(f"`atari {former}` is now `atari {_FORMER[former]}`")
         args, unknown = _parser(words).parse_known_args(words)
-        if unknown:  # argparse itself would print the usage of `atari`, not of the command
+        if unknown and "words" in args:  # `atari train` parses them when it knows the agent
+            args.words[:0] = unknown
+        elif unknown:  # argparse itself would print the usage of `atari`, not of the command
             args.parser.error(f"unrecognized arguments: {' '.join(unknown)}")
     except SystemExit as exit_:  # argparse has printed help, the version or the error
         return int(exit_.code or 0)

@@ -8,13 +8,13 @@ import gymnasium
 
 from atari.cli.arguments import Commands, add_command, number
 from atari.cli.printing import print_json
-from atari.learning.agents import AGENTS
+from atari.learning.agents import AGENTS, is_agent
 
 
 def register(commands: Commands) -> None:
     """Add `atari train`."""
     parser = add_command(commands, "train", _train, "let an agent learn to play a game")
-    parser.usage = "atari train AGENT GAME [options]\n       atari train --resume RUN [options]"
+    parser.usage = "atari train AGENT GAME [options]\n       atari train --resume RUN [--total-steps N] [options]"
     parser.epilog = (
         "`atari train ppo --help` shows the options of an agent, and those that change what is played. "
         "Examples: atari train ppo pong --fast; atari train dqn Breakout-ram-v4 --network mlp"
@@ -22,7 +22,10 @@ def register(commands: Commands) -> None:
     parser.add_argument("--resume", type=Path, metavar="RUN", help="go on with the training in a run folder")
     _add_games(parser)
     parser.add_argument(
-        "words", nargs=argparse.REMAINDER, metavar="AGENT GAME", help=f"{', '.join(AGENTS)}, its game and its options"
+        "words",
+        nargs=argparse.REMAINDER,
+        metavar="AGENT GAME",
+        help=f"{', '.join(AGENTS)}, or a Python file with an agent of your own; its game and its options",
     )
 
 
@@ -36,27 +39,70 @@ def _add_games(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _agent_among(words: list[str]) -> tuple[str, list[str]]:
+    """The word that names the agent, and the other words: options may stand before it.
+
+    A word after an option can be the option's value, so it is the agent only if no other word is.
+
+    Raises:
+        ValueError: no word names an agent.
+    """
+    named = [place for place, word in enumerate(words) if is_agent(word)]
+    free = [place for place in named if place == 0 or not words[place - 1].startswith("-")]
+    if not named:
+        raise ValueError(
+            f"name an agent ({', '.join(AGENTS)}, or a Python file such as my_ppo.py) and a game, as in "
+            "`atari train ppo pong --fast`"
+        )
+    place = (free or named)[0]
+    return words[place], words[:place] + words[place + 1 :]
+
+
+def _parse_after_resume(args: argparse.Namespace) -> argparse.Namespace:
+    """The options that follow `--resume RUN`.
+
+    Raises:
+        ValueError: a word is no such option.
+    """
+    from atari.learning.options import TrainingOptions, parse
+
+    parser = _output_parser()
+    parser.add_argument("--total-steps", type=lambda text: parse(TrainingOptions, "total_steps", text))
+    args, unknown = parser.parse_known_args(args.words, argparse.Namespace(**vars(args)))
+    if unknown:
+        raise ValueError(
+            f"a training goes on with its own options, but for --total-steps N; leave out {' '.join(unknown)}"
+        )
+    return args
+
+
+def _output_parser() -> argparse.ArgumentParser:
+    """The flags that may stand before and after the agent."""
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser.add_argument("--json", action="store_true", help="print one JSON document")
+    _add_games(parser)
+    return parser
+
+
 def _train(args: argparse.Namespace) -> int:
     if find_spec("torch") is None:
         raise gymnasium.error.DependencyNotInstalled("atari train needs torch: pip install 'atari-envs[learn]'")
-    from atari.learning.command import finish_run, resume, train
+    from atari.learning.agent_code import agent_code
+    from atari.learning.command import extend, finish_run, resume, train
     from atari.learning.run import RunFolder
 
     if args.resume is not None:
-        if args.words:
-            raise ValueError(f"a training goes on with its own options; leave out {' '.join(args.words)}")
+        args = _parse_after_resume(args)
+        if args.total_steps is not None:
+            extend(args.resume, args.total_steps)
         resume(args.resume, args.json)
         folder = args.resume
     else:
-        agent, *words = args.words or [""]
-        if agent not in AGENTS:
-            raise ValueError(f"name an agent ({', '.join(AGENTS)}) and a game, as in `atari train ppo pong --fast`")
-        output = argparse.ArgumentParser(add_help=False)  # flags that may also precede the agent
-        output.add_argument("--json", action="store_true", help="print one JSON document")
-        _add_games(output)
+        agent, words = _agent_among(args.words)
+        code = agent_code(agent)
         args = argparse.Namespace(json=args.json, games=args.games)
         try:
-            trained = train(agent, words, f"atari train {agent}", output, args)
+            trained = train(code, words, f"atari train {agent}", _output_parser(), args)
         except SystemExit as exit_:  # argparse has printed help or the error
             return int(exit_.code or 0)
         if trained is None:  # --print-task

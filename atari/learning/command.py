@@ -9,14 +9,15 @@ from contextlib import closing
 from dataclasses import fields
 from datetime import timedelta
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import gymnasium
 from tqdm import tqdm
 
 from atari._interrupt import ctrl_c_as_event
-from atari.learning.agents import find_agent
-from atari.learning.options import FAST_RAM, TrainingOptions, members, parse
+from atari.learning.agent import Agent
+from atari.learning.agent_code import AgentCode, agent_code
+from atari.learning.options import FAST_RAM, TrainingOptions, members, parse, shown
 from atari.learning.run import RunFolder
 from atari.learning.training import Training
 from atari.task import Task
@@ -35,7 +36,7 @@ _ALONE = (
 
 
 def train(
-    agent: str,
+    code: AgentCode,
     argv: Sequence[str],
     prog: str,
     output: argparse.ArgumentParser | None = None,
@@ -46,23 +47,22 @@ def train(
     With `--print-task` nothing is trained, and the result is None.
 
     Args:
-        agent: the agent's name.
+        code: the agent.
         argv: the command line without the agent.
         prog: the command, for help and errors.
         output: a parser of the caller's flags and of `--json`, with which the task is printed as JSON.
         args: the values of these flags so far, to which the values of the command line are added.
     """
-    found = find_agent(agent)
-    parser = _parser(found, prog, output)
+    parser = _parser(code.kind, prog, output)
     args = parser.parse_args(argv, args)
     try:
-        options = _options(found, args)
+        options = _options(code.kind, args)
         if args.print_task:
             show_task(args, options.task)
             return None
         kind = "ram" if options.from_ram else "pixels"
-        folder = args.run or _new_folder(f"{options.task.game}-{agent}-{kind}-seed{options.seed}")
-        training = Training.begin(agent, options, folder)
+        folder = args.run or _new_folder(f"{options.task.game}-{code.name}-{kind}-seed{options.seed}")
+        training = Training.begin(code, options, folder)
     except (TypeError, ValueError, FileNotFoundError, FileExistsError, gymnasium.error.NameNotFound) as error:
         parser.error(str(error))
     show_task(args, options.task)
@@ -75,7 +75,7 @@ def train(
     return folder
 
 
-def _options(agent: Any, args: argparse.Namespace) -> Any:
+def _options(agent: type[Agent], args: argparse.Namespace) -> Any:
     """The options of the training that a command line describes.
 
     Raises:
@@ -106,6 +106,16 @@ def resume(path: Path, as_json: bool = False) -> None:
         print(f"the training in {path} is complete ({_REASONS.get(ended, ended)}); only its games are played again")
 
 
+def extend(path: Path, total_steps: int) -> None:
+    """Let a training have more steps than it began with; `resume` then trains on, also if it was complete.
+
+    Raises:
+        ValueError: the training has made as many steps, or its replay memory is gone.
+    """
+    with RunFolder.open(path, lock=True) as folder:
+        folder.extend(total_steps)
+
+
 _REASONS = {"steps": "all steps are done", "score": "the score was reached"}
 
 
@@ -118,9 +128,11 @@ def finish_run(path: Path, episodes: int) -> Any:
         return finish(folder, episodes, lambda done, total: bar.update(done - bar.n))
 
 
-def main(agent: str) -> None:
-    """The command line of an agent's script."""
-    folder = train(agent, sys.argv[1:], f"python -m atari.learning.agents.{agent}")
+def main(agent: type[Agent]) -> None:
+    """The command line of the script of an agent: trains the agent as its arguments say, and prints the run folder."""
+    code = agent_code(agent)
+    prog = f"python {sys.argv[0]}" if code.file else f"python -m atari.learning.agents.{code.name}"
+    folder = train(code, sys.argv[1:], prog)
     if folder is not None:
         print(folder)
 
@@ -168,7 +180,7 @@ class Lines:
         )
 
 
-def _parser(agent: Any, prog: str, output: argparse.ArgumentParser | None) -> argparse.ArgumentParser:
+def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | None) -> argparse.ArgumentParser:
     kind = agent.options_class
     parser = argparse.ArgumentParser(
         prog=prog,
@@ -191,15 +203,15 @@ def _parser(agent: Any, prog: str, output: argparse.ArgumentParser | None) -> ar
     for field in fields(kind):
         if field.name != "task":
             flag = f"--{field.name.replace('_', '-')}"
-            default = "" if field.default is None else f" (default: {_shown(field.default)})"
+            default = "" if field.default is None else f" (default: {shown(field.default)})"
             text = f"{texts[field.name]}{default}".replace("%", "%%")
             own: dict[str, Any] = {"type": _option_type(kind, field.name), "default": argparse.SUPPRESS, "metavar": "X"}
-            if members(kind, field.name)[0] is bool:
+            if True in (members(kind, field.name)[0] is bool, *get_args(members(kind, field.name)[0])):
                 own |= {"nargs": "?", "const": True}
             parser.add_argument(flag, help=text, **own)
     add_task(parser, leave_out=_ALONE)
     add_former(parser, _OLD_FLAGS)
-    parser.epilog = "--fast: " + ", ".join(f"{name} {_shown(value)}" for name, value in agent.fast.items())
+    parser.epilog = "--fast: " + ", ".join(f"{name} {shown(value)}" for name, value in agent.fast.items())
     return parser
 
 
@@ -222,12 +234,6 @@ def _option_type(options: type[TrainingOptions], name: str) -> Any:
             raise argparse.ArgumentTypeError(str(error)) from None
 
     return convert
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return "none" if value is None else ",".join(value) if isinstance(value, tuple) else str(value)
 
 
 def _new_folder(name: str) -> Path:

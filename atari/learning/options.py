@@ -28,7 +28,7 @@ FAST_PIXELS: Mapping[str, Any] = {
     "img_width": 42,
     "network": "small",
     "normalize": True,
-    "bfloat16": True,
+    "bfloat16": "auto",
     "workers": 2,
 }
 """Options for pixels that all agents have in common, found by measurement on two cores; see docs/learning.md."""
@@ -63,7 +63,8 @@ class TrainingOptions:
             units) or bits (the same on the bits of RAM).
         normalize: subtract the mean of each pixel or byte and divide by its standard deviation, over all observations
             so far, instead of dividing by 255.
-        bfloat16: compute convolutions and wide layers in bfloat16; parameters stay float32.
+        bfloat16: compute convolutions and wide layers in bfloat16; parameters stay float32. auto does so where the
+            processor has instructions for it; without them it takes ten times as long as float32.
         learning_rate: step size of the optimiser.
         gamma: discount of a reward for each step before it.
         device: the device of the network, cpu or cuda.
@@ -93,7 +94,7 @@ class TrainingOptions:
     num_envs: int = 8
     network: Literal["nature", "small", "mlp", "bits"] = "nature"
     normalize: bool = False
-    bfloat16: bool = False
+    bfloat16: Literal["auto", True, False] = False
     learning_rate: float = 2.5e-4
     gamma: float = 0.99
     device: str = "cpu"
@@ -241,7 +242,10 @@ def _check_kind(name: str, value: Any, kinds: tuple[Any, ...]) -> None:
     if value is None and type(None) in kinds:
         return
     if typing.get_origin(kind) is Literal:
-        check_choice(name, value, typing.get_args(kind))
+        choices = typing.get_args(kind)
+        check_choice(name, shown(value), tuple(map(shown, choices)))
+        if not any(type(value) is type(choice) for choice in choices):  # 1 == True
+            raise TypeError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r:.60}")
     elif kind in (int, float):
         if isinstance(value, bool) or not isinstance(value, (int, float) if kind is float else int):
             raise TypeError(f"{name} must be {'a number' if kind is float else 'a whole number'}, got {value!r:.60}")
@@ -268,6 +272,13 @@ def members(options: type, name: str) -> tuple[Any, ...]:
     return typing.get_args(kind) if typing.get_origin(kind) in (types.UnionType, typing.Union) else (kind,)
 
 
+def shown(value: Any) -> str:
+    """The value of an option as a command line has it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "none" if value is None else ",".join(value) if isinstance(value, tuple) else str(value)
+
+
 def parse(options: type, name: str, text: str) -> Any:
     """The value of an option from its text on a command line.
 
@@ -281,6 +292,8 @@ def parse(options: type, name: str, text: str) -> Any:
     if kind is bool:
         check_choice(name, text, ("true", "false"))
         return text == "true"
+    if typing.get_origin(kind) is Literal:
+        return next((choice for choice in typing.get_args(kind) if shown(choice) == text), text)
     if kind is int:
         if text.removeprefix("-").isdecimal() and len(text) < 100:
             return int(text)

@@ -16,10 +16,15 @@ from atari.learning.memory import ReplayMemory
 from atari.learning.old_runs import migrated, with_flush, with_stacks_in_task
 from atari.learning.run_log import RunLog, read_rows
 from atari.learning.sealed import load_sealed, sealed
+from atari.learning.trust import sha256, trust
 from atari.task import Task
+from atari.validation import check_file
 
 FORMAT = 3
 """Version of the run folder. A newer one is refused; from 3 on, `checkpoint.pt` and `policy.pt` have checksums."""
+
+PROGRAM = "program.py"
+"""The name of the copy of a training's own program."""
 
 _KEYS: Mapping[str, Any] = {"format": int, "agent": str, "task": dict, "options": dict, "versions": dict}
 
@@ -28,6 +33,7 @@ class RunFolder:
     """The folder of a training, for the agents of this package and for a loop of your own.
 
     - `config.json`: agent, task, options, versions, and the reason of the end;
+    - `program.py`: a copy of the training's own program, if it has one;
     - `log.csv`: a row for each call of `log`, and TensorBoard's event files;
     - `checkpoint.pt`: the newest state of the training (contains pickles);
     - `policy.pt`: the newest weights (contains none);
@@ -66,7 +72,16 @@ class RunFolder:
         self._lock, self._log = lock, RunLog(path)
 
     @classmethod
-    def begin(cls, path: str | Path, agent: str, task: Task, options: Mapping[str, Any]) -> "RunFolder":
+    def begin(
+        cls,
+        path: str | Path,
+        agent: str,
+        task: Task,
+        options: Mapping[str, Any],
+        *,
+        program: str | Path | None = None,
+        class_name: str = "",
+    ) -> "RunFolder":
         """Make a new folder, and lock it.
 
         Args:
@@ -74,8 +89,12 @@ class RunFolder:
             agent: the name of the agent.
             task: what the agent plays.
             options: further options, of JSON's types.
+            program: the file of the training's own program, such as `__file__`. The folder keeps a copy, `program.py`,
+                and the configuration its path and SHA-256.
+            class_name: the agent's class in the program, with which the run can be loaded.
 
         Raises:
+            FileNotFoundError: there is no such program.
             FileExistsError: the folder has files.
             BlockingIOError: another training has just begun in it.
             ValueError: the task has a game without a file, or an option is not of JSON's types.
@@ -92,15 +111,22 @@ class RunFolder:
                 "machine": f"{platform.system()} {platform.machine()}",
             },
         }
+        source = None if program is None else check_file(Path(program)).read_bytes()
+        if source is not None:
+            config["program"] = {
+                "file": str(Path(str(program)).absolute()), "class": class_name, "sha256": sha256(source)
+            }  # fmt: skip
         try:
             json.dumps(config, allow_nan=False)
         except (TypeError, ValueError) as error:
             raise ValueError(f"the options of a run must be of JSON's types: {error}") from None
-        _check_empty(path)
+        _check_empty(path, source)
         path.mkdir(parents=True, exist_ok=True)
         run = cls(path, config, _locked(path))
         try:
-            _check_empty(path)  # another training may have begun and ended meanwhile
+            _check_empty(path, source)  # another training may have begun and ended meanwhile
+            if source is not None:
+                durable.write_file(path / PROGRAM, source)
             run._write_config(config)
         except BaseException:
             run.close()
@@ -134,7 +160,11 @@ class RunFolder:
                 config = migrated(config)
             elif version == 2:
                 config = with_stacks_in_task(config)
-            json_text.check_table(config, "the configuration", _KEYS, {"ended": str, "keep_memory": bool})
+            json_text.check_table(
+                config, "the configuration", _KEYS, {"ended": str, "keep_memory": bool, "program": dict}
+            )
+            if "program" in config:
+                json_text.check_table(config["program"], "program", dict.fromkeys(("file", "class", "sha256"), str))
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise ValueError(f"{file} is damaged: {error!r}") from None
         return cls(path, config, _locked(path) if lock else None)
@@ -174,6 +204,30 @@ class RunFolder:
             return Task.from_json(json.dumps(self.config["task"]))
         except (TypeError, ValueError) as error:
             raise ValueError(f"{self.path / 'config.json'}: {error}") from None
+
+    def program(self) -> bytes:
+        """The training's own program, as it was when the training began.
+
+        Raises:
+            FileNotFoundError, ValueError: the training has none, or the copy was changed.
+        """
+        if "program" not in self.config:
+            raise FileNotFoundError(f"{self.path} has no program of its own; its agent is {self.config['agent']}")
+        source = check_file(self.path / PROGRAM).read_bytes()
+        if sha256(source) != self.config["program"]["sha256"]:
+            raise ValueError(
+                f"{self.path / PROGRAM} is not the program of the training: its SHA-256 differs from config.json's; "
+                "put the copy there again"
+            )
+        return source
+
+    def trust(self) -> None:
+        """Remember that you trust the author of this run's program, which loading the run executes.
+
+        Raises:
+            FileNotFoundError, ValueError: see `program`.
+        """
+        trust(sha256(self.program()))
 
     def log(self, row: Mapping[str, float]) -> None:
         """Add a row to `log.csv` and to TensorBoard.
@@ -237,6 +291,35 @@ class RunFolder:
         config = {**self.config, "ended": reason, "keep_memory": keep_memory}
         self._write_config(config)
         self.config = config  # only now: `close` removes the memory of a training that is complete
+
+    def extend(self, total_steps: int) -> None:
+        """Let a training that was stopped or is complete have more steps; `resume` then goes on with it.
+
+        What depends on `total_steps`, such as a learning rate that falls to 0, follows the new number. A training that
+        ended at its `stop_score` has none any more.
+
+        Args:
+            total_steps: the new number of steps, above the steps that the training has made.
+
+        Raises:
+            ValueError: the training has made as many steps, or its replay memory was removed at its end.
+        """
+        self._check_locked()
+        options, file = self.config["options"], self.path / "checkpoint.pt"
+        state = with_flush(load_sealed(file, weights_only=False, must_be_sealed=False)) if file.exists() else {}
+        done = state.get("step", 0)
+        if total_steps <= done:
+            raise ValueError(f"{self.path} has made {done:,} steps, so total_steps must be above, got {total_steps:,}")
+        if state.get("flush") is not None and not (self.path / "memory.replay").exists():
+            raise ValueError(
+                f"{self.path} is complete, and its replay memory was removed; only a training with --keep-memory can "
+                "have more steps"
+            )
+        changed = {"total_steps": total_steps, **({"stop_score": None} if self.config.get("ended") == "score" else {})}
+        config = {name: value for name, value in self.config.items() if name not in ("ended", "keep_memory")}
+        config["options"] = {**options, **changed}
+        self._write_config(config)
+        self.config = config
 
     def load_weights(self) -> dict[str, torch.Tensor]:
         """The weights in `policy.pt`; nothing in the file is executed.
@@ -342,8 +425,15 @@ class RunFolder:
         return weights
 
 
-def _check_empty(path: Path) -> None:
-    if path.exists() and any(file.name not in ("lock", "config.json.part") for file in path.iterdir()):
+def _check_empty(path: Path, program: bytes | None) -> None:
+    """Check that a folder is new, or that a training was stopped in it before it had its configuration."""
+
+    def is_left(file: Path) -> bool:
+        if file.name == PROGRAM:
+            return file.is_file() and file.read_bytes() == program
+        return file.name in ("lock", "config.json.part", f"{PROGRAM}.part")
+
+    if path.exists() and not all(map(is_left, path.iterdir())):
         raise FileExistsError(f"{path} is not empty; give another folder, or continue with --resume {path}")
 
 

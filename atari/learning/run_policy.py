@@ -8,7 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
-from atari.learning.agents import find_agent
+from atari.learning.agent import Agent
+from atari.learning.agent_code import kept_agent
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.run import RunFolder
 from atari.learning.training import read_options
@@ -16,7 +17,9 @@ from atari.policy import ScoresPolicy
 
 
 def run_policy(path: Path, sample: bool) -> ScoresPolicy:
-    """The newest weights of a run folder as a policy; nothing in the folder is executed.
+    """The newest weights of a run folder as a policy.
+
+    Nothing in the folder is executed, but the program of a run that has one, which the user must trust.
 
     Args:
         path: the path of the folder.
@@ -24,10 +27,12 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
 
     Raises:
         FileNotFoundError, ValueError: the folder is no run folder, damaged, or of another version.
+        PermissionError: the user does not trust the run's program.
     """
     folder = RunFolder.open(path)
+    agent: type[Agent] = kept_agent(folder).kind
     options, weights = read_options(folder), folder.load_weights()
-    agent, task = find_agent(folder.config["agent"]), options.task
+    task = options.task
     rows, columns = task.definition.screen.shape
     size = (128,) if options.from_ram else (task.img_height or rows, task.img_width or columns)
     with torch.device("meta"):  # no memory is taken before the weights are known to fit

@@ -13,7 +13,7 @@ from typing import Any
 import torch
 
 from atari.learning.agent import Agent
-from atari.learning.agents import find_agent
+from atari.learning.agent_code import AgentCode, agent_code, kept_agent
 from atari.learning.environments import TrainingEnvironments
 from atari.learning.options import TrainingOptions
 from atari.learning.run import RunFolder
@@ -39,20 +39,36 @@ class Training:
         self._saved_at, self._saved_step = time.monotonic(), -1
 
     @classmethod
-    def begin(cls, name: str, options: TrainingOptions, path: Path) -> "Training":
+    def begin(cls, agent: str | Path | type[Agent] | AgentCode, options: TrainingOptions, path: Path) -> "Training":
         """Begin a training in a new folder.
+
+        Args:
+            agent: "ppo", "pqn" or "dqn"; the path of a Python file with an agent; or an agent's class. The folder keeps
+                a copy of a file of your own, and later loads the agent from it.
+            options: the options, of the agent's `options_class`.
+            path: the folder.
 
         Raises:
             FileExistsError: the folder is not empty.
+            FileNotFoundError: there is no such file.
             BlockingIOError: another training has just begun in it.
-            ValueError: an option is wrong.
+            TypeError: the class is no agent, or the options are of another agent.
+            ValueError: an option is wrong, or the file has no agent.
         """
+        code = agent if isinstance(agent, AgentCode) else agent_code(agent)
+        if not isinstance(options, code.kind.options_class):
+            wanted, given = code.kind.options_class.__name__, type(options).__name__
+            raise TypeError(
+                f"{code.kind.__name__} takes options of {wanted}, got {given}; {wanted}.of(GAME) makes them"
+            )
         torch.set_num_threads(1)
         TrainingEnvironments(options, 1).close()  # errors are raised before a folder is made
         names = [field.name for field in dataclasses.fields(options) if field.name != "task"]
-        folder = RunFolder.begin(path, name, options.task, {name: getattr(options, name) for name in names})
+        values = {name: getattr(options, name) for name in names}
+        own = {"program": code.file, "class_name": code.kind.__name__}
+        folder = RunFolder.begin(path, code.name, options.task, values, **own)
         try:
-            return cls(folder, find_agent(name)(options, folder), options)
+            return cls(folder, code.kind(options, folder), options)
         except BaseException:
             folder.close()
             raise
@@ -63,14 +79,16 @@ class Training:
 
         Raises:
             FileNotFoundError, ValueError: the folder is no run folder, damaged, or of another version.
+            PermissionError: the run has a program of its own that the user does not trust.
             BlockingIOError: a training writes into the folder.
         """
         torch.set_num_threads(1)
-        options = read_options(RunFolder.open(path))
+        opened = RunFolder.open(path)
+        kind, options = kept_agent(opened).kind, read_options(opened)
         folder = RunFolder.resume(path, num_threads=options.workers)
         agent = None
         try:
-            agent = find_agent(folder.config["agent"])(options, folder)
+            agent = kind(options, folder)
             training = cls(folder, agent, options)
             if folder.state is not None:
                 training._restore(folder.state)
@@ -200,14 +218,15 @@ class Training:
 
 
 def read_options(folder: RunFolder) -> TrainingOptions:
-    """The options in the configuration of a run folder.
+    """The options of the agent in the configuration of a run folder.
 
     Raises:
         ValueError: the configuration is damaged.
+        FileNotFoundError, PermissionError, ValueError: see `kept_agent`.
     """
-    task, given = folder.task, folder.config["options"]
+    task, given, kind = folder.task, folder.config["options"], kept_agent(folder).kind
     try:
-        options: TrainingOptions = find_agent(folder.config["agent"]).options_class(task=task, **given)
+        options: TrainingOptions = kind.options_class(task=task, **given)
     except (TypeError, AttributeError, ValueError) as error:
         raise ValueError(f"{folder.path / 'config.json'} is damaged: {error}") from None
     return options

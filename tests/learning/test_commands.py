@@ -94,8 +94,8 @@ def test_watch(run: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["train"], "name an agent (ppo, pqn, dqn) and a game"),
-        (["train", "a2c", "pong"], "name an agent (ppo, pqn, dqn) and a game"),
+        (["train"], "name an agent (ppo, pqn, dqn, or a Python file such as my_ppo.py) and a game"),
+        (["train", "a2c", "pong"], "name an agent (ppo, pqn, dqn, or a Python file such as my_ppo.py) and a game"),
         (["train", "ppo", "pon"], "there is no game 'pon'; did you mean 'pong'?"),
         (["train", "ppo", "pong", "--clip", "x"], "argument --clip"),
         (["train", "ppo", "pong", "--colour", "1"], "unrecognized arguments: --colour 1"),
@@ -119,7 +119,10 @@ def test_watch(run: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
         (["train", "ppo", "Pong-ram-v4", "--img-height", "42", "--img-width", "42"], "img_height=42 has no effect"),
         (["train", "ppo", "pong", "--device", "tpu"], "device must be cpu"),
         (["train", "--resume", "nowhere"], "nowhere is no run folder"),
-        (["train", "--resume", "nowhere", "ppo"], "a training goes on with its own options; leave out ppo"),
+        (
+            ["train", "--resume", "nowhere", "ppo"],
+            "a training goes on with its own options, but for --total-steps N; leave out ppo",
+        ),
         (["record", "pong", "--policy", ".", "-o", "x.mp4"], "no run folder"),
         (["watch", "nowhere", "pong"], "nowhere"),
     ],

@@ -3,7 +3,8 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
-from atari.learning.networks import ActorCritic, Encoder, Normalize, QNetwork  # noqa: E402
+from atari.learning.networks import ActorCritic, Encoder, Normalize, QNetwork, uses_bfloat16  # noqa: E402
+from atari.learning.options import TrainingOptions  # noqa: E402
 
 
 def images(count: int, seed: int = 0) -> "torch.Tensor":
@@ -73,3 +74,22 @@ def test_heads() -> None:
     assert network.value is not None
     assert torch.allclose(network(images(3)).mean(1), network.value(features)[:, 0], atol=1e-5)
     assert QNetwork(encoder, 6).value is None
+
+
+@pytest.mark.parametrize(
+    ("capabilities", "device", "expected"),
+    [
+        ({"avx512_bf16": True, "amx_bf16": False}, "cpu", True),
+        ({"avx512_bf16": False, "amx_bf16": True}, "cpu", True),
+        ({"avx512_bf16": False, "avx2": True}, "cpu", False),
+        ({}, "cpu", False),
+        ({}, "cuda", True),
+    ],
+)
+def test_bfloat16_is_chosen_by_the_processor(
+    capabilities: dict[str, bool], device: str, expected: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: capabilities, raising=False)
+    assert uses_bfloat16(TrainingOptions.of("pong", bfloat16="auto", device=device)) == expected
+    assert uses_bfloat16(TrainingOptions.of("pong", bfloat16=True, device=device))
+    assert not uses_bfloat16(TrainingOptions.of("pong", bfloat16=False, device=device))

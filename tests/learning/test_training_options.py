@@ -22,6 +22,8 @@ from atari.task.arguments import descriptions
         ("stop_score", "none", None),
         ("normalize", "true", True),
         ("network", "small", "small"),
+        ("bfloat16", "auto", "auto"),
+        ("bfloat16", "false", False),
     ],
 )
 def test_parse(name: str, text: str, value: object) -> None:
@@ -48,6 +50,7 @@ def test_parse_refuses(name: str, text: str) -> None:
         ({"continuous": True, "third_action": False}, "continuous=True; leave it out"),
         ({"network": "resnet"}, "network must be one of nature, small"),
         ({"gamma": 1.5}, "gamma must be"),
+        ({"bfloat16": "yes"}, "bfloat16 must be one of auto, true, false, got 'yes'"),
         ({"obs_type": "ram", "stack_num": None}, "add stack_num=4, or 1"),
         ({"obs_type": "ram", "stack_num": 0}, "stack_num must be"),
         ({"obs_type": "ram", "padding": "one"}, "padding must be one of"),

@@ -19,7 +19,7 @@ from atari.learning.agent import Agent
 from atari.learning.command import main
 from atari.learning.environments import TrainingEnvironments
 from atari.learning.memory import ReplayMemory
-from atari.learning.networks import Encoder, QNetwork
+from atari.learning.networks import Encoder, QNetwork, uses_bfloat16
 from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
 from atari.learning.run import RunFolder
@@ -170,7 +170,7 @@ class DQN(Agent):
     @staticmethod
     def make_network(options: DQNOptions, shape: tuple[int, ...], actions: int) -> QNetwork:
         """The network for observations of a shape."""
-        encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=options.bfloat16)
+        encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=uses_bfloat16(options))
         return QNetwork(encoder, actions, dueling=options.dueling)
 
     def update(self) -> dict[str, float] | None:
@@ -300,4 +300,4 @@ class DQN(Agent):
 
 
 if __name__ == "__main__":
-    main("dqn")
+    main(DQN)

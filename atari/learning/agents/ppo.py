@@ -18,7 +18,7 @@ from torch import Tensor, nn
 from atari.learning.agent import Agent
 from atari.learning.command import main
 from atari.learning.environments import TrainingEnvironments
-from atari.learning.networks import ActorCritic, Encoder
+from atari.learning.networks import ActorCritic, Encoder, uses_bfloat16
 from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
 from atari.learning.run import RunFolder
@@ -201,7 +201,7 @@ class PPO(Agent):
     @staticmethod
     def make_network(options: PPOOptions, shape: tuple[int, ...], actions: int) -> ActorCritic:
         """The network for observations of a shape."""
-        encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=options.bfloat16)
+        encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=uses_bfloat16(options))
         return ActorCritic(encoder, actions)
 
     def update(self) -> dict[str, float]:
@@ -296,4 +296,4 @@ class PPO(Agent):
 
 
 if __name__ == "__main__":
-    main("ppo")
+    main(PPO)

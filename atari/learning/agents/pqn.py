@@ -17,7 +17,7 @@ from torch import Tensor, nn
 from atari.learning.agent import Agent
 from atari.learning.command import main
 from atari.learning.environments import TrainingEnvironments
-from atari.learning.networks import Encoder, QNetwork
+from atari.learning.networks import Encoder, QNetwork, uses_bfloat16
 from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
 from atari.learning.run import RunFolder
@@ -156,7 +156,7 @@ class PQN(Agent):
     def make_network(options: PQNOptions, shape: tuple[int, ...], actions: int) -> QNetwork:
         """The network for observations of a shape."""
         encoder = Encoder(
-            shape, options.network, normalize=options.normalize, layer_norm=True, bfloat16=options.bfloat16
+            shape, options.network, normalize=options.normalize, layer_norm=True, bfloat16=uses_bfloat16(options)
         )
         return QNetwork(encoder, actions)
 
@@ -224,4 +224,4 @@ class PQN(Agent):
 
 
 if __name__ == "__main__":
-    main("pqn")
+    main(PQN)

@@ -1,0 +1,257 @@
+"""Agents of one's own: a copied script trains with its own class, and its run is loaded from the kept copy."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from small_trainings import make_options  # noqa: E402
+
+import atari.learning.agents.ppo  # noqa: E402
+from atari.cli import main  # noqa: E402
+from atari.learning import RunFolder, load_policy  # noqa: E402
+from atari.learning.agent_code import agent_code, kept_agent  # noqa: E402
+from atari.learning.training import Training  # noqa: E402
+from atari.learning.trust import trusted_file  # noqa: E402
+
+SMALL = "--fast --num-envs 4 --horizon 16 --minibatch 32 --total-steps 128".split()
+SOURCE = Path(str(atari.learning.agents.ppo.__file__)).read_text()
+CHANGED = SOURCE.replace(
+    "    def update(self) -> dict[str, float]:",
+    "    def update(self) -> dict[str, float]:\n        self.own = 'own'",
+    1,
+).replace('"entropy": entropy,', '"entropy": entropy,\n            "own": float(len(self.own)),', 1)
+"""PPO with a column of its own in the log."""
+
+
+@pytest.fixture(autouse=True)
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A user who has not yet trusted any program."""
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.setattr("atari.learning.trust.user_data_path", lambda *_, **__: tmp_path / "data" / "atari-envs")
+    return tmp_path
+
+
+@pytest.fixture
+def script(tmp_path: Path) -> Path:
+    file = tmp_path / "my_ppo.py"
+    file.write_text(CHANGED)
+    return file
+
+
+def trained(script: Path, folder: Path, **options: Any) -> Path:
+    code = agent_code(script)
+    own = {"num_envs": 4, "horizon": 16, "minibatch": 32, "total_steps": 128, **options}
+    training = Training.begin(script, code.kind.options_class.of("pong", **{**code.kind.fast, **own}), folder)
+    training.run()
+    training.close()
+    return folder
+
+
+def test_the_script_runs_its_own_class(script: Path, tmp_path: Path) -> None:
+    environment = {**os.environ, "XDG_DATA_HOME": str(tmp_path / "data")}
+    command = [sys.executable, str(script), "pong", *SMALL, "-o", str(tmp_path / "mine")]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment)
+    assert done.returncode == 0, done.stderr
+    run = RunFolder.open(tmp_path / "mine")
+    assert [row["own"] for row in run.rows()] == [3.0, 3.0]
+    assert (run.config["agent"], run.config["program"]["file"]) == ("my_ppo", str(script))
+    assert run.program() == script.read_bytes()
+    script.unlink()  # the run has its copy
+    done = subprocess.run(
+        [sys.executable, "-m", "atari", "train", "--resume", "mine", "--total-steps", "256", "--games", "1"],
+        capture_output=True, text=True, cwd=tmp_path, env=environment,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert [row["own"] for row in run.rows()] == [3.0] * 4
+
+
+def test_the_command_trains_the_file(
+    script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", "--fast", *SMALL[1:], "my_ppo.py", "pong", "--games", "1"]) == 0
+    assert "runs/pong-my_ppo-pixels-seed0" in capsys.readouterr().out
+    run = RunFolder.open("runs/pong-my_ppo-pixels-seed0")
+    assert run.rows()[0]["own"] == 3.0
+    assert kept_agent(run).kind.__name__ == "PPO"
+    assert main(["evaluate", str(run.path), "--protocol", "dqn2015", "--episodes", "1"]) == 0
+    assert "my_ppo" in capsys.readouterr().out
+
+
+def test_options_may_stand_before_the_agent(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["train", "--fast", "--preset", "dqn2015", "ppo", "pong", "--print-task", "--json"]
+    assert main(words) == 0
+    assert json.loads(capsys.readouterr().out)["noops"] == list(atari.PRESETS["dqn2015"].fields["noops"])
+
+
+def test_a_strangers_program_is_not_executed(
+    script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = trained(script, tmp_path / "mine")
+    trusted_file().unlink()
+    for call in (load_policy, Training.resume):
+        with pytest.raises(PermissionError, match=r"program.py is a program .*class PPO.*trust\(\)"):
+            call(run)
+    assert main(["evaluate", str(run), "--episodes", "1"]) == 1
+    assert "if you trust its author" in capsys.readouterr().err
+    RunFolder.open(run).trust()
+    assert load_policy(run).name == "my_ppo (mine)"
+
+
+@pytest.mark.parametrize(("answer", "is_trusted"), [("y\n", True), ("\n", False), ("no\n", False)])
+def test_a_terminal_asks(answer: str, is_trusted: bool, script: Path, tmp_path: Path) -> None:
+    run = trained(script, tmp_path / "mine")
+    trusted_file().unlink()
+
+    class Terminal:
+        def __init__(self) -> None:
+            self.text = ""
+
+        def isatty(self) -> bool:
+            return True
+
+        def readline(self) -> str:
+            return answer
+
+        def write(self, text: str) -> None:
+            self.text += text
+
+        def flush(self) -> None:
+            pass
+
+    terminal = Terminal()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sys.stdin", terminal)
+        patch.setattr("sys.stderr", terminal)
+        if is_trusted:
+            load_policy(run)
+        else:
+            with pytest.raises(PermissionError):
+                load_policy(run)
+    assert f"{run / 'program.py'} is the program of this run ({script}, class PPO)" in terminal.text
+    assert trusted_file().exists() == is_trusted
+
+
+def test_a_changed_copy_is_refused(script: Path, tmp_path: Path) -> None:
+    run = trained(script, tmp_path / "mine")
+    (run / "program.py").write_text(CHANGED + "\n")
+    with pytest.raises(ValueError, match=r"program.py is not the program of the training"):
+        load_policy(run)
+    (run / "program.py").unlink()
+    with pytest.raises(FileNotFoundError, match=r"there is no file .*program.py"):
+        load_policy(run)
+
+
+def test_a_class_is_taken(tmp_path: Path) -> None:
+    from atari.learning.agents.ppo import PPO
+
+    training = Training.begin(PPO, make_options("ppo", total_steps=64), tmp_path / "ppo")
+    assert training.folder.config["agent"] == "ppo"
+    assert "program" not in training.folder.config
+    training.close()
+
+    class Inside(PPO):
+        pass
+
+    with pytest.raises(ValueError, match=r"Inside stands inside of something else"):
+        agent_code(Inside)
+    with pytest.raises(TypeError, match=r"derived from atari.learning.Agent with all its methods, got int"):
+        agent_code(int)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"PPO takes options of PPOOptions, got PQNOptions"):
+        Training.begin(PPO, make_options("pqn"), tmp_path / "no")
+    without_file: dict[str, Any] = {"__name__": "nowhere"}
+    exec("from atari.learning.agents.ppo import PPO\nclass Mine(PPO): pass", without_file)
+    with pytest.raises(ValueError, match=r"Mine stands in no file"):
+        agent_code(without_file["Mine"])
+
+
+NO_AGENT = "import atari\n"
+ABSTRACT = "from atari.learning.agent import Agent\nclass Mine(Agent):\n    def update(self): ...\n"
+TWO = "from atari.learning.agents.ppo import PPO\nclass One(PPO): ...\nclass Two(PPO): ...\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "agent", "expected"),
+    [
+        ("def broken(:\n", "x.py", r"x.py cannot be loaded: SyntaxError: .*line 1"),
+        ("1 / 0\n", "x.py", r"x.py cannot be loaded: ZeroDivisionError"),
+        ("raise SystemExit('end')\n", "x.py", r"x.py cannot be loaded: SystemExit: end"),
+        ("from atari.learning.agents.ppo import Nothing\n", "x.py", r"may be for another release of atari-envs: Imp"),
+        ("import no_such_package\n", "x.py", r"x.py cannot be loaded: ModuleNotFoundError"),
+        (NO_AGENT, "x.py", r"x.py has no agent: no class derived from atari.learning.Agent"),
+        (ABSTRACT, "x.py", r"Mine in .*x.py lacks .*make_network.*; it may be for another release"),
+        (TWO, "x.py", r"x.py has several agents; name one of them, as in .*x.py:One"),
+        (TWO, "x.py:Three", r"x.py has no agent Three"),
+        (b"\xff\xfe\x00", "x.py", r"x.py cannot be loaded: "),
+    ],
+)
+def test_files_without_an_agent(text: str | bytes, agent: str, expected: str, tmp_path: Path) -> None:
+    (tmp_path / "x.py").write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(ValueError, match=expected):
+        agent_code(str(tmp_path / agent))
+    assert not trusted_file().exists()
+
+
+def test_one_of_several_agents_is_named(tmp_path: Path) -> None:
+    (tmp_path / "x.py").write_text(TWO)
+    assert agent_code(f"{tmp_path / 'x.py'}:Two").kind.__name__ == "Two"
+
+
+def test_a_run_stopped_before_its_configuration_begins_again(script: Path, tmp_path: Path) -> None:
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "program.py").write_text(CHANGED)
+    trained(script, tmp_path / "mine")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "program.py").write_text("another program")
+    with pytest.raises(FileExistsError):
+        trained(script, tmp_path / "other")
+
+
+def test_a_loop_of_ones_own_keeps_its_program(tmp_path: Path) -> None:
+    with RunFolder.begin(tmp_path / "own", "mine", atari.Task.of("pong"), {}, program=__file__) as run:
+        assert run.program() == Path(__file__).read_bytes()
+    with pytest.raises(ValueError, match=r"names no agent; RunFolder"):
+        kept_agent(RunFolder.open(tmp_path / "own"))
+    with pytest.raises(FileNotFoundError, match=r"there is no file nowhere.py"):
+        RunFolder.begin(tmp_path / "no", "mine", atari.Task.of("pong"), {}, program="nowhere.py")
+    assert not (tmp_path / "no").exists()
+
+
+class TestExtend:
+    @pytest.mark.parametrize("agent", ["ppo", "dqn"])
+    def test_a_complete_training_has_more_steps(self, agent: str, tmp_path: Path) -> None:
+        for name, first in (("whole", 1600), ("extended", 800)):
+            keep = {"keep_memory": True, "memory": 2000} if agent == "dqn" else {}
+            options = make_options(agent, total_steps=first, **keep)
+            training = Training.begin(agent, options, tmp_path / name)
+            training.run()
+            training.close()
+        with RunFolder.open(tmp_path / "extended", lock=True) as run:
+            with pytest.raises(ValueError, match=r"has made [\d,]+ steps, so total_steps must be above, got 800"):
+                run.extend(800)
+            run.extend(1600)
+        training = Training.resume(tmp_path / "extended")
+        assert training.run() == "steps"
+        training.close()
+        one, other = (RunFolder.open(tmp_path / name).load_weights() for name in ("whole", "extended"))
+        if agent == "ppo":  # DQN's epsilon and memory follow the number of steps
+            assert all(torch.equal(one[name], other[name]) for name in one)
+
+    def test_without_its_memory_it_cannot(self, tmp_path: Path) -> None:
+        training = Training.begin("dqn", make_options("dqn", total_steps=600), tmp_path / "run")
+        training.run()
+        training.close()
+        with RunFolder.open(tmp_path / "run", lock=True) as run, pytest.raises(ValueError, match=r"memory was removed"):
+            run.extend(1200)
+        assert RunFolder.open(tmp_path / "run").config["ended"] == "steps"
+
+    def test_other_options_are_refused(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        assert main(["train", "--resume", "x", "--total-steps", "5e6", "--seed", "1"]) == 1
+        assert "but for --total-steps N; leave out --seed 1" in capsys.readouterr().err
