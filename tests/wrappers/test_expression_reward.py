@@ -2,12 +2,14 @@
 
 import copy
 import pickle
+from pathlib import Path
 from typing import Any
 
 import gymnasium
 import pytest
 
 import atari
+from atari.recording import RecordReplay, Replay
 from atari.wrappers import ClipReward, ExpressionReward, FrameSkip
 
 
@@ -87,6 +89,16 @@ def test_a_snapshot_of_another_expression_is_refused() -> None:
         one.reset(seed=1)
     with pytest.raises(ValueError, match="other arguments of ExpressionReward"):
         alone[1].restore(alone[0].snapshot())
+
+
+def test_a_replay_has_the_expression_and_the_games_own_rewards(tmp_path: Path) -> None:
+    env = RecordReplay(atari.make("breakout", reward="-1", reward_clipping=True), tmp_path / "game.a26")
+    env.reset(seed=1)
+    assert set(rewards(env, 60)) == {-1.0}
+    env.close()
+    replay = Replay.load(tmp_path / "game.a26")
+    assert replay.task == atari.Task.of("breakout", reward="-1", reward_clipping=True)
+    assert {frame.reward for frame in replay.frames()} <= {0, 1}
 
 
 def test_a_restored_inner_environment_warns() -> None:
