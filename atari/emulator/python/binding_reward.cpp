@@ -25,8 +25,8 @@ using Ram = nb::ndarray<const uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cp
 void make_formula(Shared<RewardFormula>* self, const Words& terms, const std::vector<int>& visibility,
                   const Words& words, const std::vector<double>& constants) {
     Program program(terms, static_cast<int>(visibility.size()), false);
-    new (self) Shared<RewardFormula>{
-        std::make_shared<const RewardFormula>(std::move(program), visibility, words, constants)};
+    new (self)
+        Shared<RewardFormula>{std::make_shared<const RewardFormula>(std::move(program), visibility, words, constants)};
 }
 
 void check(const RewardFormula& formula, const Inputs& inputs, const Ram& ram) {

@@ -237,9 +237,10 @@ class XlaPort {
     nb::list results() const {
         nb::list all;
         port_->for_each([&](const char* name, auto, xla::DataType type, size_t width) {
-            const char* const dtype = type == xla::kPred ? "bool"
-                                      : type == xla::kU8 ? "uint8"
-                                      : type == xla::kF32 ? "float32" : "int32";
+            const char* const dtype = type == xla::kPred  ? "bool"
+                                      : type == xla::kU8  ? "uint8"
+                                      : type == xla::kF32 ? "float32"
+                                                          : "int32";
             const size_t rows = port_->shape.rows;
             all.append(nb::make_tuple(name, dtype, width == 1 ? nb::make_tuple(rows) : nb::make_tuple(rows, width)));
         });
