@@ -36,6 +36,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/emulator/python/binding_memory.cpp": ("tests/learning/memory",),
     "atari/emulator/python/binding_causes.cpp": ("tests/lab/test_causes.py",),
     "atari/emulator/python/binding_labels.cpp": ("tests/lab",),
+    "atari/emulator/python/binding_reward.cpp": ("tests/wrappers/test_expression_reward.py", "tests/vector"),
     "atari/emulator/python/binding_writes.cpp": ("tests/lab",),
     "atari/emulator/python": ("tests/cores", "tests/vector"),
     "atari/_emulator.pyi": ("tests/test_emulator_stub.py",),

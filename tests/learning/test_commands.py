@@ -155,6 +155,9 @@ PRINTED: dict[tuple[str, ...], dict[str, Any]] = {
     ("pong", "--sticky", "0.1", "--full-action-space"): {
         "preset": "baselines", "repeat_action_probability": 0.1, "actions": "full"
     },
+    ("pong", "--reward", "reward - 0.1 * (player_y < 50)"): {
+        "preset": "baselines", "reward": "reward - 0.1 * (player_y < 50)"
+    },
     ("pong", "--intervention", "lazy_enemy", "--mode", "1"): {
         "preset": "baselines", "interventions": ["lazy_enemy"], "mode": 1
     },
