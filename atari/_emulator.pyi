@@ -226,6 +226,37 @@ def translator() -> str | None:
     Raises ValueError if the environment variable ATARI_JIT is wrong.
     """
 
+class RewardFormula:
+    """
+    The reward of a task as an expression, compiled. Immutable; environments share it.
+    """
+
+    def __init__(
+        self, terms: Sequence[int], visibility: Sequence[int], words: Sequence[int], constants: Sequence[float]
+    ) -> None:
+        """
+        `terms` is the program of the terms, and `visibility` has for each the term with its visibility, or -1.
+        `words` are the operations of the formula, each with its argument.
+        """
+
+    @property
+    def inputs(self) -> int:
+        """The number of inputs, which are the state between two steps."""
+
+    def begin(
+        self, inputs: numpy.typing.NDArray[numpy.float64], ram: numpy.typing.NDArray[numpy.uint8], lives: int
+    ) -> None:
+        """Set the inputs after a reset."""
+
+    def pay(
+        self,
+        inputs: numpy.typing.NDArray[numpy.float64],
+        ram: numpy.typing.NDArray[numpy.uint8],
+        lives: int,
+        game_reward: float,
+    ) -> float:
+        """The reward of a step; sets the inputs after it."""
+
 class FirePress(enum.Enum):
     """When FIRE is pressed at the start of an episode."""
 
@@ -458,6 +489,10 @@ class LaneSpec:
     def game(self) -> Game: ...
     @game.setter
     def game(self, arg: Game, /) -> None: ...
+    @property
+    def reward(self) -> RewardFormula: ...
+    @reward.setter
+    def reward(self, arg: RewardFormula, /) -> None: ...
     @property
     def actions(self) -> list[int]: ...
     @actions.setter

@@ -35,7 +35,7 @@ _STATELESS = (
     getattr(wrappers, "TransformAction", wrappers.RescaleAction),  # Gymnasium 1.0 added the former
 )
 
-_STATELESS_FIELDS = ("obs_type", *GROUPS["reward"])
+_STATELESS_FIELDS = ("obs_type", *(name for name in GROUPS["reward"] if name != "reward"))
 """Fields of a task that wrappers without a state play; the arguments of the others say whether images are gray."""
 
 

@@ -12,6 +12,7 @@ from atari._renamed import old_names
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 from atari.wrappers.episodic_life import EpisodicLife
+from atari.wrappers.expression_reward import ExpressionReward
 from atari.wrappers.fire_reset import FireReset
 from atari.wrappers.frame_skip import FrameSkip
 from atari.wrappers.frame_stack import FrameStack
@@ -27,6 +28,7 @@ __all__ = [
     "ClipReward",
     "DqnPreprocessing",
     "EpisodicLife",
+    "ExpressionReward",
     "FireReset",
     "FrameSkip",
     "FrameStack",

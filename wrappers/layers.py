@@ -26,6 +26,7 @@ from atari.wrappers._game_statistics import GameStatistics
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 from atari.wrappers.episodic_life import EpisodicLife
+from atari.wrappers.expression_reward import ExpressionReward
 from atari.wrappers.fire_reset import FireReset
 from atari.wrappers.frame_stack import FrameStack
 from atari.wrappers.life_loss_info import LifeLossInfo
@@ -108,5 +109,7 @@ def _reports(task: Any) -> Iterator[Layer]:
     if task.max_episode_steps is not None:
         yield StepLimit, {"max_episode_steps": task.max_episode_steps}
     yield GameStatistics, {}
+    if task.reward is not None:
+        yield ExpressionReward, {"reward": task.reward}
     if task.reward_clipping:
         yield ClipReward, {}

@@ -26,7 +26,7 @@ OF_GAME = ("mode", "difficulty", "interventions")
 
 ALONE = (
     *("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
-    *("life_loss_info", "reward_clipping"),
+    *("life_loss_info", "reward", "reward_clipping"),
 )
 """Fields that recorded games of policies do not honour: their scores are the game's own."""
 

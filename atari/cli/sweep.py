@@ -117,20 +117,18 @@ def _do(args: argparse.Namespace, code: "AgentCode", options: Sequence[str], fol
     """
     from atari._interrupt import ctrl_c_as_event
     from atari.files import durable
+    from atari.learning.sweep.plan import keep_programs
     from atari.learning.sweep.processes import Settings, do_runs
     from atari.learning.sweep.table import Table
 
     folder.mkdir(parents=True, exist_ok=True)
     lock = durable.lock_file(folder / "sweep.lock", f"a sweep writes into {folder}; wait for its end, or stop it")
     with lock, ctrl_c_as_event() as stop:
-        word = code.name
-        if code.file is not None:  # a copy, so that an edit of the file during the sweep changes no run
-            durable.write_file(folder / code.file.name, code.source)
-            word = f"{folder / code.file.name}:{code.kind.__name__}"
+        agent, *words = keep_programs(folder, [code.name if code.program is None else str(code.program), *options])
         protocol = find_protocol(args.protocol)
         episodes = protocol.episodes if args.episodes is None else args.episodes
         command = (sys.executable, "-m", "atari.cli.sweep")
-        settings = Settings(word, tuple(options), args.games, protocol, episodes, args.jobs or 1, command)
+        settings = Settings(agent, tuple(words), args.games, protocol, episodes, args.jobs or 1, command)
         done = do_runs(runs, settings, stop, Table(sys.stderr, *shutil.get_terminal_size()).show)
     if stop.is_set():
         raise KeyboardInterrupt("before all runs were done; the same command goes on")

@@ -9,7 +9,7 @@ import gymnasium
 from atari.cli.arguments import Commands, add_command, number
 from atari.cli.printing import print_json
 from atari.cli.sweep import add_sweep, is_sweep, run_sweep
-from atari.learning.agents import AGENTS, is_agent
+from atari.learning.agents import AGENTS
 
 
 def register(commands: Commands) -> None:
@@ -52,7 +52,9 @@ def _agent_among(words: list[str]) -> tuple[str, list[str]]:
     Raises:
         ValueError: no word names an agent.
     """
-    named = [place for place, word in enumerate(words) if is_agent(word)]
+    from atari.learning.programs import is_program
+
+    named = [place for place, word in enumerate(words) if word in AGENTS or is_program(word)]
     free = [place for place in named if place == 0 or not words[place - 1].startswith("-")]
     if not named:
         raise ValueError(

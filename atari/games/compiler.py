@@ -6,7 +6,7 @@ a mode becomes a program of the same kind with loops. The native core checks eve
 """
 
 import ast
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from atari.actions import Action
@@ -71,6 +71,15 @@ def compile_expression(tree: ast.Expression, numbers: Mapping[str, int], result:
     assembler = _Assembler(dict(numbers))
     assembler.node(tree.body)
     assembler.emit("store", result)
+    return assembler.finish()
+
+
+def compile_expressions(trees: Iterable[ast.expr]) -> list[int]:
+    """Compile checked expressions without variables to a program that stores value i in variable i."""
+    assembler = _Assembler({})
+    for number, tree in enumerate(trees):
+        assembler.node(tree)
+        assembler.emit("store", number)
     return assembler.finish()
 
 

@@ -6,7 +6,7 @@ game definition and checks every expression against the grammar; a core evaluate
 """
 
 import ast
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
@@ -163,24 +163,43 @@ def check_expression(
     Raises:
         ValueError: `source` is not an expression of this language; the message has the place and the fault.
     """
+    tree = parse_expression(source, where)
+    scope = names if isinstance(names, AbstractSet) else set(names)
+    for _, problem in problems(tree, scope, addresses, helpers):
+        raise ValueError(f"{where}: in {source!r}, {problem}")
+    return tree
+
+
+def parse_expression(source: str, where: str) -> ast.Expression:
+    """Parse one expression, with the bounds of its length and its depth.
+
+    Raises:
+        ValueError: `source` is not an expression of Python; the message has the column.
+    """
     if not isinstance(source, str) or len(source) > _LONGEST:
         raise ValueError(f"{where}: an expression is a text of at most {_LONGEST:,} characters")
     try:
         tree = ast.parse(source.strip(), mode="eval")
     except SyntaxError as error:
-        raise ValueError(f"{where}: {source!r} is not an expression: {error.msg}") from None
+        place = f"in column {error.offset}" if error.offset else "at the end"
+        raise ValueError(f"{where}: {source!r} is not an expression: {error.msg} {place}") from None
     except (ValueError, RecursionError, MemoryError) as error:  # a null character; nested too deeply for the parser
         raise ValueError(f"{where}: {source!r} is not an expression: {error or 'it is nested too deeply'}") from None
     if _depth(tree) > _DEEPEST:
         raise ValueError(f"{where}: {source!r} is nested too deeply")
-    scope = names if isinstance(names, AbstractSet) else set(names)
+    return tree
+
+
+def problems(
+    tree: ast.AST, scope: AbstractSet[str], addresses: range = RULE_ADDRESSES, helpers: Mapping[str, Helper] = HELPERS
+) -> Iterator[tuple[ast.AST, str]]:
+    """The nodes of an expression that are outside the grammar, each with its fault."""
     indexed = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Subscript)}
     called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
     for node in ast.walk(tree):
         problem = None if id(node) in indexed | called else _problem(node, scope, addresses, helpers)
         if problem:
-            raise ValueError(f"{where}: in {source!r}, {problem}")
-    return tree
+            yield node, problem
 
 
 def check_label_expression(source: str, where: str) -> None:

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import torch
 
@@ -10,6 +10,9 @@ from atari.learning.environments import TrainingEnvironments
 from atari.learning.memory import ReplayMemory
 from atari.learning.options import TrainingOptions
 from atari.learning.run import RunFolder
+
+if TYPE_CHECKING:
+    from atari.learning.training import Training
 
 
 class Agent(ABC):
@@ -47,13 +50,8 @@ class Agent(ABC):
         """The network for observations of a shape."""
 
     @abstractmethod
-    def update(self) -> Mapping[str, float] | None:
-        """Play some steps and learn from them.
-
-        Returns:
-            The columns of the log, `loss` among them; None if the update stopped before its end because the memory
-            needs a checkpoint. The next call goes on with it.
-        """
+    def train(self, training: "Training") -> None:
+        """Play and learn while `training.goes_on()`, and log and save by it."""
 
     @abstractmethod
     def state(self) -> dict[str, Any]:

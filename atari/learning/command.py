@@ -154,7 +154,7 @@ def finish_run(path: Path, episodes: int) -> Any:
 def main(agent: type[Agent]) -> None:
     """The command line of the script of an agent: trains the agent as its arguments say, and prints the run folder."""
     code = agent_code(agent)
-    prog = f"python {sys.argv[0]}" if code.file else f"python -m atari.learning.agents.{code.name}"
+    prog = f"python {sys.argv[0]}" if code.program else f"python -m atari.learning.agents.{code.name}"
     folder = train(code, sys.argv[1:], prog)
     if folder is not None:
         print(folder)

@@ -1,11 +1,31 @@
 """The networks of the agents: from observations of bytes to a number for each action."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
+import gymnasium
+import numpy as np
 import torch
 from torch import Tensor, nn
 
 from atari.learning.options import TrainingOptions
+
+
+def device_of(options: TrainingOptions) -> str:
+    """The device of a training's network; with "auto", cuda if PyTorch can use a GPU, and otherwise cpu.
+
+    Raises:
+        ValueError: PyTorch has no such GPU.
+    """
+    count = torch.cuda.device_count() if torch.cuda.is_available() else 0
+    if options.device == "auto":
+        return "cuda" if count else "cpu"
+    if options.device != "cpu" and int(options.device.partition(":")[2] or 0) >= count:
+        raise ValueError(
+            f"device is {options.device!r}, and PyTorch can use {count} GPUs; use device='cpu', or 'auto', which "
+            "takes a GPU if there is one"
+        )
+    return options.device
 
 
 def uses_bfloat16(options: TrainingOptions) -> bool:
@@ -15,7 +35,7 @@ def uses_bfloat16(options: TrainingOptions) -> bool:
     """
     if options.bfloat16 != "auto":
         return options.bfloat16
-    if options.device != "cpu":
+    if device_of(options) != "cpu":
         return True
     capabilities: Callable[[], Mapping[str, object]] = getattr(torch.cpu, "get_capabilities", dict)
     return any(capabilities().get(name) is True for name in ("avx512_bf16", "amx_bf16"))
@@ -65,31 +85,32 @@ class Encoder(nn.Module):
         shape: the shape of an observation.
         kind: "nature", "small" or "mlp", see `TrainingOptions.network`.
         normalize: see `TrainingOptions.normalize`.
-        layer_norm: normalise the layers, as PQN needs it.
+        layer_norm: normalise the layers, as PQN needs it; a network of the user's does so itself.
         bfloat16: see `TrainingOptions.bfloat16`.
+
+    Raises:
+        TypeError, ValueError: the user's network is no `torch.nn.Module`, or returns no features.
     """
 
+    layers: nn.Module
+
     def __init__(
-        self, shape: Sequence[int], kind: str, normalize: bool = False, layer_norm: bool = False, bfloat16: bool = False
+        self,
+        shape: Sequence[int],
+        kind: str | Callable[[Any], Any],
+        normalize: bool = False,
+        layer_norm: bool = False,
+        bfloat16: bool = False,
     ) -> None:
         super().__init__()
         self.bits = kind == "bits"
         shape = (*shape, 8) if self.bits else shape
         self.normalize = Normalize(shape, normalize)
         self.bfloat16 = bfloat16
-        if kind in ("mlp", "bits"):
-            size, layers = torch.Size(shape).numel(), [nn.Flatten()]
-            widths = [256, 256]
+        if isinstance(kind, str):
+            self.layers, self.width = _layers(shape, kind, layer_norm)
         else:
-            layers = _convolutions(shape[0], _CONVOLUTIONS[kind], layer_norm)
-            with torch.no_grad():
-                size = nn.Sequential(*layers)(torch.zeros(1, *shape)).shape[1]
-            widths = [512 if kind == "nature" else 256]
-        for width in widths:
-            layers += [orthogonal(nn.Linear(size, width)), *([nn.LayerNorm(width)] if layer_norm else []), nn.ReLU()]
-            size = width
-        self.layers = nn.Sequential(*layers)
-        self.width = size
+            self.layers, self.width = _own_layers(shape, kind)
 
     def forward(self, observations: Tensor) -> Tensor:
         """Features of observations, (batch, ...) uint8."""
@@ -146,6 +167,48 @@ class QNetwork(nn.Module):
         return self.value(features) + advantage - advantage.mean(1, keepdim=True)
 
     scores = forward
+
+
+def _layers(shape: Sequence[int], kind: str, layer_norm: bool) -> tuple[nn.Module, int]:
+    """The layers of a network of this package, and the number of their features."""
+    if kind in ("mlp", "bits"):
+        size, layers = torch.Size(shape).numel(), [nn.Flatten()]
+        widths = [256, 256]
+    else:
+        layers = _convolutions(shape[0], _CONVOLUTIONS[kind], layer_norm)
+        with torch.no_grad():
+            size = nn.Sequential(*layers)(torch.zeros(1, *shape)).shape[1]
+        widths = [512 if kind == "nature" else 256]
+    for width in widths:
+        layers += [orthogonal(nn.Linear(size, width)), *([nn.LayerNorm(width)] if layer_norm else []), nn.ReLU()]
+        size = width
+    return nn.Sequential(*layers), size
+
+
+def _own_layers(shape: Sequence[int], make: Callable[[Any], Any]) -> tuple[nn.Module, int]:
+    """The module that a class or function of the user's makes, and the number of its features.
+
+    Raises:
+        TypeError: it makes no module.
+        ValueError: the module returns no features.
+    """
+    name = getattr(make, "__name__", repr(make))
+    layers = make(gymnasium.spaces.Box(0, 255, tuple(shape), np.uint8))
+    if not isinstance(layers, nn.Module):
+        raise TypeError(f"network {name} must make a torch.nn.Module from the observation space, got {layers!r:.60}")
+    two = torch.zeros(2, *shape)
+    try:
+        with torch.no_grad():
+            features = layers(two)
+    except (RuntimeError, ValueError, TypeError) as error:
+        raise ValueError(f"network {name} fails with observations of shape {tuple(two.shape)}: {error}") from error
+    if not isinstance(features, Tensor) or not features.is_floating_point() or features.ndim != 2 or len(features) != 2:
+        got = f"{features.dtype} {tuple(features.shape)}" if isinstance(features, Tensor) else f"{features!r:.60}"
+        raise ValueError(
+            f"network {name} must return features, floats (n, width), from which the agent computes a value for each "
+            f"action; for observations of shape {tuple(two.shape)} it returned {got}"
+        )
+    return layers, features.shape[1]
 
 
 _CONVOLUTIONS = {

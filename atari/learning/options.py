@@ -2,9 +2,10 @@
 
 import dataclasses
 import math
+import re
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, ClassVar, Literal, TypeVar
@@ -12,9 +13,13 @@ from typing import Any, ClassVar, Literal, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from atari.learning.programs import is_program, module_of, named_in, program
 from atari.task import Task
 from atari.task.resolution import ALIASES, OPTIONS, GameLike, resolve_for_agent
 from atari.validation import check_integer, check_known
+
+NETWORKS = ("nature", "small", "mlp", "bits")
+"""The names of the networks of this package."""
 
 SEEDS = 2**32
 """The number of seeds, 0..2**32-1."""
@@ -60,14 +65,16 @@ class TrainingOptions:
         stop_score: stop when the mean score of the last 100 whole games reaches this; none is never.
         num_envs: environments that are played together.
         network: nature (Mnih et al. 2015), small (two convolutions, 256 units), or, for RAM, mlp (two layers of 256
-            units) or bits (the same on the bits of RAM).
+            units) or bits (the same on the bits of RAM); or FILE.py:NAME, a class or function of your own that makes a
+            torch.nn.Module from the observation space. The module gets normalised observations, float32, and returns
+            features (n, width), from which the agent computes its values.
         normalize: subtract the mean of each pixel or byte and divide by its standard deviation, over all observations
             so far, instead of dividing by 255.
         bfloat16: compute convolutions and wide layers in bfloat16; parameters stay float32. auto does so where the
             processor has instructions for it; without them it takes ten times as long as float32.
         learning_rate: step size of the optimiser.
         gamma: discount of a reward for each step before it.
-        device: the device of the network, cpu or cuda.
+        device: the device of the network: cpu, cuda, cuda:N, or auto, a GPU if PyTorch can use one.
         workers: threads that play and compute gradients, each in its own environments; on cpu, one for each core is
             best. Another number gives other weights.
         checkpoint_minutes: minutes between checkpoints.
@@ -92,7 +99,7 @@ class TrainingOptions:
     total_steps: int = 10_000_000
     stop_score: float | None = None
     num_envs: int = 8
-    network: Literal["nature", "small", "mlp", "bits"] = "nature"
+    network: str | Callable[[Any], Any] = "nature"
     normalize: bool = False
     bfloat16: Literal["auto", True, False] = False
     learning_rate: float = 2.5e-4
@@ -151,19 +158,27 @@ class TrainingOptions:
         for name, most in (("total_steps", 10**15), ("num_envs", 2**16), ("workers", 1024)):
             check_integer(name, getattr(self, name), 1, most)
         for field in dataclasses.fields(self):
-            if field.name != "task":
+            if field.name not in ("task", "network"):
                 _check_kind(field.name, getattr(self, field.name), members(type(self), field.name))
         if self.num_envs % self.workers:
             raise ValueError(f"num_envs must be a multiple of workers, got {self.num_envs} and {self.workers}")
+        self._check_network()
+        if not re.fullmatch(r"cpu|auto|cuda(:\d{1,4})?", self.device):
+            raise ValueError(f"device must be cpu, cuda, cuda:N or auto, got {self.device!r}")
+        if not 0 < self.gamma <= 1:
+            raise ValueError(f"gamma must be above 0 and at most 1, got {self.gamma}")
+
+    def _check_network(self) -> None:
+        if not isinstance(self.network, str):
+            if not callable(self.network):
+                raise TypeError(f"network must be a name, a class or a function, got {self.network!r:.60}")
+            return
+        check_choice("network", self.network, NETWORKS)
         if self.from_ram != (self.network in ("mlp", "bits")):
             raise ValueError(
                 f"network {self.network!r} is not for obs_type {self.task.obs_type!r}: images need nature or small, "
                 "ram mlp or bits"
             )
-        if self.device.split(":")[0] not in ("cpu", "cuda"):
-            raise ValueError(f"device must be cpu, cuda or cuda:N, got {self.device!r}")
-        if not 0 < self.gamma <= 1:
-            raise ValueError(f"gamma must be above 0 and at most 1, got {self.gamma}")
 
     @property
     def from_ram(self) -> bool:
@@ -284,6 +299,7 @@ def parse(options: type, name: str, text: str) -> Any:
 
     Raises:
         ValueError: the text is no value of the option.
+        FileNotFoundError: there is no such file of a network.
     """
     kinds = members(options, name)
     kind = kinds[0]
@@ -292,6 +308,9 @@ def parse(options: type, name: str, text: str) -> Any:
     if kind is bool:
         check_choice(name, text, ("true", "false"))
         return text == "true"
+    if name == "network" and is_program(text):
+        named = program(text)
+        return named_in(module_of(named.file), named)
     if typing.get_origin(kind) is Literal:
         return next((choice for choice in typing.get_args(kind) if shown(choice) == text), text)
     if kind is int:

@@ -23,9 +23,6 @@ from atari.validation import check_file
 FORMAT = 3
 """Version of the run folder. A newer one is refused; from 3 on, `checkpoint.pt` and `policy.pt` have checksums."""
 
-PROGRAM = "program.py"
-"""The name of the copy of a training's own program."""
-
 _KEYS: Mapping[str, Any] = {"format": int, "agent": str, "task": dict, "options": dict, "versions": dict}
 
 
@@ -33,7 +30,7 @@ class RunFolder:
     """The folder of a training, for the agents of this package and for a loop of your own.
 
     - `config.json`: agent, task, options, versions, and the reason of the end;
-    - `program.py`: a copy of the training's own program, if it has one;
+    - `agent.py`, `network.py` and others: copies of the training's own programs, if it has some;
     - `log.csv`: a row for each call of `log`, and TensorBoard's event files;
     - `checkpoint.pt`: the newest state of the training (contains pickles);
     - `policy.pt`: the newest weights (contains none);
@@ -79,8 +76,7 @@ class RunFolder:
         task: Task,
         options: Mapping[str, Any],
         *,
-        program: str | Path | None = None,
-        class_name: str = "",
+        programs: Mapping[str, str] | None = None,
     ) -> "RunFolder":
         """Make a new folder, and lock it.
 
@@ -89,12 +85,12 @@ class RunFolder:
             agent: the name of the agent.
             task: what the agent plays.
             options: further options, of JSON's types.
-            program: the file of the training's own program, such as `__file__`. The folder keeps a copy, `program.py`,
-                and the configuration its path and SHA-256.
-            class_name: the agent's class in the program, with which the run can be loaded.
+            programs: by a kind, such as "agent" or "loop", a Python file of your own, FILE.py or FILE.py:NAME with the
+                class or function in it. The folder keeps a copy, such as `loop.py`, and the configuration its path,
+                name and SHA-256.
 
         Raises:
-            FileNotFoundError: there is no such program.
+            FileNotFoundError: there is no such file.
             FileExistsError: the folder has files.
             BlockingIOError: another training has just begun in it.
             ValueError: the task has a game without a file, or an option is not of JSON's types.
@@ -111,22 +107,23 @@ class RunFolder:
                 "machine": f"{platform.system()} {platform.machine()}",
             },
         }
-        source = None if program is None else check_file(Path(program)).read_bytes()
-        if source is not None:
-            config["program"] = {
-                "file": str(Path(str(program)).absolute()), "class": class_name, "sha256": sha256(source)
-            }  # fmt: skip
+        for kind in programs or {}:
+            _check_kind(kind)
+        kept = {kind: _read_program(text) for kind, text in (programs or {}).items()}
+        if kept:
+            config["programs"] = {kind: entry for kind, (entry, _) in kept.items()}
+        sources = {f"{kind}.py": source for kind, (_, source) in kept.items()}
         try:
             json.dumps(config, allow_nan=False)
         except (TypeError, ValueError) as error:
             raise ValueError(f"the options of a run must be of JSON's types: {error}") from None
-        _check_empty(path, source)
+        _check_empty(path, sources)
         path.mkdir(parents=True, exist_ok=True)
         run = cls(path, config, _locked(path))
         try:
-            _check_empty(path, source)  # another training may have begun and ended meanwhile
-            if source is not None:
-                durable.write_file(path / PROGRAM, source)
+            _check_empty(path, sources)  # another training may have begun and ended meanwhile
+            for name, source in sources.items():
+                durable.write_file(path / name, source)
             run._write_config(config)
         except BaseException:
             run.close()
@@ -161,10 +158,11 @@ class RunFolder:
             elif version == 2:
                 config = with_stacks_in_task(config)
             json_text.check_table(
-                config, "the configuration", _KEYS, {"ended": str, "keep_memory": bool, "program": dict}
+                config, "the configuration", _KEYS, {"ended": str, "keep_memory": bool, "programs": dict}
             )
-            if "program" in config:
-                json_text.check_table(config["program"], "program", dict.fromkeys(("file", "class", "sha256"), str))
+            for kind, entry in config.get("programs", {}).items():
+                json_text.check_table(entry, f"program {kind!r}", dict.fromkeys(("file", "name", "sha256"), str))
+                _check_kind(kind)
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise ValueError(f"{file} is damaged: {error!r}") from None
         return cls(path, config, _locked(path) if lock else None)
@@ -205,29 +203,35 @@ class RunFolder:
         except (TypeError, ValueError) as error:
             raise ValueError(f"{self.path / 'config.json'}: {error}") from None
 
-    def program(self) -> bytes:
-        """The training's own program, as it was when the training began.
+    def program(self, kind: str) -> Path:
+        """The path of the copy of one of the training's own programs."""
+        return self.path / f"{kind}.py"
+
+    def read_program(self, kind: str) -> bytes:
+        """One of the training's own programs, as it was when the training began.
 
         Raises:
-            FileNotFoundError, ValueError: the training has none, or the copy was changed.
+            FileNotFoundError, ValueError: the training has no such program, or the copy was changed.
         """
-        if "program" not in self.config:
-            raise FileNotFoundError(f"{self.path} has no program of its own; its agent is {self.config['agent']}")
-        source = check_file(self.path / PROGRAM).read_bytes()
-        if sha256(source) != self.config["program"]["sha256"]:
+        programs = self.config.get("programs", {})
+        if kind not in programs:
+            raise FileNotFoundError(f"{self.path} keeps no program {kind!r}, but {', '.join(programs) or 'none'}")
+        source = check_file(self.program(kind)).read_bytes()
+        if sha256(source) != programs[kind]["sha256"]:
             raise ValueError(
-                f"{self.path / PROGRAM} is not the program of the training: its SHA-256 differs from config.json's; "
+                f"{self.program(kind)} is not the program of the training: its SHA-256 differs from config.json's; "
                 "put the copy there again"
             )
         return source
 
     def trust(self) -> None:
-        """Remember that you trust the author of this run's program, which loading the run executes.
+        """Remember that you trust the author of this run's programs, which loading the run executes.
 
         Raises:
-            FileNotFoundError, ValueError: see `program`.
+            FileNotFoundError, ValueError: see `read_program`.
         """
-        trust(sha256(self.program()))
+        for kind in self.config.get("programs", {}):
+            trust(sha256(self.read_program(kind)))
 
     def log(self, row: Mapping[str, float]) -> None:
         """Add a row to `log.csv` and to TensorBoard.
@@ -425,13 +429,27 @@ class RunFolder:
         return weights
 
 
-def _check_empty(path: Path, program: bytes | None) -> None:
+def _read_program(text: str) -> tuple[dict[str, str], bytes]:
+    """The entry in the configuration and the bytes of FILE.py or FILE.py:NAME."""
+    file, name = text, ""
+    if not text.endswith(".py"):
+        file, _, name = text.rpartition(":")
+    source = check_file(Path(file)).read_bytes()
+    return {"file": str(Path(file).absolute()), "name": name, "sha256": sha256(source)}, source
+
+
+def _check_kind(kind: str) -> None:
+    if not kind.isidentifier():
+        raise ValueError(f"a program's kind must be a name such as loop, got {kind!r}")
+
+
+def _check_empty(path: Path, sources: Mapping[str, bytes]) -> None:
     """Check that a folder is new, or that a training was stopped in it before it had its configuration."""
 
     def is_left(file: Path) -> bool:
-        if file.name == PROGRAM:
-            return file.is_file() and file.read_bytes() == program
-        return file.name in ("lock", "config.json.part", f"{PROGRAM}.part")
+        if file.name in sources:
+            return file.is_file() and file.read_bytes() == sources[file.name]
+        return file.name in ("lock", "config.json.part") or file.name.removesuffix(".part") in sources
 
     if path.exists() and not all(map(is_left, path.iterdir())):
         raise FileExistsError(f"{path} is not empty; give another folder, or continue with --resume {path}")

@@ -1,5 +1,6 @@
 """The policy of a run folder."""
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -31,11 +32,13 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
     """
     folder = RunFolder.open(path)
     agent: type[Agent] = kept_agent(folder).kind
-    options, weights = read_options(folder), folder.load_weights()
+    options = dataclasses.replace(read_options(folder), device="cpu")  # also if it was trained on a GPU
+    weights = folder.load_weights()
     task = options.task
     rows, columns = task.definition.screen.shape
     size = (128,) if options.from_ram else (task.img_height or rows, task.img_width or columns)
-    with torch.device("meta"):  # no memory is taken before the weights are known to fit
+    # Without memory before the weights are known to fit; a network of the user's may need some.
+    with torch.device("meta" if isinstance(options.network, str) else "cpu"):
         network = agent.make_network(options, (task.stack_num or 1, *size), len(task.action_set))
     expected = network.state_dict()
     for name in sorted(expected.keys() | weights.keys()):

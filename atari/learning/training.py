@@ -15,7 +15,9 @@ import torch
 from atari.learning.agent import Agent
 from atari.learning.agent_code import AgentCode, agent_code, kept_agent
 from atari.learning.environments import TrainingEnvironments
+from atari.learning.networks import device_of
 from atari.learning.options import TrainingOptions
+from atari.learning.programs import kept_program, named_in, program_of
 from atari.learning.run import RunFolder
 
 WINDOW = 100
@@ -37,6 +39,9 @@ class Training:
         self.games = 0
         self.seconds = 0.0
         self._saved_at, self._saved_step = time.monotonic(), -1
+        self._mark = time.perf_counter(), 0
+        self._stop: Event | None = None
+        self._progress: Callable[[int, float], None] = lambda steps, score: None
 
     @classmethod
     def begin(cls, agent: str | Path | type[Agent] | AgentCode, options: TrainingOptions, path: Path) -> "Training":
@@ -62,11 +67,17 @@ class Training:
                 f"{code.kind.__name__} takes options of {wanted}, got {given}; {wanted}.of(GAME) makes them"
             )
         torch.set_num_threads(1)
-        TrainingEnvironments(options, 1).close()  # errors are raised before a folder is made
-        names = [field.name for field in dataclasses.fields(options) if field.name != "task"]
-        values = {name: getattr(options, name) for name in names}
-        own = {"program": code.file, "class_name": code.kind.__name__}
-        folder = RunFolder.begin(path, code.name, options.task, values, **own)
+        device_of(options)  # errors are raised before a folder is made
+        environments = TrainingEnvironments(options, 1)
+        code.kind.make_network(options, environments.shape, len(environments.actions))
+        environments.close()
+        values = {field.name: getattr(options, field.name) for field in dataclasses.fields(options)}
+        del values["task"]
+        programs = {} if code.program is None else {"agent": str(code.program)}
+        if not isinstance(options.network, str):
+            network = program_of(options.network)
+            programs["network"], values["network"] = str(network), f"network.py:{network.name}"
+        folder = RunFolder.begin(path, code.name, options.task, values, programs=programs)
         try:
             return cls(folder, code.kind(options, folder), options)
         except BaseException:
@@ -110,38 +121,52 @@ class Training:
 
         Raises:
             FloatingPointError: the loss is not finite. The last checkpoint is kept.
+            RuntimeError: the agent's loop ended before the training.
             OSError: the disk has no room for a checkpoint at the end, or for one that the replay memory needs to go
                 on. The last checkpoint is kept.
         """
-        agent = self.agent
-        reason = self._reason(stop)
-        while not reason:
-            before, start = agent.steps, time.perf_counter()
-            metrics = agent.update()
-            self.seconds += time.perf_counter() - start
-            self._count_games()
-            score = sum(self.scores) / len(self.scores) if self.scores else math.nan
-            if metrics is None:
-                self._save_for_memory()
-            else:
-                self._check_finite(metrics["loss"])
-                self.folder.log({**self._facts(score), **metrics})
-                self._save_when_due()
-            progress(agent.steps - before, score)
-            reason = "" if metrics is None else self._reason(stop)
-        if self._saved_step != agent.steps:
+        self._stop, self._progress, self._mark = stop, progress, (time.perf_counter(), self.agent.steps)
+        self.agent.train(self)
+        if self._saved_step != self.agent.steps:
             self.save()
+        reason = self._reason()
+        if not reason:
+            raise RuntimeError(
+                f"{type(self.agent).__name__}.train ended at step {self.agent.steps:,}, before the training"
+            )
         if reason != "stop":
             self.folder.end(reason, keep_memory=getattr(self.options, "keep_memory", False))
         return reason
 
-    def _reason(self, stop: Event | None) -> str:
+    def goes_on(self) -> bool:
+        """Whether the agent shall make another update. Shows the progress of the last one."""
+        _, steps = self._mark
+        if self.agent.steps > steps:
+            self._progress(self.agent.steps - steps, self._score())
+        self._mark = time.perf_counter(), self.agent.steps
+        return not self._reason()
+
+    def log(self, metrics: Mapping[str, float]) -> None:
+        """Add an update to the log, with the facts of the training: steps, frames, seconds, games and their score.
+
+        Args:
+            metrics: the columns of the agent, `loss` among them.
+
+        Raises:
+            FloatingPointError: the loss is not finite. The last checkpoint is kept.
+        """
+        self.seconds += time.perf_counter() - self._mark[0]
+        self._count_games()
+        self._check_finite(metrics["loss"])
+        self.folder.log({**self._facts(), **{name: float(value) for name, value in metrics.items()}})
+
+    def _reason(self) -> str:
         if self.agent.steps >= self.options.total_steps:
             return "steps"
         wanted = self.options.stop_score
         if wanted is not None and len(self.scores) == WINDOW and sum(self.scores) / WINDOW >= wanted:
             return "score"
-        return "stop" if stop is not None and stop.is_set() else ""
+        return "stop" if self._stop is not None and self._stop.is_set() else ""
 
     def _count_games(self) -> None:
         for environments in self.agent.environments:
@@ -159,17 +184,21 @@ class Training:
             f"{self.options.learning_rate / 4:g} for example"
         )
 
-    def _facts(self, score: float) -> dict[str, float]:
+    def _score(self) -> float:
+        """The mean of the last whole games; NaN before the first."""
+        return sum(self.scores) / len(self.scores) if self.scores else math.nan
+
+    def _facts(self) -> dict[str, float]:
         low, high = self.options.task.frames
         return {
             "step": self.agent.steps,
             "frames": round(sum(range(low, high)) / (high - low) * self.agent.steps),
             "seconds": round(self.seconds, 3),
             "games": self.games,
-            "score": score,
+            "score": self._score(),
         }
 
-    def _save_when_due(self) -> None:
+    def save_when_due(self) -> None:
         """Write a checkpoint if its time has come. If that fails, the last checkpoint is kept, with a warning."""
         if time.monotonic() - self._saved_at < 60 * self.options.checkpoint_minutes:
             return
@@ -180,7 +209,15 @@ class Training:
             text = f"no checkpoint at step {self.agent.steps:,}, the one before stays: {error}"
             warnings.warn(text, RuntimeWarning, stacklevel=3)
 
-    def _save_for_memory(self) -> None:
+    def save_for_memory(self) -> None:
+        """Write the checkpoint without which the replay memory takes no further step.
+
+        Raises:
+            OSError: the disk has no room for it. The last checkpoint is kept.
+        """
+        start, steps = self._mark
+        self.seconds += time.perf_counter() - start
+        self._count_games()
         try:
             self.save()
         except OSError as error:
@@ -189,6 +226,7 @@ class Training:
                 f"one is kept; make room, and go on with `atari train --resume {self.folder.path}`"
             )
             raise OSError(error.errno, text) from None
+        self._mark = time.perf_counter(), steps
 
     def save(self) -> None:
         """Write a checkpoint.
@@ -225,6 +263,9 @@ def read_options(folder: RunFolder) -> TrainingOptions:
         FileNotFoundError, PermissionError, ValueError: see `kept_agent`.
     """
     task, given, kind = folder.task, folder.config["options"], kept_agent(folder).kind
+    network = kept_program(folder, "network")
+    if network is not None:
+        given = {**given, "network": named_in(*network)}
     try:
         options: TrainingOptions = kind.options_class(task=task, **given)
     except (TypeError, AttributeError, ValueError) as error:

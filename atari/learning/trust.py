@@ -47,7 +47,7 @@ def check_trusted(file: Path, digest: str, what: str) -> None:
     Args:
         file: the path of the program in a run folder.
         digest: its SHA-256.
-        what: its origin and its class, for the question.
+        what: its origin, for the question.
 
     Raises:
         PermissionError: the user does not trust it, or there is no terminal for the question.
@@ -56,7 +56,7 @@ def check_trusted(file: Path, digest: str, what: str) -> None:
         return
     if sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty():
         print(
-            f"{file} is the program of this run ({what}). Loading the run executes it.\n"
+            f"{file} is a program of this run ({what}). Loading the run executes it.\n"
             "Trust it, now and later? [y/N] ",
             end="", file=sys.stderr, flush=True,
         )  # fmt: skip

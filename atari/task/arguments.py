@@ -23,7 +23,7 @@ SEEDS = 2**32
 """The bound of the seeds of all commands."""
 
 SCREEN: Mapping[str, Any] = MappingProxyType(
-    {name: DEFAULTS[name] for name in (*GROUPS["observation"], "reward_clipping")}
+    {name: DEFAULTS[name] for name in (*GROUPS["observation"], "reward", "reward_clipping")}
 )
 """The fields for an agent's observations and rewards, with their values when a person sees the screen."""
 
@@ -40,6 +40,7 @@ _METAVARS: Mapping[str, str] = {
     "interventions": "NAME",
     "repeat_action_probability": "P",
     "continuous_action_threshold": "P",
+    "reward": "EXPRESSION",
 }
 
 _MAY_BE_NONE = frozenset(name for name in OPTIONS if DEFAULTS[name] is None) | {"max_num_frames_per_episode"}
@@ -203,6 +204,8 @@ def option_of(name: str, text: str) -> Any:
     """
     if text == "none" and name in _MAY_BE_NONE:
         return None
+    if name == "reward":
+        return check_field(name, text)
     words = tuple(_number(word) for word in text.split(","))
     several = len(words) > 1 or (name == "actions" and text not in ("minimal", "full"))
     return check_field(name, words if several else words[0])

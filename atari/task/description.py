@@ -169,7 +169,10 @@ def _limit(task: Task) -> str:
 
 
 def _reward(task: Task) -> str:
-    words = ["clipped to -1..1" if task.reward_clipping else "the change of the score"]
+    words = [] if task.reward is None else [f"the expression {task.reward}"]
+    if task.reward_clipping:
+        words.append("clipped to -1..1")
+    words = words or ["the change of the score"]
     return ", ".join([*words, "minus the mean of the other players'"] if task.zero_sum else words)
 
 

@@ -7,6 +7,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from atari.actions import PLAYER_ACTIONS, Action
+from atari.games.rewards import as_one_line
 from atari.validation import (
     OptionTypeError,
     check_frameskip,
@@ -63,7 +64,7 @@ GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType(
             "sound_obs",
             "agent_indicator",
         ),
-        "reward": ("reward_clipping", "zero_sum"),
+        "reward": ("reward", "reward_clipping", "zero_sum"),
     }
 )
 """The fields of a `Task` by group."""
@@ -116,6 +117,18 @@ def _check_text(name: str, value: Any) -> str | None:
     if value is not None and not isinstance(value, str):
         raise TypeError(f"{name} must be a string or None, got {value!r}")
     return value
+
+
+def _check_reward(name: str, value: Any) -> str | None:
+    """The text of an expression in one line; `Task` checks it for its game."""
+    if value is None:
+        return None
+    if not isinstance(value, str):
+        raise OptionTypeError(
+            f"{name} must be None, for the game's own, or an expression such as 'reward - 5 * lives_lost', "
+            f"got {value!r:.80}"
+        )
+    return as_one_line(value)
 
 
 def _check_noops(name: str, value: Any) -> tuple[int, int]:
@@ -187,6 +200,7 @@ _CHECKS: Mapping[str, Callable[[str, Any], Any]] = {
     "end_frames": _one_of(EndFrames),
     "sound_obs": check_bool,
     "agent_indicator": check_bool,
+    "reward": _check_reward,
     "reward_clipping": check_bool,
     "zero_sum": check_bool,
 }

@@ -38,6 +38,7 @@ class AddedOptions(TypedDict, total=False):
     padding: Padding
     end_frames: EndFrames
     agent_indicator: bool
+    reward: str | None
     reward_clipping: bool | None
     clip_reward: bool | None
     zero_sum: bool

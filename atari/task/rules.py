@@ -175,6 +175,10 @@ def _contradictions(task: Fields, game: Game) -> list[tuple[bool, str]]:
             f"fire={task['fire']!r} is for one player; leave it or players={task['players']} out",
         ),
         (
+            several and task["reward"] is not None,
+            f"reward={task['reward']!r} is for one player; leave it or players={task['players']} out",
+        ),
+        (
             several and task["sound_obs"],
             f"sound_obs=True is for one player; leave it or players={task['players']} out",
         ),

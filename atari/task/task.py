@@ -12,6 +12,7 @@ from typing_extensions import Unpack
 
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.cores.options import CoreOptions
+from atari.cores.rewards import reward_formula
 from atari.games.catalog import games
 from atari.games.fingerprint import fingerprint
 from atari.games.game import Game
@@ -79,6 +80,8 @@ class Task:
         end_frames: frames that are observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`.
         sound_obs: observations are image and sound: 512 samples of the step's last frame.
         agent_indicator: each of several players sees more channels, which say which player it is.
+        reward: an expression over the game's own reward, lives and RAM, such as "reward - 5 * lives_lost", see
+            docs/rewards.md; None is the game's own. `info` has the game's rewards and scores all the same.
         reward_clipping: rewards are clipped to -1..1.
         zero_sum: each of several players gets its reward minus the mean of the others'.
 
@@ -139,6 +142,7 @@ class Task:
     end_frames: EndFrames = "last"
     sound_obs: bool = False
     agent_indicator: bool = False
+    reward: str | None = None
     reward_clipping: bool = False
     zero_sum: bool = False
 
@@ -172,6 +176,8 @@ class Task:
         fields["game"] = game.id
         fields["rules"] = fields["rules"] or fingerprint(game)
         fields["interventions"] = resolve(game, fields["interventions"])
+        if fields["reward"] is not None:
+            reward_formula(game, fields["reward"])
         if several:
             rules = rules_of(game)
             fields["mode"], _ = choose_mode(game, fields["mode"], fields["players"])

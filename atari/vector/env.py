@@ -207,10 +207,11 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
                 `num_envs`, they must be the environments of the last batch, in any order.
 
         Returns:
-            Observations, rewards (int32), terminations and truncations (bool), (batch,) each, and info. Observations
-            are uint8 (batch, stack_num, img_height, img_width), in RGB with a last axis of 3, the oldest frame first.
-            **They do not change while you hold them**, or a view or a tensor of them. The step after the next, or a
-            later one, writes to their memory again after the last reference has gone. To keep many, pass `out`.
+            Observations, rewards (int32, or float64 if the task has a `reward`), terminations and truncations (bool),
+            (batch,) each, and info. Observations are uint8 (batch, stack_num, img_height, img_width), in RGB with a
+            last axis of 3, the oldest frame first. **They do not change while you hold them**, or a view or a tensor of
+            them. The step after the next, or a later one, writes to their memory again after the last reference has
+            gone. To keep many, pass `out`.
 
             `info` has, (batch,) int32 each, `env_id`, `lives`, `frame_number`, `episode_frame_number`, with
             Gymnasium's masks (`_lives`, ...). In SAME_STEP, when an episode has ended, it also has `final_obs`, zero

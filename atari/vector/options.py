@@ -18,6 +18,7 @@ from atari._gymnasium import AutoresetMode
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.cores.native import compiled
 from atari.cores.players import compiled_for_players
+from atari.cores.rewards import reward_formula
 from atari.cores.writes import make_writes
 from atari.games.game import Game
 from atari.observations.layout import Layout
@@ -148,6 +149,7 @@ class VectorOptions:
                 mode=self.tasks[index].set_mode,
                 difficulty=self.tasks[index].set_difficulty,
                 seed=seeds[index],
+                **_own_reward(self.tasks[index]),
             )
             for index, game in enumerate(self.games)
         ]
@@ -279,6 +281,11 @@ def _episode_settings(task: Task) -> _emulator.EpisodeSettings:
     """The settings with which the engine begins, plays and ends episodes."""
     alone = task.players == 1 and not task.preprocessed
     return filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=alone)
+
+
+def _own_reward(task: Task) -> dict[str, _emulator.RewardFormula]:
+    """The formula of a lane whose task has a reward of its own."""
+    return {} if task.reward is None else {"reward": reward_formula(task.definition, task.reward)}
 
 
 def _listed(game: Any, num_envs: Any) -> list[Any]:

@@ -57,6 +57,8 @@ class Results:
         # Methods that copy an array, except the arrays of ended episodes.
         reward = arrays["reward"]
         copy_reward = reward.copy if options.players == 1 else partial(reward.astype, np.float64)
+        if options.task.reward is not None:
+            copy_reward = arrays["own_reward"].copy
         if options.task.zero_sum:
             copy_reward = partial(zero_sum, reward)
         self._copies = (copy_reward, *(arrays[name].copy for name in (*COUNTERS, "terminated", "truncated")))

@@ -10,6 +10,7 @@ import numpy as np
 
 import atari
 from atari import _emulator
+from atari.cores.rewards import reward_formula
 from attack.findings import attempt
 
 # These methods write a file of any name, or raise AttributeError for a name that does not exist.
@@ -65,11 +66,14 @@ def targets(source: random.Random) -> list[Any]:
     game = source.choice(("pong", "breakout", "montezuma_revenge"))
     env = atari.AtariEnv(game, obs_type=source.choice(("rgb", "grayscale", "ram")))
     mode = source.choice(("NextStep", "SameStep", "Disabled"))
-    vector = atari.AtariVectorEnv(game, 2, num_threads=source.choice((1, 2)), autoreset_mode=mode)
+    reward = source.choice((None, "reward - lives_lost / before.ram[0x8A]"))
+    vector = atari.AtariVectorEnv(game, 2, num_threads=source.choice((1, 2)), autoreset_mode=mode, reward=reward)
+    formula = reward_formula(env.game, "1 / lives + before.reward")
     for made in (env, vector):
         if source.random() < 0.8:
             made.reset(seed=source.randrange(100))
-    return [env, env.core, env.ale, vector, vector._engine if hasattr(vector, "_engine") else vector, env.driver]
+    engine = vector._engine if hasattr(vector, "_engine") else vector
+    return [env, env.core, env.ale, vector, engine, formula, env.driver]
 
 
 def attack(seed: int) -> None:

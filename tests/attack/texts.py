@@ -44,7 +44,8 @@ TEXTS = (
 )
 NUMBERS = (0, -1, 2**31, 2**63, 2**64, -(2**64), 10**400, 0.5, 1e308, float("inf"), float("nan"))
 
-TASK = json.loads(atari.Task.of("pong", interventions=["lazy_enemy"]).to_json())
+REWARD = "0.1 * (player_y - before.player_y) / max(lives, 1) if visible(ball_x) else bcd(0x8A) - ram[0x8B]"
+TASK = json.loads(atari.Task.of("pong", interventions=["lazy_enemy"], reward=REWARD).to_json())
 PONG = GameResult("pong", (-20.0, 1.5), (1000, 2000), (False, True), (1, 2), {"stack_num": 4}, TASK)
 RESULT = Result("a policy", PROTOCOLS["dopamine"], 0, (PONG,), 1000, {"python": "3.11"}).to_json()
 

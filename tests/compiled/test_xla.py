@@ -84,6 +84,7 @@ CASES: dict[str, dict[str, Any]] = {
     "games": {"game": ["breakout", "pong"], "num_envs": None},
     "players": {"game": "pong", "players": 2},
     "threads": {"num_threads": 2},
+    "reward": {"reward": "0.25 * ram[0x90] - 5 * lives_lost", "reward_clipping": False, "autoreset_mode": "SameStep"},
 }
 
 

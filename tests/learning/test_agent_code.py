@@ -11,6 +11,7 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
+from small_trainings import SMALL as SMALL_OPTIONS  # noqa: E402
 from small_trainings import make_options  # noqa: E402
 
 import atari.learning.agents.ppo  # noqa: E402
@@ -61,8 +62,8 @@ def test_the_script_runs_its_own_class(script: Path, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     run = RunFolder.open(tmp_path / "mine")
     assert [row["own"] for row in run.rows()] == [3.0, 3.0]
-    assert (run.config["agent"], run.config["program"]["file"]) == ("my_ppo", str(script))
-    assert run.program() == script.read_bytes()
+    assert (run.config["agent"], run.config["programs"]["agent"]["file"]) == ("my_ppo", str(script))
+    assert run.read_program("agent") == script.read_bytes()
     script.unlink()  # the run has its copy
     done = subprocess.run(
         [sys.executable, "-m", "atari", "train", "--resume", "mine", "--total-steps", "256", "--games", "1"],
@@ -97,7 +98,7 @@ def test_a_strangers_program_is_not_executed(
     run = trained(script, tmp_path / "mine")
     trusted_file().unlink()
     for call in (load_policy, Training.resume):
-        with pytest.raises(PermissionError, match=r"program.py is a program .*class PPO.*trust\(\)"):
+        with pytest.raises(PermissionError, match=r"agent.py is a program .*my_ppo.py:PPO.*trust\(\)"):
             call(run)
     assert main(["evaluate", str(run), "--episodes", "1"]) == 1
     assert "if you trust its author" in capsys.readouterr().err
@@ -135,17 +136,17 @@ def test_a_terminal_asks(answer: str, is_trusted: bool, script: Path, tmp_path: 
         else:
             with pytest.raises(PermissionError):
                 load_policy(run)
-    assert f"{run / 'program.py'} is the program of this run ({script}, class PPO)" in terminal.text
+    assert f"{run / 'agent.py'} is a program of this run ({script}:PPO)" in terminal.text
     assert trusted_file().exists() == is_trusted
 
 
 def test_a_changed_copy_is_refused(script: Path, tmp_path: Path) -> None:
     run = trained(script, tmp_path / "mine")
-    (run / "program.py").write_text(CHANGED + "\n")
-    with pytest.raises(ValueError, match=r"program.py is not the program of the training"):
+    (run / "agent.py").write_text(CHANGED + "\n")
+    with pytest.raises(ValueError, match=r"agent.py is not the program of the training"):
         load_policy(run)
-    (run / "program.py").unlink()
-    with pytest.raises(FileNotFoundError, match=r"there is no file .*program.py"):
+    (run / "agent.py").unlink()
+    with pytest.raises(FileNotFoundError, match=r"there is no file .*agent.py"):
         load_policy(run)
 
 
@@ -154,7 +155,7 @@ def test_a_class_is_taken(tmp_path: Path) -> None:
 
     training = Training.begin(PPO, make_options("ppo", total_steps=64), tmp_path / "ppo")
     assert training.folder.config["agent"] == "ppo"
-    assert "program" not in training.folder.config
+    assert "programs" not in training.folder.config
     training.close()
 
     class Inside(PPO):
@@ -196,7 +197,6 @@ def test_files_without_an_agent(text: str | bytes, agent: str, expected: str, tm
     (tmp_path / "x.py").write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(ValueError, match=expected):
         agent_code(str(tmp_path / agent))
-    assert not trusted_file().exists()
 
 
 def test_one_of_several_agents_is_named(tmp_path: Path) -> None:
@@ -206,21 +206,23 @@ def test_one_of_several_agents_is_named(tmp_path: Path) -> None:
 
 def test_a_run_stopped_before_its_configuration_begins_again(script: Path, tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "program.py").write_text(CHANGED)
+    (tmp_path / "mine" / "agent.py").write_text(CHANGED)
     trained(script, tmp_path / "mine")
     (tmp_path / "other").mkdir()
-    (tmp_path / "other" / "program.py").write_text("another program")
+    (tmp_path / "other" / "agent.py").write_text("another program")
     with pytest.raises(FileExistsError):
         trained(script, tmp_path / "other")
 
 
 def test_a_loop_of_ones_own_keeps_its_program(tmp_path: Path) -> None:
-    with RunFolder.begin(tmp_path / "own", "mine", atari.Task.of("pong"), {}, program=__file__) as run:
-        assert run.program() == Path(__file__).read_bytes()
-    with pytest.raises(ValueError, match=r"names no agent; RunFolder"):
+    with RunFolder.begin(tmp_path / "own", "mine", atari.Task.of("pong"), {}, programs={"loop": __file__}) as run:
+        assert run.read_program("loop") == run.program("loop").read_bytes() == Path(__file__).read_bytes()
+        with pytest.raises(FileNotFoundError, match="keeps no program 'agent', but loop"):
+            run.read_program("agent")
+    with pytest.raises(ValueError, match=r"agent must be one of ppo, pqn, dqn, got 'mine' in .*; RunFolder"):
         kept_agent(RunFolder.open(tmp_path / "own"))
     with pytest.raises(FileNotFoundError, match=r"there is no file nowhere.py"):
-        RunFolder.begin(tmp_path / "no", "mine", atari.Task.of("pong"), {}, program="nowhere.py")
+        RunFolder.begin(tmp_path / "no", "mine", atari.Task.of("pong"), {}, programs={"loop": "nowhere.py"})
     assert not (tmp_path / "no").exists()
 
 
@@ -255,3 +257,62 @@ class TestExtend:
     def test_other_options_are_refused(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         assert main(["train", "--resume", "x", "--total-steps", "5e6", "--seed", "1"]) == 1
         assert "but for --total-steps N; leave out --seed 1" in capsys.readouterr().err
+
+
+NET = """
+import torch
+
+class Net(torch.nn.Module):
+    def __init__(self, space):
+        super().__init__()
+        self.layer = torch.nn.Linear(space.shape[0] * space.shape[1] * space.shape[2], 8)
+
+    def forward(self, observations):
+        return torch.relu(self.layer(observations.flatten(1)))
+"""
+
+
+class TestNetwork:
+    @pytest.mark.parametrize("agent", ["ppo", "pqn", "dqn"])
+    def test_a_network_of_ones_own_is_trained_and_loaded_from_its_copy(
+        self, agent: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        monkeypatch.chdir(tmp_path)
+        Path("my_net.py").write_text(NET)
+        small = [f"--{name.replace('_', '-')}={value}" for name, value in SMALL_OPTIONS[agent].items()]
+        small += ["--keep-memory"] if agent == "dqn" else []
+        words = [agent, "pong", "--fast", *small, "--total-steps", "128", "--network", "my_net.py:Net", "-o", "run"]
+        assert main(["train", *words, "--games", "0"]) == 0
+        Path("my_net.py").unlink()
+        run = RunFolder.open("run")
+        assert run.config["options"]["network"] == "network.py:Net"
+        assert run.load_weights()["encoder.layers.layer.weight"].shape[0] == 8
+        assert main(["train", "--resume", "run", "--total-steps", "1024", "--games", "1"]) == 0
+        trusted_file().unlink()
+        capsys.readouterr()
+        assert main(["evaluate", "run", "--episodes", "1"]) == 1
+        assert "network.py is a program" in capsys.readouterr().err
+
+    @pytest.mark.parametrize(
+        ("network", "text"),
+        [
+            ("my_net.py", "name the class or function in my_net.py, as in my_net.py:Net"),
+            ("my_net.py:Nett", "my_net.py has no class or function Nett"),
+            ("no_net.py:Net", "there is no file no_net.py"),
+            ("my_nte", "network must be one of nature, small, mlp, bits"),
+            ("my_net.py:torch", "my_net.py has no class or function torch"),
+        ],
+    )
+    def test_mistakes(
+        self,
+        network: str,
+        text: str,
+        tmp_path: Path,
+        monkeypatch: pytest.MonkeyPatch,
+        capsys: pytest.CaptureFixture[str],
+    ) -> None:
+        monkeypatch.chdir(tmp_path)
+        Path("my_net.py").write_text(NET)
+        assert main(["train", "ppo", "pong", "--network", network, "-o", "run"]) in (1, 2)
+        assert text in capsys.readouterr().err
+        assert not Path("run").exists()

@@ -117,7 +117,9 @@ def test_watch(run: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
         (["train", "ppo", "pong", "--players", "2"], "unrecognized arguments: --players 2"),
         (["train", "ppo", "pong", "--seed", "4294967296"], "seed must be within 0..4294967295, got 4294967296"),
         (["train", "ppo", "Pong-ram-v4", "--img-height", "42", "--img-width", "42"], "img_height=42 has no effect"),
-        (["train", "ppo", "pong", "--device", "tpu"], "device must be cpu"),
+        (["train", "ppo", "pong", "--device", "tpu"], "device must be cpu, cuda, cuda:N or auto, got 'tpu'"),
+        (["train", "ppo", "pong", "--device", "cuda:x"], "device must be cpu, cuda, cuda:N or auto, got 'cuda:x'"),
+        (["train", "ppo", "pong", "--device", "cuda:99"], "device is 'cuda:99', and PyTorch can use"),
         (["train", "--resume", "nowhere"], "nowhere is no run folder"),
         (
             ["train", "--resume", "nowhere", "ppo"],
@@ -152,6 +154,9 @@ PRINTED: dict[tuple[str, ...], dict[str, Any]] = {
     },
     ("pong", "--sticky", "0.1", "--full-action-space"): {
         "preset": "baselines", "repeat_action_probability": 0.1, "actions": "full"
+    },
+    ("pong", "--reward", "reward - 0.1 * (player_y < 50)"): {
+        "preset": "baselines", "reward": "reward - 0.1 * (player_y < 50)"
     },
     ("pong", "--intervention", "lazy_enemy", "--mode", "1"): {
         "preset": "baselines", "interventions": ["lazy_enemy"], "mode": 1

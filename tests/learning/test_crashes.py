@@ -10,7 +10,7 @@ torch = pytest.importorskip("torch")
 from crash_model import Disk, FullDisk  # noqa: E402
 from crash_trainings import TINY, Outcome, assert_ends_or_says_so, assert_goes_on, outcome, train  # noqa: E402
 
-IMAGES = 12
+IMAGES = 8
 """Images of each agent and kind; the attacker `crashes` makes as many as its time allows."""
 
 

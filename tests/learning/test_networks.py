@@ -1,9 +1,11 @@
+from typing import Any
+
 import numpy as np
 import pytest
 
 torch = pytest.importorskip("torch")
 
-from atari.learning.networks import ActorCritic, Encoder, Normalize, QNetwork, uses_bfloat16  # noqa: E402
+from atari.learning.networks import ActorCritic, Encoder, Normalize, QNetwork, device_of, uses_bfloat16  # noqa: E402
 from atari.learning.options import TrainingOptions  # noqa: E402
 
 
@@ -84,12 +86,61 @@ def test_heads() -> None:
         ({"avx512_bf16": False, "avx2": True}, "cpu", False),
         ({}, "cpu", False),
         ({}, "cuda", True),
+        ({}, "auto", True),
     ],
 )
 def test_bfloat16_is_chosen_by_the_processor(
     capabilities: dict[str, bool], device: str, expected: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: capabilities, raising=False)
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
+    monkeypatch.setattr(torch.cuda, "device_count", lambda: 1)
     assert uses_bfloat16(TrainingOptions.of("pong", bfloat16="auto", device=device)) == expected
     assert uses_bfloat16(TrainingOptions.of("pong", bfloat16=True, device=device))
     assert not uses_bfloat16(TrainingOptions.of("pong", bfloat16=False, device=device))
+
+
+def test_the_device_is_a_gpu_if_there_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    options = {name: TrainingOptions.of("pong", device=name) for name in ("auto", "cpu", "cuda", "cuda:1")}
+    for count, found in ((0, "cpu"), (1, "cuda")):
+        monkeypatch.setattr(torch.cuda, "is_available", lambda count=count: count > 0)
+        monkeypatch.setattr(torch.cuda, "device_count", lambda count=count: count)
+        assert (device_of(options["auto"]), device_of(options["cpu"])) == (found, "cpu")
+        for name in ["cuda", "cuda:1"][count:]:
+            with pytest.raises(ValueError, match=f"device is '{name}', and PyTorch can use {count} GPUs"):
+                device_of(options[name])
+
+
+class TestNetworksOfOnesOwn:
+    """`TrainingOptions.network` as a class or function of the user's."""
+
+    def test_features_of_any_width_are_taken(self) -> None:
+        def make(space: Any) -> "torch.nn.Module":
+            return torch.nn.Sequential(torch.nn.Flatten(), torch.nn.Linear(int(np.prod(space.shape)), 7))
+
+        encoder = Encoder((4, 42, 42), make)
+        assert encoder.width == 7
+        assert torch.allclose(encoder(images(2)), encoder.layers(images(2) / 255))
+        assert QNetwork(encoder, 3)(images(2)).shape == (2, 3)
+
+    @pytest.mark.parametrize(
+        ("make", "kind", "text"),
+        [
+            (lambda space: 3, TypeError, r"must make a torch.nn.Module from the observation space, got 3"),
+            (
+                lambda space: torch.nn.Linear(5, 3),
+                ValueError,
+                r"fails with observations of shape \(2, 4, 42, 42\): mat1",
+            ),
+            (
+                lambda space: torch.nn.Identity(),
+                ValueError,
+                r"floats \(n, width\).* returned torch.float32 \(2, 4, 42, 42\)",
+            ),
+            (lambda space: torch.nn.Flatten(0), ValueError, r"it returned torch.float32 \(14112,\)"),
+            (lambda space: torch.nn.LSTM(42, 3), ValueError, r"fails with observations"),
+        ],
+    )
+    def test_others_are_refused(self, make: Any, kind: type[Exception], text: str) -> None:
+        with pytest.raises(kind, match=text):
+            Encoder((4, 42, 42), make)

@@ -365,6 +365,9 @@ HOSTILE: dict[str, Any] = {
     "an agent": {"agent": {}},
     "another agent": {"agent": "mine"},
     "an escape": {"agent": "\x1b[31m"},
+    "no programs": {"programs": []},
+    "a program": {"programs": {"agent": {"file": "x.py"}}},
+    "a kind": {"programs": {"../agent": {"file": "x.py", "name": "X", "sha256": ""}}},
     "a key": {"more": 1},
 }
 
@@ -375,7 +378,7 @@ def test_a_hostile_configuration_is_refused(run: RunFolder, tmp_path: Path, name
     shutil.copytree(run.path, copy)
     config = dict(run.config)
     for key, value in HOSTILE[name].items():
-        config[key] = {**config[key], **value} if isinstance(value, dict) and value else value
+        config[key] = {**config.get(key, {}), **value} if isinstance(value, dict) and value else value
     (copy / "config.json").write_text(json.dumps(config))
     for load in (load_policy, Training.resume):
         with pytest.raises(ValueError, match=r"config.json|must be one of ppo, pqn, dqn"):

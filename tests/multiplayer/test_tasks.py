@@ -17,7 +17,7 @@ from atari.task.task import DEFAULTS, FIELDS
 
 OF_ONE_PLAYER = (
     *("continuous", "continuous_action_threshold", "fire", "fire_counts", "third_action", "fire_unit", "fire_again"),
-    *("episodic_life", "lives_unit", "on_reset", "last_life", "seamless_lives", "life_loss_info"),
+    *("episodic_life", "lives_unit", "on_reset", "last_life", "seamless_lives", "life_loss_info", "reward"),
 )
 GAMES = (("pong", 2), ("pong", 4), ("warlords", 4), ("joust", 2), ("boxing", 2), ("wizard_of_wor", 2), ("combat", 2))
 

@@ -355,6 +355,10 @@ CASES: Mapping[str, Case] = {
         lambda: started(wrappers.EpisodicLife(unframed("breakout"), "continue"), 200),
         steps,
     ),
+    "atari.wrappers.expression_reward.ExpressionReward": (
+        lambda: started(wrappers.ExpressionReward(unframed("breakout"), "reward + player_x - before.player_x")),
+        steps,
+    ),
     "atari.wrappers.fire_reset.FireReset": (lambda: started(wrappers.FireReset(unframed("breakout"))), steps),
     "atari.wrappers.frame_skip.FrameSkip": (lambda: started(wrappers.FrameSkip(unframed())), steps),
     "atari.wrappers.frame_stack.FrameStack": (lambda: started(wrappers.FrameStack(unframed(), lazy=True)), steps),

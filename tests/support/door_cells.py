@@ -46,6 +46,7 @@ VALUES: dict[str, tuple[dict[str, Any], Any]] = {
     "end_frames": ({}, "baselines"),
     "sound_obs": ({}, True),
     "agent_indicator": ({**PLAYERS, "stack_num": 1}, True),
+    "reward": ({}, "reward - 5 * lives_lost"),
     "reward_clipping": ({}, True),
     "zero_sum": (PLAYERS, True),
 }

@@ -163,13 +163,13 @@ _OF_WRAPPERS = tuple(
         *GROUPS["begin"],
         *GROUPS["lives"],
         *GROUPS["observation"],
-        "reward_clipping",
+        *("reward", "reward_clipping"),
     )
     if name not in ("obs_type", "sound_obs", "agent_indicator")
 )
 _OF_LIMITS = {"max_num_frames_per_episode": "max_frames"}
 _OF_SEVERAL = {
-    **of_fields((*GROUPS["lives"], "continuous", "continuous_action_threshold"), _TOGETHER),
+    **of_fields((*GROUPS["lives"], "continuous", "continuous_action_threshold", "reward"), _TOGETHER),
     **of_fields(tuple(name for name in GROUPS["begin"] if name not in ("noops", "seeding")), _TOGETHER),
     **_NO_SOUND,
 }
@@ -194,7 +194,7 @@ _OF_PLAY = of_fields(
 _OF_POLICIES = of_fields(
     (
         *("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
-        *("life_loss_info", "reward_clipping"),
+        *("life_loss_info", "reward", "reward_clipping"),
     ),
     "policies play whole games of one player, with the game's own scores",
 )
@@ -228,8 +228,8 @@ DOORS: tuple[Door, ...] = (
     Door(
         "evaluate",
         _evaluation,
-        all_but((*_OF_GAMES, "reward_clipping", "actions", "obs_type", "maxpool"), "the protocol says it"),
-        outside={"reward_clipping": "scores are the game's own"},
+        all_but((*_OF_GAMES, "reward", "reward_clipping", "actions", "obs_type", "maxpool"), "the protocol says it"),
+        outside=of_fields(("reward", "reward_clipping"), "scores are the game's own"),
         takes_options=False,
     ),
     Door("atari explain", _command("explain")),

@@ -42,6 +42,7 @@ VALUES: dict[str, tuple[Any, ...]] = {
     "pool_rgb": (False, True),
     "padding": ("zero", "reset"),
     "end_frames": ("last", "gymnasium", "baselines", "envpool"),
+    "reward": (None, None, "reward - 5 * lives_lost + 0.1 * (ram[0x90] - before.ram[0x90])"),
     "reward_clipping": (False, True),
 }
 """The values that are drawn for each field. Several players and sound have their own tests."""

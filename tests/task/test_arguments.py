@@ -53,6 +53,7 @@ TEXTS: dict[str, tuple[list[str], Any]] = {
     "stack_num": (["--stack-num", "4"], 4),
     "padding": (["--padding", "reset"], "reset"),
     "end_frames": (["--end-frames", "baselines"], "baselines"),
+    "reward": (["--reward", "-5 * lives_lost + min(reward, 3)"], "-5 * lives_lost + min(reward, 3)"),
 }
 """The flags of options that are not bool, and of some that are."""
 
@@ -72,6 +73,11 @@ def test_every_option_has_a_flag(name: str) -> None:
     if name not in TEXTS:
         assert DEFAULTS[name] is False
         assert given_options(parsed(f"--no-{name.replace('_', '-')}")) == {name: False}
+
+
+@pytest.mark.parametrize("text", ["1", "1e5", "lives, 1", "full", "none"])
+def test_the_text_of_a_reward_is_not_split(text: str) -> None:
+    assert option_of("reward", text) == (None if text == "none" else text)
 
 
 def test_no_flag_is_no_option() -> None:

@@ -46,6 +46,8 @@ def test_a_missing_key_has_the_default_of_the_format() -> None:
         (changed(episodic_life="no"), "episodic_life must be True or False, got 'no'"),
         (changed(noops=[1]), "noops must be"),
         (changed(noops=None), "noops must be"),
+        (changed(reward=5), "reward must be None, for the game's own, or an expression"),
+        (changed(reward="lives_lst"), "column 1, at 'lives_lst': there is no such name; did you mean 'lives_lost'"),
         (changed(game=3), "'game' must be a string"),
         (changed(game="brekout"), "did you mean 'breakout'"),
         (changed(file="/etc/passwd"), "'file' must be a game file"),

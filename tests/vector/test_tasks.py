@@ -231,6 +231,7 @@ ACTING: dict[str, tuple[dict[str, Any], Any]] = {
     "pool_rgb": ({"game": "ms_pacman", "obs_type": "grayscale", "maxpool": True}, True),
     "padding": ({"stack_num": 4}, "reset"),
     "end_frames": ({"max_num_frames_per_episode": 30, "frameskip": 4}, "gymnasium"),
+    "reward": ({"fire": "after_noops"}, "reward + player_x"),
     "reward_clipping": ({"game": "seaquest"}, True),
 }
 """By field, the others with which it acts, and a value other than the default."""

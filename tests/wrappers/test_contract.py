@@ -24,6 +24,7 @@ SINGLE = {
     "FrameSkip": wrappers.FrameSkip,
     "StickyActions": wrappers.StickyActions,
     "ClipReward": wrappers.ClipReward,
+    "ExpressionReward": partial(wrappers.ExpressionReward, reward="reward - 5 * lives_lost"),
     "FrameStack": wrappers.FrameStack,
     "LifeLossInfo": wrappers.LifeLossInfo,
     "NoopReset after FIRE": lambda env: wrappers.NoopReset(wrappers.FireReset(env), fire_again=False),

@@ -68,6 +68,8 @@ class TestNesting:
         ),
         ({"max_episode_steps": 9}, "DqnPreprocessing StepLimit GameStatistics"),
         ({"reward_clipping": True}, "DqnPreprocessing GameStatistics ClipReward"),
+        ({"reward": "lives"}, "DqnPreprocessing GameStatistics ExpressionReward"),
+        ({"reward": "1", "reward_clipping": True}, "DqnPreprocessing GameStatistics ExpressionReward ClipReward"),
         (
             {"life_loss_info": True, "max_episode_steps": 9, "reward_clipping": True, "obs_type": "rgb_dict"},
             "DqnPreprocessing RamObservation LifeLossInfo StepLimit GameStatistics ClipReward",

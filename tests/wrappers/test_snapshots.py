@@ -103,6 +103,7 @@ STACKS: dict[str, Any] = {
     "lives outside": lambda env: wrap(
         env, task(fire="before_noops", noops=(1, 6), episodic_life=True, lives_unit="skip", on_reset="continue")
     ),
+    "a reward of its own": lambda env: wrappers.ExpressionReward(env, "reward + player_x - before.player_x"),
     "Gymnasium's": lambda env: wrappers.ClipReward(TimeLimit(wrappers.FrameStack(env), 25)),
     "Gymnasium's without a state": lambda env: wrappers.FrameStack(TransformReward(env, lambda reward: 2 * reward)),
 }

@@ -100,6 +100,7 @@ void register_vector(nb::module_& m);        // binding_vector.cpp
 void register_memory(nb::module_& m);        // binding_memory.cpp
 void register_causes(nb::module_& m);        // binding_causes.cpp
 void register_labels(nb::module_& m);        // binding_labels.cpp
+void register_reward(nb::module_& m);        // binding_reward.cpp
 void register_writes(nb::module_& m);        // binding_writes.cpp
 void register_xla(nb::module_& m);           // binding_xla.cpp
 
@@ -235,6 +236,7 @@ NB_MODULE(_emulator, m) {
           "The processor for which cartridges are translated, \"x86-64\" or \"arm64\"; None if handlers run all code.\n"
           "Raises ValueError if the environment variable ATARI_JIT is wrong.");
 
+    register_reward(m);
     register_vector(m);
     register_observations(m);
     register_xla(m);

@@ -97,6 +97,9 @@ void register_settings(nb::module_& m) {
         .def_prop_rw(
             "game", [](const LaneSpec& x) { return Shared<Game>{x.game}; },
             [](LaneSpec& x, const Shared<Game>& game) { x.game = game.value; })
+        .def_prop_rw(
+            "reward", [](const LaneSpec& x) { return Shared<RewardFormula>{x.reward}; },
+            [](LaneSpec& x, const Shared<RewardFormula>& reward) { x.reward = reward.value; })
         .def_rw("actions", &LaneSpec::actions)
         .def_rw("action_set", &LaneSpec::action_set)
         .def_rw("mode", &LaneSpec::mode, nb::arg().none())

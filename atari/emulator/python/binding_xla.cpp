@@ -35,12 +35,13 @@ struct XlaError : std::runtime_error {
 template <typename T>
 constexpr xla::DataType kType = std::is_same_v<T, bool>      ? xla::kPred
                                 : std::is_same_v<T, uint8_t> ? xla::kU8
+                                : std::is_same_v<T, float>   ? xla::kF32
                                                              : xla::kS32;
 
 // An engine under its handle. Calls through the handle run one at a time.
 struct Port {
     Port(BoundEngine& engine, bool pixels, bool ram) : engine(&engine), shape(engine.shape(pixels, ram)) {
-        memory.complete(own, {shape.rows, shape.players, 0, 0, shape.has_final});
+        memory.complete(own, {shape.rows, shape.players, 0, 0, shape.has_final, shape.own_rewards});
     }
 
     Lock lock;
@@ -236,7 +237,10 @@ class XlaPort {
     nb::list results() const {
         nb::list all;
         port_->for_each([&](const char* name, auto, xla::DataType type, size_t width) {
-            const char* const dtype = type == xla::kPred ? "bool" : type == xla::kU8 ? "uint8" : "int32";
+            const char* const dtype = type == xla::kPred  ? "bool"
+                                      : type == xla::kU8  ? "uint8"
+                                      : type == xla::kF32 ? "float32"
+                                                          : "int32";
             const size_t rows = port_->shape.rows;
             all.append(nb::make_tuple(name, dtype, width == 1 ? nb::make_tuple(rows) : nb::make_tuple(rows, width)));
         });

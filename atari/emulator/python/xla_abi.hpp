@@ -19,6 +19,7 @@ enum DataType : int32_t {
     kU16 = 7,
     kU32 = 8,
     kU64 = 9,
+    kF32 = 11,
 };
 
 enum ErrorCode : int32_t {

@@ -14,11 +14,12 @@ struct BatchShape {
     size_t rows, players;
     size_t pixels, ram;  // bytes in an observation; 0 if it has no such part
     bool has_final;      // whether rows have final observations
+    size_t own_rewards;  // 1 if the task has a reward of its own, else 0
 
     // Returns whether an engine with batches of shape `other` writes within these arrays.
     bool fits(const BatchShape& other) const {
         return rows == other.rows && players == other.players && has_final == other.has_final &&
-               (pixels == 0 || pixels == other.pixels);
+               own_rewards == other.own_rewards && (pixels == 0 || pixels == other.pixels);
     }
 };
 

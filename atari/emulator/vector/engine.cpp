@@ -110,6 +110,7 @@ void VectorEngine::apply_restore(Slot& slot) {
     slot.lane.episode->restore(slot.pending_restore->episode);
     slot.outcome = slot.pending_restore->outcome;
     slot.outcome.reward = {};  // the reward of the step before the snapshot
+    slot.outcome.own_reward = 0.0;
     slot.has_final = false;
     slot.pending_restore = nullptr;
 }
@@ -131,6 +132,7 @@ void VectorEngine::play(Slot& slot, int environment) {
     const bool idle = over && settings_.autoreset == Autoreset::kDisabled;  // until it is reset
     if (slot.task == Task::kObserve || (slot.task == Task::kStep && idle)) {
         slot.outcome.reward = slot.outcome.game_reward = {};
+        slot.outcome.own_reward = 0.0;
     } else if (slot.task == Task::kReset || over) {
         const bool asked = slot.task == Task::kReset;
         episode.reset(asked ? slot.seed : nullptr, asked && slot.new_game);
@@ -176,6 +178,10 @@ void VectorEngine::write_results(Slot& slot, int environment, int row, const Bat
     batch.elapsed_step[at] = outcome.game_steps;
     batch.game_over[at] = outcome.game_over;
     write_players(slot, row, batch);
+    if (episode.has_own_reward()) {
+        batch.own_reward[at] = outcome.own_reward;
+        batch.own_reward_float[at] = static_cast<float>(outcome.own_reward);
+    }
     batch.frame_number[at] = e.frame_number();
     batch.episode_frame_number[at] = e.episode_frame_number();
     write_ended_game(slot, row, batch);

@@ -39,8 +39,12 @@ class VectorEngine {
     int batch_size() const { return settings_.batch_size; }
     // The shape of batches whose observations have these parts.
     BatchShape shape(bool pixels, bool ram) const {
-        return {recent_.size(), static_cast<size_t>(players_), pixels ? slot(0).lane.episode->observation().size() : 0,
-                ram ? sizeof(Slot::final_ram) : 0, settings_.autoreset == Autoreset::kSameStep};
+        return {recent_.size(),
+                static_cast<size_t>(players_),
+                pixels ? slot(0).lane.episode->observation().size() : 0,
+                ram ? sizeof(Slot::final_ram) : 0,
+                settings_.autoreset == Autoreset::kSameStep,
+                slot(0).lane.episode->has_own_reward() ? size_t{1} : 0};
     }
     // The number of environments whose results have not been received.
     int pending() const { return pool_->pending(); }

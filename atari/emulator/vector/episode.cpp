@@ -11,6 +11,7 @@ void Episode::reset(const Seed* seed, bool new_game) {
     // The stack is a `FrameStack` outside of all layers if one of them is outside of the skip; a reset fills it anew.
     if (layers_.back() != Layer::kSkip) observation_->repeat(true);
     state_.steps = 0;
+    if (formula_) formula_->begin(inputs_.data(), environment_->ram(), environment_->lives());
 }
 
 Outcome Episode::step(const int* actions, float strength) {
@@ -47,14 +48,18 @@ Episode::Move Episode::move_of(const int* actions, float strength) const {
     return move;
 }
 
-// ClipReward, after GameStatistics. Players who were out before the step get nothing.
-void Episode::pay(Outcome& outcome, const OfPlayers<int64_t>& score_before, uint8_t were_out) const {
+// ClipReward, after ExpressionReward and GameStatistics. Players who were out before the step get nothing.
+void Episode::pay(Outcome& outcome, const OfPlayers<int64_t>& score_before, uint8_t were_out) {
     const int64_t low = settings_.reward_clipping ? -1 : INT32_MIN, high = settings_.reward_clipping ? 1 : INT32_MAX;
     for (size_t player = 0; player < kMaxPlayers; ++player) {
         const int64_t reward = score_[player] - score_before[player];
         outcome.game_reward[player] = static_cast<int>(reward);
         if (!(were_out >> player & 1)) outcome.reward[player] = static_cast<int>(std::clamp(reward, low, high));
     }
+    if (!formula_) return;
+    const double paid =
+        formula_->pay(inputs_.data(), environment_->ram(), environment_->lives(), outcome.game_reward[0]);
+    outcome.own_reward = settings_.reward_clipping ? std::clamp(paid, -1.0, 1.0) : paid;
 }
 
 void Episode::end_game() {
@@ -88,7 +93,7 @@ void Episode::restore(const EpisodeSnapshot& snapshot) {
 // Only scores of players who play are saved: states of another number of players have another size, and do not fit.
 size_t Episode::rest_size() const {
     return observation_->state_size() + random_.state_size() + sizeof state_ +
-           sizeof score_[0] * static_cast<size_t>(settings_.players);
+           sizeof score_[0] * static_cast<size_t>(settings_.players) + sizeof inputs_[0] * inputs_.size();
 }
 
 void Episode::save_rest(uint8_t* out) const {
@@ -97,7 +102,9 @@ void Episode::save_rest(uint8_t* out) const {
     random_.save(out);
     out += random_.state_size();
     std::memcpy(out, &state_, sizeof state_);
-    std::memcpy(out + sizeof state_, score_.data(), sizeof score_[0] * static_cast<size_t>(settings_.players));
+    const size_t scores = sizeof score_[0] * static_cast<size_t>(settings_.players);
+    std::memcpy(out + sizeof state_, score_.data(), scores);
+    if (formula_) std::memcpy(out + sizeof state_ + scores, inputs_.data(), sizeof inputs_[0] * inputs_.size());
 }
 
 void Episode::load_rest(const uint8_t* in) {
@@ -105,7 +112,9 @@ void Episode::load_rest(const uint8_t* in) {
     random_.load(in);
     in += random_.state_size();
     std::memcpy(&state_, in, sizeof state_);
-    std::memcpy(score_.data(), in + sizeof state_, sizeof score_[0] * static_cast<size_t>(settings_.players));
+    const size_t scores = sizeof score_[0] * static_cast<size_t>(settings_.players);
+    std::memcpy(score_.data(), in + sizeof state_, scores);
+    if (formula_) std::memcpy(inputs_.data(), in + sizeof state_ + scores, sizeof inputs_[0] * inputs_.size());
     // Values that another setting has saved have no meaning here.
     if (!settings_.episodic_life) state_.life_lost = state_.same_game = 0;
     state_.out &= static_cast<uint8_t>(settings_.players == 1 ? 0 : (1 << settings_.players) - 1);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "ale/environment_parts.hpp"
+#include "ale/programs/reward.hpp"
 #include "observations/observation_stack.hpp"
 #include "episode_random.hpp"
 #include "episode_settings.hpp"
@@ -25,6 +26,7 @@ struct Outcome {
     bool game_over = false;
     OfPlayers<int> game_reward{};  // not clipped
     int game_steps = 0;            // steps of the game, this one included
+    double own_reward = 0.0;       // the value of the task's expression, if it has one
 };
 
 // A whole game that ended: over in the emulator, or truncated.
@@ -51,10 +53,13 @@ struct EpisodeSnapshot {
 // Owns the environment that it plays and the agent's stack of frames.
 class Episode {
   public:
+    // `formula` is the reward of a task that has its own, for one player, or null.
     Episode(std::unique_ptr<Environment> environment, std::unique_ptr<ObservationStack> observation,
-            const EpisodeSettings& settings, const StartActions& start, const Seed& seed)
+            const EpisodeSettings& settings, const StartActions& start, const Seed& seed,
+            std::shared_ptr<const RewardFormula> formula = nullptr)
         : settings_(settings), start_(start), layers_(layers_of(settings)), environment_(std::move(environment)),
-          observation_(std::move(observation)), random_(settings.seeding, seed) {}
+          observation_(std::move(observation)), random_(settings.seeding, seed), formula_(std::move(formula)),
+          inputs_(formula_ ? formula_->inputs() : 0) {}
 
     // Begins an episode, after seeding all generators if `seed` is not null. After a lost life this may continue the
     // game, but not with a seed or `new_game`. Throws as Environment::reset does.
@@ -64,6 +69,7 @@ class Episode {
     // Returns the last game that ended since the last call, in a step or in a reset.
     std::optional<EndedGame> take_ended_game() { return std::exchange(ended_game_, std::nullopt); }
     int players() const { return settings_.players; }
+    bool has_own_reward() const { return formula_ != nullptr; }
     // Returns the steps of the present game, which lost lives do not end.
     int game_steps() const { return static_cast<int>(state_.game_steps); }
 
@@ -110,7 +116,7 @@ class Episode {
     bool has_played_max_frames() const;
 
     Move move_of(const int* actions, float strength) const;
-    void pay(Outcome& outcome, const OfPlayers<int64_t>& score_before, uint8_t were_out) const;
+    void pay(Outcome& outcome, const OfPlayers<int64_t>& score_before, uint8_t were_out);
     void end_game();
     // Returns the size of the state without the emulator's.
     size_t rest_size() const;
@@ -123,6 +129,8 @@ class Episode {
     std::unique_ptr<Environment> environment_;
     std::unique_ptr<ObservationStack> observation_;  // reads `environment_`
     EpisodeRandom random_;
+    const std::shared_ptr<const RewardFormula> formula_;
+    std::vector<double> inputs_;  // of the formula, after the last step or reset
     OfPlayers<int64_t> score_{};  // the present game's, since the emulator's reset
     // Counters are unsigned, so that they wrap instead of overflowing.
     struct {

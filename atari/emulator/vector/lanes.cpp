@@ -8,11 +8,13 @@
 namespace atari {
 namespace {
 
-void check(const LaneSpec& spec, int players) {
+void check(const LaneSpec& spec, int players, bool own_reward) {
     if (!spec.game) throw std::invalid_argument("each environment needs a game");
     if (spec.game->players < players) throw std::invalid_argument("a game has rules for fewer players");
     for (int action : spec.actions)
         if (action < 0 || action > 17) throw std::invalid_argument("an ALE action number is within 0..17");
+    if ((spec.reward != nullptr) != own_reward || (own_reward && players > 1))
+        throw std::invalid_argument("all environments, of one player, have a reward of their own, or none has");
 }
 
 StartActions start_actions(const std::vector<int>& actions, const std::vector<int>& action_set) {
@@ -39,7 +41,7 @@ std::vector<VectorEngine::Lane> make_lanes(const std::vector<LaneSpec>& specs, c
     std::map<int, std::shared_ptr<const Resizer>> resizers;  // by height of the screen
     std::map<const Game*, const Environment*> twins;         // the first environment of each game
     for (const LaneSpec& spec : specs) {
-        check(spec, episode.players);
+        check(spec, episode.players, specs[0].reward != nullptr);
         const Environment*& twin = twins[spec.game.get()];
         const Seed seed = seed_of(spec.seed);
         auto environment = std::make_unique<Environment>(spec.game, episode.emulator(), seed.emulator, twin);
@@ -52,7 +54,7 @@ std::vector<VectorEngine::Lane> make_lanes(const std::vector<LaneSpec>& specs, c
                 std::make_shared<const Resizer>(environment->height(), observation.img_height, observation.img_width);
         auto stack = std::make_unique<ObservationStack>(FrameSource(*environment), observation, resizer);
         lanes.push_back({std::make_unique<Episode>(std::move(environment), std::move(stack), episode,
-                                                   start_actions(spec.actions, spec.action_set), seed),
+                                                   start_actions(spec.actions, spec.action_set), seed, spec.reward),
                          spec.actions});
     }
     return lanes;

@@ -20,6 +20,7 @@ struct LaneSpec {
     std::vector<int> action_set;  // the actions that the game uses
     std::optional<int> mode, difficulty;
     SeedWords seed{};
+    std::shared_ptr<const RewardFormula> reward;  // null pays the game's own
 };
 
 // Throws std::invalid_argument if a setting is out of range or a size cannot be made.

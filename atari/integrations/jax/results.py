@@ -52,6 +52,7 @@ class ResultParts:
             info["final_info"] = {name: parts["final_" + name] for name in COUNTERS}
             info["_final_obs"] = info["_final_info"] = parts["ended"]
         reward = parts["reward"] if self._players == 1 else parts["reward"].astype(float)
+        reward = parts.get("own_reward_float", reward)
         return self._shown(parts), reward, parts["terminated"], parts["truncated"], info
 
     def _shown(self, arrays: dict[str, Any], prefix: str = "") -> Any:

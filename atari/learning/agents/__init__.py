@@ -7,11 +7,6 @@ AGENTS = {"ppo": "PPO", "pqn": "PQN", "dqn": "DQN"}
 """The class of each agent by the name of its module."""
 
 
-def is_agent(text: str) -> bool:
-    """Whether a word names an agent: one of this package, or a Python file, FILE.py or FILE.py:CLASS."""
-    return text in AGENTS or text.endswith(".py") or text.rpartition(":")[0].endswith(".py")
-
-
 def find_agent(name: str) -> Any:
     """The class of an agent, a subclass of `Agent`.
 

@@ -6,7 +6,7 @@ All options together are Rainbow (Hessel et al. 2018) without noisy layers and w
     python -m atari.learning.agents.dqn pong --fast
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -19,10 +19,11 @@ from atari.learning.agent import Agent
 from atari.learning.command import main
 from atari.learning.environments import TrainingEnvironments
 from atari.learning.memory import ReplayMemory
-from atari.learning.networks import Encoder, QNetwork, uses_bfloat16
+from atari.learning.networks import Encoder, QNetwork, device_of, uses_bfloat16
 from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
 from atari.learning.run import RunFolder
+from atari.learning.training import Training
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,7 +116,7 @@ class DQN(Agent):
 
     def __init__(self, options: DQNOptions, run: RunFolder | None = None) -> None:
         torch.manual_seed(options.seed)
-        self.options = options
+        self.options, self.device = options, device_of(options)
         self.steps = self.updates = 0
         self.losses: list[float] = []  # of the present update
         self.values: list[float] = []
@@ -126,12 +127,12 @@ class DQN(Agent):
         self.in_folder = run is not None
         self.memory = self._make_memory(run, first)
         stack = self.memory.observations().shape[1:]
-        self.network = self.make_network(options, stack, len(envs.actions)).to(options.device)
-        self.target = self.make_network(options, stack, len(envs.actions)).to(options.device)
+        self.network = self.make_network(options, stack, len(envs.actions)).to(self.device)
+        self.target = self.make_network(options, stack, len(envs.actions)).to(self.device)
         self.target.load_state_dict(self.network.state_dict())
         self.replicas = Replicas(self.network, options.workers)
         self.optimizer = self._make_optimizer()
-        self.batch = self.memory.make_batch(options.batch, torch=True, pin_memory=options.device != "cpu")
+        self.batch = self.memory.make_batch(options.batch, torch=True, pin_memory=self.device != "cpu")
 
     def _make_memory(self, run: RunFolder | None, first: Any) -> ReplayMemory:
         """The memory of a training that goes on, or a new one with the first observations."""
@@ -173,9 +174,22 @@ class DQN(Agent):
         encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=uses_bfloat16(options))
         return QNetwork(encoder, actions, dueling=options.dueling)
 
-    def update(self) -> dict[str, float] | None:
-        """Play some steps, and learn meanwhile. Returns the columns of the log; see `Agent.update`."""
-        while not self.memory.must_flush:
+    def train(self, training: Training) -> None:
+        """The loop: update after update, a row of the log for each, and a checkpoint now and then."""
+        while training.goes_on():
+            training.log(self.update(training.save_for_memory))
+            training.save_when_due()
+
+    def update(self, save: Callable[[], None] | None = None) -> dict[str, float]:
+        """Play some steps, and learn meanwhile. Returns the columns of the log.
+
+        Args:
+            save: writes a checkpoint, which the memory needs now and then before a further step.
+        """
+        is_complete = False
+        while not is_complete:
+            if save is not None and self.memory.must_flush:
+                save()
             observations = self.memory.observations()
             if self.options.normalize and self.steps < 100_000:  # then they are fixed, as the memory has older frames
                 self._normalize(observations)
@@ -184,10 +198,7 @@ class DQN(Agent):
                 loss, value = self._learn()
                 self.losses.append(loss)
                 self.values.append(value)
-            if self.steps // self.options.num_envs % self._rows_of_update() == 0:
-                break
-        else:
-            return None
+            is_complete = self.steps // self.options.num_envs % self._rows_of_update() == 0
         losses, values = self.losses or [0.0], self.values or [0.0]
         self.losses, self.values = [], []
         return {
@@ -203,7 +214,7 @@ class DQN(Agent):
         actions = self.generator.integers(len(self.envs.actions), size=count)
         if not random.all():
             with torch.no_grad():
-                values = self.network(torch.from_numpy(observations).to(self.options.device))
+                values = self.network(torch.from_numpy(observations).to(self.device))
             actions = np.where(random, actions, values.argmax(1).cpu().numpy())
         _, *results = self.envs.step(actions, out=self.memory.frames())
         self.memory.add(actions, *results)
@@ -237,7 +248,7 @@ class DQN(Agent):
 
     def _gradient(self, network: QNetwork, batch: Any, share: Tensor) -> tuple[Tensor, float, float]:
         """Compute the gradients of the loss on a share of a batch; returns errors, loss and mean value."""
-        rows, device = slice(int(share[0]), int(share[-1]) + 1), self.options.device
+        rows, device = slice(int(share[0]), int(share[-1]) + 1), self.device
         observations, actions, rewards, following, discounts, weights = (
             part[rows].to(device, non_blocking=True)
             for part in (
@@ -261,7 +272,7 @@ class DQN(Agent):
 
     def _normalize(self, observations: Any) -> None:
         """Add observations to the statistics, which the target network uses, too."""
-        self.network.encoder.observe(torch.from_numpy(observations).to(self.options.device))
+        self.network.encoder.observe(torch.from_numpy(observations).to(self.device))
         self.target.encoder.normalize.load_state_dict(self.network.encoder.normalize.state_dict())
 
     def state(self) -> dict[str, Any]:

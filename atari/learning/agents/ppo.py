@@ -18,10 +18,11 @@ from torch import Tensor, nn
 from atari.learning.agent import Agent
 from atari.learning.command import main
 from atari.learning.environments import TrainingEnvironments
-from atari.learning.networks import ActorCritic, Encoder, uses_bfloat16
+from atari.learning.networks import ActorCritic, Encoder, device_of, uses_bfloat16
 from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
 from atari.learning.run import RunFolder
+from atari.learning.training import Training
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,7 +107,7 @@ class Worker:
     """A share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""
 
     def __init__(self, options: PPOOptions, index: int) -> None:
-        self.options = options
+        self.options, self.device = options, device_of(options)
         self.environments = TrainingEnvironments(options, options.num_envs // options.workers)
         self.generator = torch.Generator().manual_seed(options.seed * options.workers + index)
         count = self.environments.num_envs
@@ -141,7 +142,7 @@ class Worker:
         self._estimate(self.values * returns.deviation + returns.mean)
 
     def _evaluate(self, observations: Tensor) -> tuple[Tensor, Tensor]:
-        logits, values = self.network(observations.to(self.options.device))
+        logits, values = self.network(observations.to(self.device))
         return logits.cpu(), values.cpu()
 
     def _estimate(self, values: Tensor) -> None:
@@ -155,7 +156,7 @@ class Worker:
 
     def gradient(self, chosen: Tensor, clip: float) -> tuple[float, float, float, float]:
         """Compute the gradients of the loss on some steps; returns loss, KL divergence, entropy and value loss."""
-        device = self.options.device
+        device = self.device
         seen, actions, old, advantages, targets = (
             memory.flatten(0, 1)[chosen].to(device)
             for memory in (self.seen, self.actions, self.log_probs, self.advantages, self.returns)
@@ -183,14 +184,14 @@ class PPO(Agent):
 
     def __init__(self, options: PPOOptions, run: RunFolder | None = None) -> None:
         torch.manual_seed(options.seed)
-        self.options = options
+        self.options, self.device = options, device_of(options)
         self.steps = 0
         self.returns = Returns(options.normalize_returns)
         self.generator = torch.Generator().manual_seed(options.seed)
         self.workers = [Worker(options, index) for index in range(options.workers)]
         self.environments = [worker.environments for worker in self.workers]
         self.network = self.make_network(options, self.environments[0].shape, len(self.environments[0].actions))
-        self.network.to(options.device)
+        self.network.to(self.device)
         self.replicas = Replicas(self.network, options.workers)
         for worker, network in zip(self.workers, self.replicas.networks, strict=True):
             worker.network = network
@@ -203,6 +204,12 @@ class PPO(Agent):
         """The network for observations of a shape."""
         encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=uses_bfloat16(options))
         return ActorCritic(encoder, actions)
+
+    def train(self, training: Training) -> None:
+        """The loop: update after update, a row of the log for each, and a checkpoint now and then."""
+        while training.goes_on():
+            training.log(self.update())
+            training.save_when_due()
 
     def update(self) -> dict[str, float]:
         """Play `horizon` steps in each environment and learn from them. Returns the columns of the log."""
@@ -257,7 +264,7 @@ class PPO(Agent):
         self.optimizer.step()
 
     def _normalize(self, observations: Tensor) -> None:
-        self.network.encoder.observe(observations.to(self.options.device))
+        self.network.encoder.observe(observations.to(self.device))
 
     def _sources(self) -> list[Any]:
         """The objects that have a generator."""

@@ -17,10 +17,11 @@ from torch import Tensor, nn
 from atari.learning.agent import Agent
 from atari.learning.command import main
 from atari.learning.environments import TrainingEnvironments
-from atari.learning.networks import Encoder, QNetwork, uses_bfloat16
+from atari.learning.networks import Encoder, QNetwork, device_of, uses_bfloat16
 from atari.learning.options import FAST_PIXELS, TrainingOptions
 from atari.learning.replicas import Replicas
 from atari.learning.run import RunFolder
+from atari.learning.training import Training
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +76,7 @@ class Worker:
     """A share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""
 
     def __init__(self, options: PQNOptions, index: int) -> None:
-        self.options = options
+        self.options, self.device = options, device_of(options)
         self.environments = TrainingEnvironments(options, options.num_envs // options.workers)
         self.generator = torch.Generator().manual_seed(options.seed * options.workers + index)
         count = self.environments.num_envs
@@ -108,7 +109,7 @@ class Worker:
         self._estimate()
 
     def _values(self, observations: Tensor) -> Tensor:
-        values: Tensor = self.network(observations.to(self.options.device))
+        values: Tensor = self.network(observations.to(self.device))
         return values.cpu()
 
     def _estimate(self) -> None:
@@ -121,7 +122,7 @@ class Worker:
     def gradient(self, chosen: Tensor) -> tuple[float, float]:
         """Compute the gradients of the loss on some steps; returns the loss and the mean value."""
         seen, actions, targets = (
-            memory.flatten(0, 1)[chosen].to(self.options.device) for memory in (self.seen, self.actions, self.targets)
+            memory.flatten(0, 1)[chosen].to(self.device) for memory in (self.seen, self.actions, self.targets)
         )
         values = self.network(seen).gather(1, actions[:, None])[:, 0]
         loss = 0.5 * (values - targets).square().mean()
@@ -139,13 +140,13 @@ class PQN(Agent):
 
     def __init__(self, options: PQNOptions, run: RunFolder | None = None) -> None:
         torch.manual_seed(options.seed)
-        self.options = options
+        self.options, self.device = options, device_of(options)
         self.steps = 0
         self.generator = torch.Generator().manual_seed(options.seed)
         self.workers = [Worker(options, index) for index in range(options.workers)]
         self.environments = [worker.environments for worker in self.workers]
         self.network = self.make_network(options, self.environments[0].shape, len(self.environments[0].actions))
-        self.network.to(options.device)
+        self.network.to(self.device)
         self.replicas = Replicas(self.network, options.workers)
         for worker, network in zip(self.workers, self.replicas.networks, strict=True):
             worker.network = network
@@ -159,6 +160,12 @@ class PQN(Agent):
             shape, options.network, normalize=options.normalize, layer_norm=True, bfloat16=uses_bfloat16(options)
         )
         return QNetwork(encoder, actions)
+
+    def train(self, training: Training) -> None:
+        """The loop: update after update, a row of the log for each, and a checkpoint now and then."""
+        while training.goes_on():
+            training.log(self.update())
+            training.save_when_due()
 
     def update(self) -> dict[str, float]:
         """Play `horizon` steps in each environment and learn from them. Returns the columns of the log."""
@@ -188,7 +195,7 @@ class PQN(Agent):
         return metrics
 
     def _normalize(self, observations: Tensor) -> None:
-        self.network.encoder.observe(observations.to(self.options.device))
+        self.network.encoder.observe(observations.to(self.device))
 
     def _sources(self) -> list[Any]:
         """The objects that have a generator."""

@@ -8,14 +8,17 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from atari.files import durable
 from atari.learning.agent_code import AgentCode
 from atari.learning.evaluation.played import find_entries, game_of, played_task
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol
 from atari.learning.options import SEEDS, TrainingOptions
+from atari.learning.programs import Program, is_program, program
 from atari.learning.run import RunFolder
 from atari.learning.training import read_options
 from atari.learning.trust import sha256
 from atari.policy.needs import needs_of
+from atari.validation import check_file
 
 MOST_SEEDS = 1000
 
@@ -119,13 +122,39 @@ def check_folder(folder: Path, code: AgentCode, runs: Sequence[Run], resolve: Re
         found = RunFolder.open(config.parent)
         if (agent := found.config["agent"]) != code.name:
             raise ValueError(f"{found.path} is a run of {agent}, and this sweep is of {code.name}; give another folder")
-        if found.config.get("program", {}).get("sha256") != (sha256(code.source) if code.file else None):
-            raise ValueError(f"{found.path} is a run of another program than {code.file or agent}; give another folder")
+        kept = {kind: entry["sha256"] for kind, entry in found.config.get("programs", {}).items()}
+        if kept.get("agent") != (code.program and sha256(code.program.file.read_bytes())):
+            whose = code.program.file if code.program else f"the agent {agent} of this package"
+            raise ValueError(f"{found.path} is a run of another program than {whose}; give another folder")
         theirs = read_options(found)
         run = planned.get(found.path)
         expected = run.options if run else resolve(theirs.task.game, theirs.seed)
         if differing := [*_differences(theirs, expected)]:
             raise ValueError(f"{found.path} has {', '.join(differing)}; give another folder, or equal options")
+
+
+def keep_programs(folder: Path, words: Sequence[str]) -> list[str]:
+    """Copy the Python files that words of a command line name into a folder, and name the copies in their place.
+
+    So an edit of a file during a sweep changes no run.
+
+    Raises:
+        FileNotFoundError: there is no such file.
+        ValueError: two files have one name.
+    """
+    copied: dict[str, Path] = {}
+    kept = []
+    for word in words:
+        flag, equals, value = word.partition("=") if word.startswith("--") else ("", "", word)
+        if is_program(value):
+            named = program(value)
+            if copied.setdefault(named.file.name, named.file.absolute()) != named.file.absolute():
+                other = copied[named.file.name]
+                raise ValueError(f"{named.file} and {other} have one name, and a sweep keeps both; rename one of them")
+            durable.write_file(folder / named.file.name, check_file(named.file).read_bytes())
+            value = str(Program(folder / named.file.name, named.name))
+        kept.append(f"{flag}{equals}{value}")
+    return kept
 
 
 def _differences(theirs: TrainingOptions, ours: TrainingOptions) -> Iterator[str]:

@@ -12,7 +12,7 @@ pytest.importorskip("torch")
 from atari.learning import GAME_SETS, PROTOCOLS
 from atari.learning.agent_code import agent_code
 from atari.learning.agents.ppo import PPO
-from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, plan
+from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, keep_programs, plan
 from atari.learning.training import Training
 
 
@@ -110,6 +110,23 @@ def test_a_folder_with_runs_of_other_options_is_refused(
         return
     with pytest.raises(ValueError, match=error):
         check_folder(tmp_path, agent_code("ppo"), runs, resolve)
+
+
+def test_programs_are_kept_as_copies(tmp_path: Path) -> None:
+    for name in ("a", "b", "folder"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "mine.py").write_text(f"# {name}")
+    (tmp_path / "net.py").write_text("# net")
+    folder, mine, net = tmp_path / "folder", tmp_path / "a" / "mine.py", tmp_path / "net.py"
+    words = [f"{mine}:Mine", "--network", f"{net}:Net", f"--network={net}:Net", "--gamma", "0.9", "--seed=3"]
+    copy = folder / "net.py"
+    expected = [f"{folder / 'mine.py'}:Mine", "--network", f"{copy}:Net", f"--network={copy}:Net", *words[4:]]
+    assert keep_programs(folder, words) == expected
+    assert ((folder / "mine.py").read_text(), copy.read_text()) == ("# a", "# net")
+    with pytest.raises(ValueError, match="have one name, and a sweep keeps both"):
+        keep_programs(folder, [str(mine), str(tmp_path / "b" / "mine.py")])
+    with pytest.raises(FileNotFoundError, match=r"none\.py"):
+        keep_programs(folder, [str(tmp_path / "none.py")])
 
 
 def test_a_run_of_another_agent_or_a_damaged_one_is_refused(tmp_path: Path) -> None:
