@@ -112,6 +112,16 @@ def test_a_folder_with_runs_of_other_options_is_refused(
         check_folder(tmp_path, agent_code("ppo"), runs, resolve)
 
 
+def test_a_run_with_another_network_is_refused(tmp_path: Path) -> None:
+    def resolve_with(network: Any) -> Any:
+        return lambda game, seed: resolve(game, seed, network=network)
+
+    runs = plan(["pong"], [0], tmp_path, resolve_with("small"))
+    begun(tmp_path / "pong-seed0", "ppo", resolve("pong", 0))
+    with pytest.raises(ValueError, match="pong-seed0 has network='nature', and this sweep 'small'; give another"):
+        check_folder(tmp_path, agent_code("ppo"), runs, resolve_with("small"))
+
+
 def test_programs_are_kept_as_copies(tmp_path: Path) -> None:
     for name in ("a", "b", "folder"):
         (tmp_path / name).mkdir()
