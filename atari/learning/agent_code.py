@@ -65,8 +65,8 @@ def kept_agent(run: RunFolder) -> AgentCode:
         return AgentCode(name, _class_in(*kept), kept[1])
     if name not in AGENTS:
         raise ValueError(
-            f"agent must be one of {', '.join(AGENTS)}, got {name!r} in {run.path / 'config.json'}; RunFolder.load_weights "
-            "has the weights of another loop"
+            f"agent must be one of {', '.join(AGENTS)}, got {name!r} in {run.path / 'config.json'}; "
+            "RunFolder.load_weights has the weights of another loop"
         )
     return AgentCode(name, find_agent(name))
 

@@ -128,6 +128,29 @@ def test_ppo_estimates_advantages() -> None:
     agent.close()
 
 
+@pytest.mark.parametrize(("middle", "expected"), [(None, [1, 0.55, 0.1, 0.1, 0.1]), (0.5, [1, 0.75, 0.5, 0.3, 0.1])])
+def test_pqn_explores_less_and_less(middle: float | None, expected: list[float]) -> None:
+    from atari.learning.agents.pqn import PQN
+
+    agent = PQN(make_options("pqn", epsilon=0.1, epsilon_middle=middle, exploration=0.2))
+    assert [agent._epsilon(done) for done in (0, 0.1, 0.2, 0.6, 1)] == pytest.approx(expected)
+    agent.close()
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"exploration": 0.0}, "exploration must be above 0 and at most 1, got 0.0"),
+        ({"exploration": 1.5}, "exploration must be above 0 and at most 1, got 1.5"),
+        ({"epsilon_middle": 1.5}, "epsilon_middle must be within 0..1, got 1.5"),
+        ({"epsilon": 2}, "epsilon must be within 0..1, got 2"),
+    ],
+)
+def test_pqn_refuses_parts_above_1(options: dict[str, float], text: str) -> None:
+    with pytest.raises(ValueError, match=text):
+        make_options("pqn", **options)
+
+
 def test_replicas_give_the_gradient_of_the_whole_batch() -> None:
     from atari.learning.replicas import Replicas
 

@@ -33,8 +33,10 @@ class PQNOptions(TrainingOptions):
         minibatch: steps in a minibatch.
         epochs: how often the network learns from each step.
         q_lambda: weight of later steps in the lambda-returns.
-        epsilon: probability of a random action at the end of `exploration`; it begins at 1.
-        exploration: the part of the training over which epsilon falls.
+        epsilon: probability of a random action at the end; it begins at 1.
+        exploration: the first part of the training, over which epsilon falls to `epsilon_middle`.
+        epsilon_middle: epsilon after `exploration`, from which it falls to `epsilon` until the end of the training; none
+            is `epsilon`, as in the paper.
         max_gradient: norm to which gradients are clipped.
         anneal: let the learning rate fall to 0 over the training.
     """
@@ -47,13 +49,17 @@ class PQNOptions(TrainingOptions):
     q_lambda: float = 0.65
     epsilon: float = 0.001
     exploration: float = 0.1
+    epsilon_middle: float | None = None
     max_gradient: float = 10.0
     anneal: bool = True
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not self.exploration > 0:
-            raise ValueError(f"exploration must be above 0, got {self.exploration}")
+        if not 0 < self.exploration <= 1:
+            raise ValueError(f"exploration must be above 0 and at most 1, got {self.exploration}")
+        for name in ("epsilon", "epsilon_middle"):
+            if (getattr(self, name) or 0) > 1:
+                raise ValueError(f"{name} must be within 0..1, got {getattr(self, name)}")
         if self.minibatch % self.workers or self.num_envs * self.horizon % self.minibatch:
             raise ValueError(
                 f"num_envs * horizon must be a multiple of minibatch, and minibatch of workers; got "
@@ -171,7 +177,7 @@ class PQN(Agent):
         """Play `horizon` steps in each environment and learn from them. Returns the columns of the log."""
         options = self.options
         done = self.steps / options.total_steps
-        epsilon = max(options.epsilon, 1 - (1 - options.epsilon) * done / options.exploration)
+        epsilon = self._epsilon(done)
         self.optimizer.param_groups[0]["lr"] = options.learning_rate * (1 - done if options.anneal else 1)
         self.replicas.map(lambda worker: worker.play(epsilon), self.workers)
         self.steps += options.horizon * options.num_envs
@@ -179,6 +185,11 @@ class PQN(Agent):
         self._normalize(torch.cat([worker.seen[::8].flatten(0, 1) for worker in self.workers]))
         loss, value = np.mean(metrics, 0).tolist()
         return {"loss": loss, "value": value, "epsilon": epsilon}
+
+    def _epsilon(self, done: float) -> float:
+        """The probability of a random action after a part of the training."""
+        last, middle = self.options.epsilon, self.options.epsilon_middle
+        return float(np.interp(done, (0, self.options.exploration, 1), (1, last if middle is None else middle, last)))
 
     def _learn(self) -> list[tuple[float, float]]:
         """Learn from all steps once; returns the metrics of the minibatches."""
