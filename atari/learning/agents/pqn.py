@@ -35,8 +35,8 @@ class PQNOptions(TrainingOptions):
         q_lambda: weight of later steps in the lambda-returns.
         epsilon: probability of a random action at the end; it begins at 1.
         exploration: the first part of the training, over which epsilon falls to `epsilon_middle`.
-        epsilon_middle: epsilon after `exploration`, from which it falls to `epsilon` until the end of the training; none
-            is `epsilon`, as in the paper.
+        epsilon_middle: epsilon after `exploration`, from which it falls to `epsilon` until the end of the training;
+            none is `epsilon`, as in the paper.
         max_gradient: norm to which gradients are clipped.
         anneal: let the learning rate fall to 0 over the training.
     """
