@@ -10,11 +10,13 @@ from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from atari.learning.run import RunFolder
 from atari.learning.trust import check_trusted, sha256, trust
 from atari.validation import check_file
+
+if TYPE_CHECKING:
+    from atari.learning.run import RunFolder  # imports PyTorch, which options do not need
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ def named_in(module: ModuleType, named: Program) -> Any:
     return found
 
 
-def kept_program(run: RunFolder, kind: str) -> tuple[ModuleType, Program] | None:
+def kept_program(run: "RunFolder", kind: str) -> tuple[ModuleType, Program] | None:
     """The module of a program that a run folder keeps, and the program; None if the run has none of this kind.
 
     Raises:
