@@ -34,7 +34,7 @@ def test_our_cores(core_type: type[NativeCore], game: str) -> None:
     check_core(partial(core_type, game), reference=partial(reference, game))
 
 
-@pytest.mark.parametrize("game", ["breakout", "adventure", "double_dunk"])
+@pytest.mark.parametrize("game", ["breakout", "adventure"])
 def test_the_core_of_ale_py(game: str) -> None:
     """Every core that is made reads the ROM again, which takes a tenth of a second, so these are few games."""
     check_core(partial(AleCore, game), reference=partial(NativeCore, game))

@@ -202,7 +202,7 @@ def test_roms_of_noise(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", list(SIZES))
 def test_wild_instructions(kind: str) -> None:
-    for seed in range(40):
+    for seed in range(20):
         play(
             wild_programs.soup(random.Random(seed), kind), kind, f"soup {kind} {seed}", random.Random(seed), resets=0.1
         )

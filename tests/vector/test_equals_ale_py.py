@@ -18,7 +18,7 @@ def test_every_game(game: str) -> None:
     compare(game, 20, seed=number, num_envs=1, autoreset_mode=mode, max_num_frames_per_episode=41)
 
 
-@pytest.mark.parametrize(("game", "options"), option_sets(30, seed=1))
+@pytest.mark.parametrize(("game", "options"), option_sets(20, seed=1))
 def test_random_options(game: str, options: dict[str, Any]) -> None:
     compare(game, 60, seed=7, **options)
 
