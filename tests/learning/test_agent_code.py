@@ -66,7 +66,7 @@ def test_the_script_runs_its_own_class(script: Path, tmp_path: Path) -> None:
     assert run.read_program("agent") == script.read_bytes()
     script.unlink()  # the run has its copy
     done = subprocess.run(
-        [sys.executable, "-m", "atari", "train", "--resume", "mine", "--total-steps", "256", "--games", "1"],
+        [sys.executable, "-m", "atari", "train", "--resume", "mine", "--total-steps", "256", "--games", "0"],
         capture_output=True, text=True, cwd=tmp_path, env=environment,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -77,7 +77,7 @@ def test_the_command_trains_the_file(
     script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert main(["train", "--fast", *SMALL[1:], "my_ppo.py", "pong", "--games", "1"]) == 0
+    assert main(["train", "--fast", *SMALL[1:], "my_ppo.py", "pong", "--games", "0"]) == 0
     assert "runs/pong-my_ppo-pixels-seed0" in capsys.readouterr().out
     run = RunFolder.open("runs/pong-my_ppo-pixels-seed0")
     assert run.rows()[0]["own"] == 3.0
@@ -287,7 +287,7 @@ class TestNetwork:
         run = RunFolder.open("run")
         assert run.config["options"]["network"] == "network.py:Net"
         assert run.load_weights()["encoder.layers.layer.weight"].shape[0] == 8
-        assert main(["train", "--resume", "run", "--total-steps", "1024", "--games", "1"]) == 0
+        assert main(["train", "--resume", "run", "--total-steps", "1024", "--games", "0"]) == 0
         trusted_file().unlink()
         capsys.readouterr()
         assert main(["evaluate", "run", "--episodes", "1"]) == 1
