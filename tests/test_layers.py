@@ -63,6 +63,7 @@ LATER = {
         "atari.task.storage": "`Task.from_json` makes tasks",
         "atari.task.description": "`str(task)` describes tasks",
     },
+    "atari.learning.programs": {"atari.learning.run": "the type of what `kept_program` reads"},
     "atari.learning.agent": {"atari.learning.training": "the type of what `Agent.train` is given"},
 }
 """By module, the modules of its own part that its methods import: these import the module itself."""

@@ -166,7 +166,7 @@ def _finish(
 
 
 def _parser() -> argparse.ArgumentParser:
-    """The flags of a sweep after the games; those of `atari train` keep the values that they have before the agent."""
+    """The flags of a sweep after the games; the flags of `atari train` keep their values from before the agent."""
     parser = argparse.ArgumentParser(prog="atari train", add_help=False, allow_abbrev=False)
     parser.add_argument("-o", "--run", dest="folder", type=Path, metavar="FOLDER")
     parser.add_argument("--protocol", default="machado2018", metavar="NAME")

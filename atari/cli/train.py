@@ -95,7 +95,7 @@ def _train(args: argparse.Namespace) -> int:
     if find_spec("torch") is None:
         raise gymnasium.error.DependencyNotInstalled("atari train needs torch: pip install 'atari-envs[learn]'")
     from atari.learning.agent_code import agent_code
-    from atari.learning.command import extend, finish_run, resume, train
+    from atari.learning.command import finish_run, resume, train
     from atari.learning.run import RunFolder
 
     if args.resume is not None:
@@ -103,7 +103,8 @@ def _train(args: argparse.Namespace) -> int:
             raise ValueError("--seeds and --jobs are for new trainings; leave them out beside --resume")
         args = _parse_after_resume(args)
         if args.total_steps is not None:
-            extend(args.resume, args.total_steps)
+            with RunFolder.open(args.resume, lock=True) as run:
+                run.extend(args.total_steps)
         resume(args.resume, args.json)
         folder = args.resume
     else:

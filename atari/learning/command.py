@@ -9,7 +9,7 @@ from contextlib import closing
 from dataclasses import fields
 from datetime import timedelta
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import gymnasium
 from tqdm import tqdm
@@ -17,7 +17,7 @@ from tqdm import tqdm
 from atari._interrupt import ctrl_c_as_event
 from atari.learning.agent import Agent
 from atari.learning.agent_code import AgentCode, agent_code
-from atari.learning.options import FAST_RAM, TrainingOptions, members, parse, shown
+from atari.learning.options import FAST_RAM, TrainingOptions, is_switch, parse, shown
 from atari.learning.run import RunFolder
 from atari.learning.training import Training
 from atari.task import Task
@@ -129,16 +129,6 @@ def resume(path: Path, as_json: bool = False) -> None:
         print(f"the training in {path} is complete ({_REASONS.get(ended, ended)}); only its games are played again")
 
 
-def extend(path: Path, total_steps: int) -> None:
-    """Let a training have more steps than it began with; `resume` then trains on, also if it was complete.
-
-    Raises:
-        ValueError: the training has made as many steps, or its replay memory is gone.
-    """
-    with RunFolder.open(path, lock=True) as folder:
-        folder.extend(total_steps)
-
-
 _REASONS = {"steps": "all steps are done", "score": "the score was reached"}
 
 
@@ -229,7 +219,7 @@ def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | Non
             default = "" if field.default is None else f" (default: {shown(field.default)})"
             text = f"{texts[field.name]}{default}".replace("%", "%%")
             own: dict[str, Any] = {"type": _option_type(kind, field.name), "default": argparse.SUPPRESS, "metavar": "X"}
-            if True in (members(kind, field.name)[0] is bool, *get_args(members(kind, field.name)[0])):
+            if is_switch(kind, field.name):
                 own |= {"nargs": "?", "const": True}
             parser.add_argument(flag, help=text, **own)
     add_task(parser, leave_out=_ALONE)

@@ -287,6 +287,12 @@ def members(options: type, name: str) -> tuple[Any, ...]:
     return typing.get_args(kind) if typing.get_origin(kind) in (types.UnionType, typing.Union) else (kind,)
 
 
+def is_switch(options: type, name: str) -> bool:
+    """Whether an option can be true, so that a command line may leave its value out."""
+    kind = members(options, name)[0]
+    return kind is bool or True in typing.get_args(kind)
+
+
 def shown(value: Any) -> str:
     """The value of an option as a command line has it."""
     if isinstance(value, bool):

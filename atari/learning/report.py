@@ -62,7 +62,7 @@ def write_report(folder: RunFolder, result: Result) -> Path:
         steps=f"{last['step']:,.0f}",
         frames=f"{last['frames']:,.0f}",
         time=_duration(last["seconds"]),
-        curve=learning_curve(rows, game.id),
+        curve=learning_curves(game.id, [("this run", "#c2410c", rows)]),
         window=WINDOW,
         video=video,
         best=f"{max(played.scores):,.0f}",
@@ -76,8 +76,12 @@ def write_report(folder: RunFolder, result: Result) -> Path:
     return folder.path / "report.html"
 
 
-def learning_curve(rows: Sequence[Mapping[str, float]], game: str) -> str:
-    """A picture, SVG: the scores in a log over frames, with published curves, random play and a human.
+def learning_curves(game: str, logs: Sequence[tuple[str, str, Sequence[Mapping[str, float]]]]) -> str:
+    """A picture, SVG: the scores of trainings over frames, with published curves, random play and a human.
+
+    Args:
+        game: the game's name.
+        logs: the label, the color and the rows of the log of each training.
 
     Raises:
         ImportError: Matplotlib is not installed.
@@ -85,16 +89,17 @@ def learning_curve(rows: Sequence[Mapping[str, float]], game: str) -> str:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(8, 4.5), layout="constrained")
-    axes = figure.add_subplot()
-    draw_published(axes, game, rows[-1]["frames"])
-    draw_scores(axes, rows, "this run", "#c2410c")
+    axes: Any = figure.add_subplot()
+    draw_published(axes, game, max((rows[-1]["frames"] for _, _, rows in logs if rows), default=0))
+    for label, color, rows in logs:
+        draw_scores(axes, rows, label, color)
     draw_levels(axes, game)
     axes.set_xlabel("million frames")
     axes.set_ylabel("score of whole games")
     axes.legend(fontsize="small")
     text = io.StringIO()
     figure.savefig(text, format="svg")
-    return text.getvalue().partition("<svg")[1] + text.getvalue().partition("<svg")[2]
+    return "<svg" + text.getvalue().partition("<svg")[2]
 
 
 def draw_published(axes: Any, game: str, most: float) -> None:

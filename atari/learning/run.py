@@ -14,6 +14,7 @@ from atari.files import durable, json_text
 from atari.learning.evaluation.results import versions
 from atari.learning.memory import ReplayMemory
 from atari.learning.old_runs import migrated, with_flush, with_stacks_in_task
+from atari.learning.programs import program
 from atari.learning.run_log import RunLog, read_rows
 from atari.learning.sealed import load_sealed, sealed
 from atari.learning.trust import sha256, trust
@@ -431,11 +432,9 @@ class RunFolder:
 
 def _read_program(text: str) -> tuple[dict[str, str], bytes]:
     """The entry in the configuration and the bytes of FILE.py or FILE.py:NAME."""
-    file, name = text, ""
-    if not text.endswith(".py"):
-        file, _, name = text.rpartition(":")
-    source = check_file(Path(file)).read_bytes()
-    return {"file": str(Path(file).absolute()), "name": name, "sha256": sha256(source)}, source
+    named = program(text)
+    source = check_file(named.file).read_bytes()
+    return {"file": str(named.file.absolute()), "name": named.name, "sha256": sha256(source)}, source
 
 
 def _check_kind(kind: str) -> None:

@@ -242,7 +242,9 @@ class TestExtend:
         training = Training.resume(tmp_path / "extended")
         assert training.run() == "steps"
         training.close()
-        one, other = (RunFolder.open(tmp_path / name).load_weights() for name in ("whole", "extended"))
+        runs = [RunFolder.open(tmp_path / name) for name in ("whole", "extended")]
+        assert [row["step"] for row in runs[0].rows()] == [row["step"] for row in runs[1].rows()]
+        one, other = (run.load_weights() for run in runs)
         if agent == "ppo":  # DQN's epsilon and memory follow the number of steps
             assert all(torch.equal(one[name], other[name]) for name in one)
 

@@ -121,7 +121,7 @@ class EvaluationProtocol:
 
     @property
     def comparable(self) -> tuple[str, ...]:
-        """The names of the published agents whose environments are those of this protocol, see `faults`."""
+        """The names of the published agents that were played in this protocol's environments, see `faults`."""
         return tuple(name for name in Published.names() if not self.faults(Published(name)))
 
     def faults(self, other: Published) -> list[str]:

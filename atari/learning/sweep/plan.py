@@ -79,7 +79,7 @@ def find_seeds(text: str) -> list[int]:
 
 
 def plan(games: Sequence[str], seeds: Sequence[int], folder: Path, resolve: Resolve) -> list[Run]:
-    """The runs of a sweep, those of a game one after another.
+    """The runs of a sweep, game by game.
 
     Raises:
         ValueError: a game is named twice.

@@ -187,7 +187,7 @@ def _log_file(run: Run) -> Path:
 def _reason(log: Path, code: int) -> str:
     """The reason why a process has failed: the last line of its output, or its exit code."""
     lines = log.read_bytes()[-10_000:].decode(errors="replace").split("\n")
-    told = [line for line in lines if line.startswith("atari: ") or ": error: " in line]
+    errors = [line for line in lines if line.startswith("atari: ") or ": error: " in line]
     if code < 0:
         return f"it was ended by signal {-code}; the same command goes on"
-    return told[-1].partition("error: ")[2] or told[-1] if told else f"exit code {code}; see {log}"
+    return errors[-1].partition("error: ")[2] or errors[-1] if errors else f"exit code {code}; see {log}"

@@ -1,16 +1,14 @@
 """The page about all runs of a sweep."""
 
 import html
-import io
 from collections.abc import Sequence
 from pathlib import Path
 from string import Template
-from typing import Any
 
 from atari.files import durable
 from atari.learning.evaluation.compare import Comparison
 from atari.learning.evaluation.results import Result
-from atari.learning.report import STYLE, draw_levels, draw_published, draw_scores
+from atari.learning.report import STYLE, learning_curves
 from atari.learning.run import RunFolder
 from atari.learning.sweep.plan import Run
 from atari.learning.sweep.processes import Settings
@@ -52,22 +50,12 @@ def write_report(
 
 
 def _curves(game: str, runs: Sequence[Run]) -> str:
-    """A picture, SVG: the scores of the runs of a game over frames, with published curves, random play and a human."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(8, 4), layout="constrained")
-    axes: Any = figure.add_subplot()
-    logs = [RunFolder.open(run.path).rows() for run in runs]
-    draw_published(axes, game, max((rows[-1]["frames"] for rows in logs if rows), default=0))
-    for number, (run, rows) in enumerate(zip(runs, logs, strict=True)):
-        draw_scores(axes, rows, f"seed {run.options.seed}", f"C{number + 3}")
-    draw_levels(axes, game)
-    axes.set_xlabel("million frames")
-    axes.set_ylabel("score of whole games")
-    axes.legend(fontsize="small")
-    text = io.StringIO()
-    figure.savefig(text, format="svg")
-    return "<svg" + text.getvalue().partition("<svg")[2]
+    """A picture of the scores of the runs of a game."""
+    logs = [
+        (f"seed {run.options.seed}", f"C{number}", RunFolder.open(run.path).rows())
+        for number, run in enumerate(runs, 3)
+    ]
+    return learning_curves(game, logs)
 
 
 def _table(runs: Sequence[Run], results: Sequence[Result]) -> str:

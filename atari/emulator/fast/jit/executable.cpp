@@ -3,7 +3,7 @@
 #include <cstring>
 
 // The memory is first writable and then executable: many systems forbid both at once. Processors other than x86 must be
-// told of new code, because they may still hold the earlier contents of the addresses.
+// notified of new code, because they may still hold the earlier contents of the addresses.
 
 #if defined(_WIN32)
 #define WIN32_LEAN_AND_MEAN
