@@ -26,9 +26,9 @@ from torch import Tensor, nn
 
 import atari
 from atari.actions import Action
-from atari.learning import RunFolder
+from atari.learning import Encoder, RunFolder
+from atari.learning.agents.ppo import ActorCritic
 from atari.learning.evaluation.elo import elo_ratings
-from atari.learning.networks import ActorCritic, Encoder
 from atari.multiplayer import MultiplayerCore
 from atari.recording import RecordReplay, Replay
 

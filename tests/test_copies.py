@@ -24,15 +24,18 @@ from atari.recording import RecordReplay, VideoWriter
 
 ABSTRACT = {
     "atari.cores.core.Core": "atari.cores.native.NativeCore",
+    "atari.learning.agent.Agent": None,
     "atari.policy.Policy": None,
     "atari.policy.ScoresPolicy": None,
     "atari.algorithmic.environment.AlgorithmicEnv": "atari.algorithmic.tasks.CopyEnv",
     "atari.algorithmic.grid.GridEnv": "atari.algorithmic.tasks.ReversedAdditionEnv",
     "atari.algorithmic.tape.TapeEnv": "atari.algorithmic.tasks.CopyEnv",
 }
-"""Classes without objects of their own, and a class here that stands for them. Policies are the user's own objects."""
+"""Classes without objects of their own, and a class here that stands for them. Policies and agents are the user's own objects."""
 
 ELSEWHERE = {
+    "atari.learning.networks.Encoder": "tests/learning/test_networks.py",
+    "atari.learning.replicas.Replicas": "tests/learning/test_agents.py",
     "atari.integrations.sb3.AtariVecEnv": "tests/peers/test_copies.py",
     "atari.integrations.sb3.RecordReplay": "tests/peers/test_copies.py",
     "atari.integrations.sb3.RecordVideo": "tests/peers/test_copies.py",
@@ -57,6 +60,15 @@ def locked_run(folder: Path) -> Any:
     from atari.learning import RunFolder
 
     return RunFolder.begin(folder / "run", "mine", atari.Task.of("pong"), {})
+
+
+def training(folder: Path) -> Any:
+    pytest.importorskip("torch")
+    from atari.learning import Training
+    from atari.learning.agents.ppo import PPOOptions
+
+    options = PPOOptions.of("pong", num_envs=1, horizon=4, minibatch=4, total_steps=4)
+    return Training.begin("ppo", options, folder / "run")
 
 
 REFUSED: Mapping[str, tuple[Callable[[Path], Any], str]] = {
@@ -88,6 +100,11 @@ REFUSED: Mapping[str, tuple[Callable[[Path], Any], str]] = {
     ),
     "atari.learning.run.RunFolder": (
         locked_run,
+        r"a RunFolder that is locked for a training cannot be copied or pickled: .*; pass the path, and use "
+        r"RunFolder\.open\(path\) there",
+    ),
+    "atari.learning.training.Training": (
+        training,
         r"a RunFolder that is locked for a training cannot be copied or pickled: .*; pass the path, and use "
         r"RunFolder\.open\(path\) there",
     ),

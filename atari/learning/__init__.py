@@ -1,44 +1,68 @@
-"""Learning from the environments: a replay memory, evaluation by protocols, comparison with published results.
+"""Learning from the environments: agents and trainings, a replay memory, evaluation by protocols, comparison with
+published results.
 
-Memory and evaluation need NumPy alone; trained policies need the library that they were made with (extra `learn`:
-PyTorch).
+Memory and evaluation need NumPy alone. Agents, trainings, run folders and trained policies need PyTorch (extra `learn`),
+which is imported when one of their names is used.
 """
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from atari._renamed import missing
+from atari.learning.environments import TrainingEnvironments
 from atari.learning.evaluation.compare import compare
 from atari.learning.evaluation.evaluate import evaluate, record_games
 from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol
 from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result
 from atari.learning.memory import ReplayMemory
+from atari.learning.options import TrainingOptions
 from atari.learning.policies import load_policy
 from atari.policy import Policy, ScoresPolicy
 
 if TYPE_CHECKING:
+    from atari.learning.agent import Agent
+    from atari.learning.command import main
+    from atari.learning.networks import Encoder
+    from atari.learning.replicas import Replicas
     from atari.learning.run import RunFolder
+    from atari.learning.training import Training
 
 __all__ = [
     "GAME_SETS",
     "PROTOCOLS",
+    "Agent",
+    "Encoder",
     "EvaluationProtocol",
     "Policy",
     "Published",
+    "Replicas",
     "ReplayMemory",
     "Result",
     "RunFolder",
     "ScoresPolicy",
+    "Training",
+    "TrainingEnvironments",
+    "TrainingOptions",
     "compare",
     "evaluate",
     "load_policy",
+    "main",
     "record_games",
 ]
 
+_WITH_TORCH = {
+    "Agent": "agent",
+    "Encoder": "networks",
+    "Replicas": "replicas",
+    "RunFolder": "run",
+    "Training": "training",
+    "main": "command",
+}
+"""The modules of the names that need PyTorch."""
+
 
 def __getattr__(name: str) -> Any:
-    if name == "RunFolder":  # imports PyTorch
-        from atari.learning.run import RunFolder
-
-        return RunFolder
+    if name in _WITH_TORCH:
+        return getattr(import_module(f"{__name__}.{_WITH_TORCH[name]}"), name)
     raise missing(__name__, name)

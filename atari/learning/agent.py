@@ -30,6 +30,16 @@ class Agent(ABC):
     Args:
         options: the options of the training.
         run: the folder of the training, which can have the file of a memory; None keeps a memory in main memory.
+
+    Example:
+        >>> from atari.learning import Agent
+        >>> from atari.learning.agents.ppo import PPO, PPOOptions
+        >>> issubclass(PPO, Agent), PPO.options_class is PPOOptions
+        (True, True)
+        >>> agent = PPO(PPOOptions.of("pong", num_envs=2, horizon=8, minibatch=16))  # without a folder
+        >>> sorted(agent.update()), agent.steps
+        (['entropy', 'kl', 'learning_rate', 'loss', 'value_loss'], 16)
+        >>> agent.close()
     """
 
     options_class: ClassVar[type[TrainingOptions]]

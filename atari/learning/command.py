@@ -142,7 +142,17 @@ def finish_run(path: Path, episodes: int) -> Any:
 
 
 def main(agent: type[Agent]) -> None:
-    """The command line of the script of an agent: trains the agent as its arguments say, and prints the run folder."""
+    """The command line of the script of an agent: trains the agent as its arguments say, and prints the run folder.
+
+    Args:
+        agent: the class of the agent, which stands in the script.
+
+    Example:
+        A script ends with these lines, and is called as `python my_agent.py pong --fast`:
+
+            if __name__ == "__main__":
+                main(MyAgent)
+    """
     code = agent_code(agent)
     prog = f"python {sys.argv[0]}" if code.program else f"python -m atari.learning.agents.{code.name}"
     folder = train(code, sys.argv[1:], prog)

@@ -25,6 +25,17 @@ class TrainingEnvironments:
     Attributes:
         actions: names of the actions by their index in `step`.
         shape: the shape of an observation.
+
+    Example:
+        >>> import numpy as np
+        >>> from atari.learning import TrainingEnvironments, TrainingOptions
+        >>> environments = TrainingEnvironments(TrainingOptions.of("pong", preset="envpool"), num_envs=2)
+        >>> environments.reset(seed=0).shape, environments.actions[:3]
+        ((2, 4, 84, 84), ('NOOP', 'FIRE', 'RIGHT'))
+        >>> observations, rewards, terminations, truncations, info = environments.step(np.array([1, 1]))
+        >>> environments.take_games()  # no game has ended yet
+        []
+        >>> environments.close()
     """
 
     def __init__(self, options: TrainingOptions, num_envs: int, num_threads: int = 1, stacked: bool = True) -> None:

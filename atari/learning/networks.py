@@ -1,44 +1,12 @@
-"""The networks of the agents: from observations of bytes to a number for each action."""
+"""`Encoder`: the layers that the networks of the agents have in common, from observations of bytes to features."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import gymnasium
 import numpy as np
 import torch
 from torch import Tensor, nn
-
-from atari.learning.options import TrainingOptions
-
-
-def device_of(options: TrainingOptions) -> str:
-    """The device of a training's network; with "auto", cuda if PyTorch can use a GPU, and otherwise cpu.
-
-    Raises:
-        ValueError: PyTorch has no such GPU.
-    """
-    count = torch.cuda.device_count() if torch.cuda.is_available() else 0
-    if options.device == "auto":
-        return "cuda" if count else "cpu"
-    if options.device != "cpu" and int(options.device.partition(":")[2] or 0) >= count:
-        raise ValueError(
-            f"device is {options.device!r}, and PyTorch can use {count} GPUs; use device='cpu', or 'auto', which "
-            "takes a GPU if there is one"
-        )
-    return options.device
-
-
-def uses_bfloat16(options: TrainingOptions) -> bool:
-    """Whether a training computes in bfloat16: with "auto", on a GPU, and on a processor with AVX512-BF16 or AMX.
-
-    PyTorch computes bfloat16 on other processors by float32, in ten times the time of float32 alone.
-    """
-    if options.bfloat16 != "auto":
-        return options.bfloat16
-    if device_of(options) != "cpu":
-        return True
-    capabilities: Callable[[], Mapping[str, object]] = getattr(torch.cpu, "get_capabilities", dict)
-    return any(capabilities().get(name) is True for name in ("avx512_bf16", "amx_bf16"))
 
 
 class Normalize(nn.Module):
@@ -79,17 +47,29 @@ class Normalize(nn.Module):
 
 
 class Encoder(nn.Module):
-    """From observations to features, (batch, `width`) float32.
+    """From observations to features, (batch, `width`) float32. Each agent adds the layers of its values or its policy.
 
     Args:
         shape: the shape of an observation.
-        kind: "nature", "small" or "mlp", see `TrainingOptions.network`.
+        kind: "nature", "small", "mlp", "bits" or a network of your own, see `TrainingOptions.network`.
         normalize: see `TrainingOptions.normalize`.
-        layer_norm: normalise the layers, as PQN needs it; a network of the user's does so itself.
-        bfloat16: see `TrainingOptions.bfloat16`.
+        layer_norm: normalise the layers, as PQN needs it; a network of your own does so itself.
+        bfloat16: compute the layers in bfloat16.
+
+    Attributes:
+        width: the number of features.
+        layers: the layers; their input is as `prepare` returns it, but for images, which are (batch, stack, rows,
+            columns).
 
     Raises:
         TypeError, ValueError: the user's network is no `torch.nn.Module`, or returns no features.
+
+    Example:
+        >>> import torch
+        >>> from atari.learning import Encoder
+        >>> encoder = Encoder((4, 84, 84), "nature")
+        >>> encoder(torch.zeros(2, 4, 84, 84, dtype=torch.uint8)).shape
+        torch.Size([2, 512])
     """
 
     layers: nn.Module
@@ -107,16 +87,37 @@ class Encoder(nn.Module):
         shape = (*shape, 8) if self.bits else shape
         self.normalize = Normalize(shape, normalize)
         self.bfloat16 = bfloat16
+        self.own, self.images = not isinstance(kind, str), kind in _CONVOLUTIONS
         if isinstance(kind, str):
             self.layers, self.width = _layers(shape, kind, layer_norm)
         else:
             self.layers, self.width = _own_layers(shape, kind)
 
     def forward(self, observations: Tensor) -> Tensor:
-        """Features of observations, (batch, ...) uint8."""
-        with torch.autocast(observations.device.type, torch.bfloat16, enabled=self.bfloat16):
-            features: Tensor = self.layers(self.normalize(self.unpack(observations)))
+        """Features of observations, (batch, ...) uint8, or of what `prepare` has returned for them."""
+        prepared = self.prepare(observations) if observations.dtype == torch.uint8 else observations
+        if self.images:
+            prepared = prepared.permute(0, 3, 1, 2)
+        with torch.autocast(prepared.device.type, torch.bfloat16, enabled=self.bfloat16):
+            features: Tensor = self.layers(prepared)
         return features.float()
+
+    def prepare(self, observations: Tensor) -> Tensor:
+        """Normalise observations, (batch, ...) uint8, and arrange them as the layers compute fastest.
+
+        A training that learns from an observation several times prepares it once.
+
+        Returns:
+            (batch, ...) float32, or bfloat16 with `bfloat16`; images are (batch, rows, columns, stack). A network of
+            your own gets float32 in the shape of the observations.
+        """
+        values = self.normalize(self.unpack(observations))
+        if self.own:
+            return values
+        dtype = torch.bfloat16 if self.bfloat16 else torch.float32
+        if not self.images:
+            return values.to(dtype)
+        return values.to(dtype, memory_format=torch.channels_last).permute(0, 2, 3, 1)
 
     def observe(self, observations: Tensor) -> None:
         """Add observations to the statistics of `normalize`."""
@@ -128,45 +129,6 @@ class Encoder(nn.Module):
             return observations
         masks = 2 ** torch.arange(8, dtype=torch.uint8, device=observations.device)
         return (observations.unsqueeze(-1) & masks).ne(0) * torch.tensor(255, dtype=torch.uint8)
-
-
-class ActorCritic(nn.Module):
-    """A policy and a value function on common features."""
-
-    def __init__(self, encoder: Encoder, actions: int) -> None:
-        super().__init__()
-        self.encoder = encoder
-        self.policy = orthogonal(nn.Linear(encoder.width, actions), gain=0.01)
-        self.value = orthogonal(nn.Linear(encoder.width, 1), gain=1.0)
-
-    def forward(self, observations: Tensor) -> tuple[Tensor, Tensor]:
-        """Logits of the actions, (batch, actions), and values, (batch,)."""
-        features = self.encoder(observations)
-        return self.policy(features), self.value(features)[:, 0]
-
-    def scores(self, observations: Tensor) -> Tensor:
-        """The logits alone."""
-        return self.policy(self.encoder(observations))
-
-
-class QNetwork(nn.Module):
-    """Action values; with `dueling`, the sum of a state's value and the actions' advantages (Wang et al. 2016)."""
-
-    def __init__(self, encoder: Encoder, actions: int, dueling: bool = False) -> None:
-        super().__init__()
-        self.encoder = encoder
-        self.advantage = nn.Linear(encoder.width, actions)
-        self.value = nn.Linear(encoder.width, 1) if dueling else None
-
-    def forward(self, observations: Tensor) -> Tensor:
-        """Values of the actions, (batch, actions)."""
-        features = self.encoder(observations)
-        advantage: Tensor = self.advantage(features)
-        if self.value is None:
-            return advantage
-        return self.value(features) + advantage - advantage.mean(1, keepdim=True)
-
-    scores = forward
 
 
 def _layers(shape: Sequence[int], kind: str, layer_norm: bool) -> tuple[nn.Module, int]:

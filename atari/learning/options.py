@@ -24,20 +24,6 @@ NETWORKS = ("nature", "small", "mlp", "bits")
 SEEDS = 2**32
 """The number of seeds, 0..2**32-1."""
 
-FAST_PIXELS: Mapping[str, Any] = {
-    "total_steps": 2_000_000,
-    "num_envs": 64,
-    "preset": "envpool",
-    "episodic_life": True,
-    "img_height": 42,
-    "img_width": 42,
-    "network": "small",
-    "normalize": True,
-    "bfloat16": "auto",
-    "workers": 2,
-}
-"""Options for pixels that all agents have in common, found by measurement on two cores; see docs/learning.md."""
-
 FAST_RAM: Mapping[str, Any] = {
     "obs_type": "ram",
     "img_height": None,
@@ -76,7 +62,7 @@ class TrainingOptions:
         gamma: discount of a reward for each step before it.
         device: the device of the network: cpu, cuda, cuda:N, or auto, a GPU if PyTorch can use one.
         workers: threads that play and compute gradients, each in its own environments; on cpu, one for each core is
-            best. Another number gives other weights.
+            best. Another number gives other weights. With a GPU they only play, and the weights do not depend on it.
         checkpoint_minutes: minutes between checkpoints.
 
     Raises:
@@ -179,6 +165,45 @@ class TrainingOptions:
                 f"network {self.network!r} is not for obs_type {self.task.obs_type!r}: images need nature or small, "
                 "ram mlp or bits"
             )
+
+    @property
+    def torch_device(self) -> str:
+        """The device of the network; with "auto", cuda if PyTorch can use a GPU, and otherwise cpu.
+
+        Raises:
+            ValueError: PyTorch has no such GPU.
+        """
+        import torch  # the options of a run are read without it
+
+        count = torch.cuda.device_count() if torch.cuda.is_available() else 0
+        if self.device == "auto":
+            return "cuda" if count else "cpu"
+        if self.device != "cpu" and int(self.device.partition(":")[2] or 0) >= count:
+            raise ValueError(
+                f"device is {self.device!r}, and PyTorch can use {count} GPUs; use device='cpu', or 'auto', which "
+                "takes a GPU if there is one"
+            )
+        return self.device
+
+    @property
+    def computes_bfloat16(self) -> bool:
+        """Whether the network computes in bfloat16; with "auto", on a GPU, and on processors with AVX512-BF16 or AMX.
+
+        PyTorch computes bfloat16 on other processors by float32, in ten times the time of float32 alone.
+        """
+        import torch
+
+        if self.bfloat16 != "auto":
+            return self.bfloat16
+        if self.torch_device != "cpu":
+            return True
+        capabilities: Callable[[], Mapping[str, object]] = getattr(torch.cpu, "get_capabilities", dict)
+        return any(capabilities().get(name) is True for name in ("avx512_bf16", "amx_bf16"))
+
+    @property
+    def replicas(self) -> int:
+        """Networks that compute gradients, each in a thread: `workers`, or one on a GPU."""
+        return self.workers if self.torch_device == "cpu" else 1
 
     @property
     def from_ram(self) -> bool:

@@ -1,4 +1,4 @@
-"""`Replicas`: one network in several threads."""
+"""`Replicas`: a network that learns in several threads."""
 
 import copy
 from collections.abc import Callable, Iterable
@@ -12,29 +12,51 @@ Network = TypeVar("Network", bound=nn.Module)
 
 
 class Replicas(Generic[Network]):
-    """Copies of a network, one for each thread. They share weights, and each has its own gradients.
+    """One network in several threads: copies that share the weights, each with gradients of its own.
 
     PyTorch's own threads wait for each other in every layer, and take many times as long when another process is busy.
     Here each thread computes its share of a minibatch, and the threads wait once.
 
+    Args:
+        network: the network.
+        count: the number of copies; a single one is the network itself, without a thread.
+
     Attributes:
         networks: the copies, whose weights and buffers are the memory of `network`.
+
+    Example:
+        >>> import torch
+        >>> from atari.learning import Replicas
+        >>> replicas = Replicas(torch.nn.Linear(3, 1), 2)
+        >>> shares = torch.ones(8, 3).chunk(2)
+        >>> losses = replicas.map(lambda copy, share: copy(share).mean().backward(), replicas.networks, shares)
+        >>> replicas.average_gradients()
+        >>> replicas.network.weight.grad
+        tensor([[1., 1., 1.]])
+        >>> replicas.close()
     """
 
     def __init__(self, network: Network, count: int) -> None:
         self.network = network
-        self.networks = [copy.deepcopy(network) for _ in range(count)]
+        self.networks = [network] if count == 1 else [copy.deepcopy(network) for _ in range(count)]
         for replica in self.networks:
             for own, common in zip(_tensors(replica), _tensors(network), strict=True):
                 own.data = common.data
-        self._threads = ThreadPoolExecutor(count, initializer=torch.set_num_threads, initargs=(1,))
+        self._threads: ThreadPoolExecutor | None = None
+        if count > 1:
+            self._threads = ThreadPoolExecutor(count, initializer=torch.set_num_threads, initargs=(1,))
+
+    def __reduce__(self) -> Any:  # threads cannot be copied
+        return Replicas, (self.network, len(self.networks))
 
     def map(self, function: Callable[..., Any], *arguments: Iterable[Any]) -> list[Any]:
         """Call a function for each of the arguments, in parallel, and return the results in order."""
-        return list(self._threads.map(function, *arguments))
+        return list(map(function, *arguments) if self._threads is None else self._threads.map(function, *arguments))
 
     def average_gradients(self) -> None:
         """Give `network` the mean of the replicas' gradients, added in order, so that results reproduce."""
+        if self._threads is None:
+            return
         replicas = zip(*(replica.parameters() for replica in self.networks), strict=True)
         for parameter, own in zip(self.network.parameters(), replicas, strict=True):
             gradients = [replica.grad for replica in own if replica.grad is not None]
@@ -42,7 +64,8 @@ class Replicas(Generic[Network]):
 
     def close(self) -> None:
         """End the threads."""
-        self._threads.shutdown()
+        if self._threads is not None:
+            self._threads.shutdown()
 
 
 def _tensors(network: nn.Module) -> list[torch.Tensor]:

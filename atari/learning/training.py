@@ -15,7 +15,6 @@ import torch
 from atari.learning.agent import Agent
 from atari.learning.agent_code import AgentCode, agent_code, kept_agent
 from atari.learning.environments import TrainingEnvironments
-from atari.learning.networks import device_of
 from atari.learning.options import TrainingOptions
 from atari.learning.programs import kept_program, named_in, program_of
 from atari.learning.run import RunFolder
@@ -29,6 +28,24 @@ class Training:
 
     A training stops after `total_steps`, at `stop_score`, when `stop` is set, or with an error. A training that is
     resumed ends with the same weights, to the bit (on one machine, without a GPU).
+
+    Attributes:
+        folder: the run folder.
+        agent: the agent.
+        options: the options of the agent.
+        scores: the scores of the last 100 whole games.
+        games: the number of whole games so far.
+        seconds: the seconds of the updates so far.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from atari.learning import Training
+        >>> from atari.learning.agents.ppo import PPOOptions
+        >>> options = PPOOptions.of("pong", num_envs=2, horizon=8, minibatch=16, epochs=1, total_steps=32)
+        >>> training = Training.begin("ppo", options, Path("runs/short"))
+        >>> training.run(), training.agent.steps
+        ('steps', 32)
+        >>> training.close()
     """
 
     def __init__(self, folder: RunFolder, agent: Agent, options: TrainingOptions) -> None:
@@ -67,7 +84,7 @@ class Training:
                 f"{code.kind.__name__} takes options of {wanted}, got {given}; {wanted}.of(GAME) makes them"
             )
         torch.set_num_threads(1)
-        device_of(options)  # errors are raised before a folder is made
+        _ = options.torch_device  # its errors are raised before a folder is made
         environments = TrainingEnvironments(options, 1)
         code.kind.make_network(options, environments.shape, len(environments.actions))
         environments.close()

@@ -1,7 +1,10 @@
 """Agents of one's own: a copied script trains with its own class, and its run is loaded from the kept copy."""
 
+import ast
+import inspect
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +21,7 @@ import atari.learning.agents.ppo  # noqa: E402
 from atari.cli import main  # noqa: E402
 from atari.learning import RunFolder, load_policy  # noqa: E402
 from atari.learning.agent_code import agent_code, kept_agent  # noqa: E402
+from atari.learning.agents import AGENTS, find_agent  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
 from atari.learning.trust import trusted_file  # noqa: E402
 
@@ -53,6 +57,20 @@ def trained(script: Path, folder: Path, **options: Any) -> Path:
     training.run()
     training.close()
     return folder
+
+
+@pytest.mark.parametrize("name", AGENTS)
+def test_a_script_imports_ten_names_of_one_page_at_most(name: str) -> None:
+    page = (Path(__file__).parents[2] / "docs/runs.md").read_text(encoding="utf-8")
+    table = page.partition("## The names that an agent imports")[2].partition("\n## ")[0]
+    documented = set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE))
+    assert len(documented) <= 10
+    tree = ast.parse(Path(inspect.getfile(find_agent(name))).read_text(encoding="utf-8"))
+    found = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and "atari" in str(node.module)]
+    assert [node.module for node in found] == ["atari.learning"]
+    assert {alias.name for alias in found[0].names} <= documented
+    modules = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    assert modules <= {"numpy", "torch", "torch.nn.functional"}
 
 
 def test_the_script_runs_its_own_class(script: Path, tmp_path: Path) -> None:

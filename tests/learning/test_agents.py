@@ -1,5 +1,7 @@
 """The agents: their targets are right, and a training that was killed goes on to the same weights."""
 
+import copy
+import pickle
 import signal
 import subprocess
 import sys
@@ -169,6 +171,53 @@ def test_replicas_give_the_gradient_of_the_whole_batch() -> None:
     replicas.average_gradients()
     assert torch.allclose(network.weight.grad, expected)
     replicas.close()
+
+
+def test_a_copy_of_replicas_has_a_network_and_threads_of_its_own() -> None:
+    from atari.learning import Replicas
+
+    one = Replicas(torch.nn.Linear(3, 1), 2)
+    for other in (copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
+        assert torch.equal(other.network.weight, one.network.weight)
+        other.network.weight.data.zero_()
+        assert other.map(lambda network: network.weight.sum().item(), other.networks) == [0.0, 0.0]
+        assert one.network.weight.abs().sum() > 0
+        other.close()
+    one.close()
+
+
+def test_one_replica_is_the_network_itself() -> None:
+    from atari.learning import Replicas
+
+    network = torch.nn.Linear(3, 1)
+    replicas = Replicas(network, 1)
+    assert replicas.networks == [network]
+    assert replicas.map(lambda one, two: one + two, [1, 2], [3, 4]) == [4, 6]
+    replicas.networks[0](torch.ones(1, 3)).sum().backward()
+    replicas.average_gradients()
+    assert torch.equal(network.weight.grad, torch.ones(1, 3))
+    replicas.close()
+
+
+@pytest.mark.parametrize("update", [1, 5, 6, 7, 100, 5000])
+def test_pqn_steps_as_radam(update: int) -> None:
+    from atari.learning.agents.pqn import rectification
+
+    def steps(make: Any, factor: Any) -> "torch.Tensor":
+        weights = torch.nn.Parameter(torch.ones(3))
+        optimizer = make([weights], lr=1.0)
+        for number in range(1, update + 1):
+            before = weights.detach().clone()
+            optimizer.param_groups[0]["lr"] = factor(number)
+            weights.grad = torch.tensor([1.0, -2.0, 0.5]) * (-1) ** number + 0.3
+            optimizer.step()
+        return weights.detach() - before
+
+    if update <= 5:  # RAdam takes steps without mean squares, which Adam cannot take
+        assert rectification(update) == 0
+    else:
+        expected = steps(torch.optim.RAdam, lambda _: 1.0)
+        assert torch.allclose(steps(torch.optim.Adam, rectification), expected, atol=1e-6)
 
 
 def test_a_loss_that_is_no_number_stops_the_training(tmp_path: Path) -> None:

@@ -1,3 +1,5 @@
+import copy
+import pickle
 from typing import Any
 
 import numpy as np
@@ -5,8 +7,9 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
-from atari.learning.networks import ActorCritic, Encoder, Normalize, QNetwork, device_of, uses_bfloat16  # noqa: E402
-from atari.learning.options import TrainingOptions  # noqa: E402
+from atari.learning import Encoder, TrainingOptions  # noqa: E402
+from atari.learning.agents import dqn, ppo, pqn  # noqa: E402
+from atari.learning.networks import Normalize  # noqa: E402
 
 
 def images(count: int, seed: int = 0) -> "torch.Tensor":
@@ -67,15 +70,35 @@ def test_bfloat16_is_near_float32(layer_norm: bool) -> None:
     assert (fast(seen) - exact(seen)).abs().max() < 0.05 * exact(seen).abs().max()
 
 
+@pytest.mark.parametrize("bfloat16", [False, True])
+@pytest.mark.parametrize(("kind", "shape"), [("small", (4, 42, 42)), ("mlp", (2, 128)), ("bits", (2, 128))])
+def test_prepared_observations_give_the_same_features(kind: str, shape: tuple[int, ...], bfloat16: bool) -> None:
+    encoder = Encoder(shape, kind, normalize=True, layer_norm=True, bfloat16=bfloat16)
+    seen = torch.randint(256, (5, *shape), dtype=torch.uint8)
+    encoder.observe(seen)
+    prepared = encoder.prepare(seen)
+    assert prepared.is_contiguous()
+    assert prepared.dtype == (torch.bfloat16 if bfloat16 else torch.float32)
+    assert torch.equal(encoder(prepared), encoder(seen))
+
+
+def test_a_copy_of_an_encoder_gives_the_same_features() -> None:
+    encoder = Encoder((4, 42, 42), "small", normalize=True)
+    encoder.observe(images(20))
+    for other in (copy.deepcopy(encoder), pickle.loads(pickle.dumps(encoder))):
+        assert torch.equal(other(images(3)), encoder(images(3)))
+
+
 def test_heads() -> None:
     encoder = Encoder((4, 42, 42), "small")
-    logits, values = ActorCritic(encoder, 6)(images(3))
+    logits, values = ppo.ActorCritic(encoder, 6)(images(3))
     assert (logits.shape, values.shape) == ((3, 6), (3,))
-    network = QNetwork(encoder, 6, dueling=True)
+    network = dqn.QNetwork(encoder, 6, dueling=True)
     features = encoder(images(3))
     assert network.value is not None
     assert torch.allclose(network(images(3)).mean(1), network.value(features)[:, 0], atol=1e-5)
-    assert QNetwork(encoder, 6).value is None
+    assert dqn.QNetwork(encoder, 6, dueling=False).value is None
+    assert pqn.QNetwork(encoder, 6)(images(3)).shape == (3, 6)
 
 
 @pytest.mark.parametrize(
@@ -95,9 +118,9 @@ def test_bfloat16_is_chosen_by_the_processor(
     monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: capabilities, raising=False)
     monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
     monkeypatch.setattr(torch.cuda, "device_count", lambda: 1)
-    assert uses_bfloat16(TrainingOptions.of("pong", bfloat16="auto", device=device)) == expected
-    assert uses_bfloat16(TrainingOptions.of("pong", bfloat16=True, device=device))
-    assert not uses_bfloat16(TrainingOptions.of("pong", bfloat16=False, device=device))
+    assert TrainingOptions.of("pong", bfloat16="auto", device=device).computes_bfloat16 == expected
+    assert TrainingOptions.of("pong", bfloat16=True, device=device).computes_bfloat16
+    assert not TrainingOptions.of("pong", bfloat16=False, device=device).computes_bfloat16
 
 
 def test_the_device_is_a_gpu_if_there_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -105,10 +128,10 @@ def test_the_device_is_a_gpu_if_there_is_one(monkeypatch: pytest.MonkeyPatch) ->
     for count, found in ((0, "cpu"), (1, "cuda")):
         monkeypatch.setattr(torch.cuda, "is_available", lambda count=count: count > 0)
         monkeypatch.setattr(torch.cuda, "device_count", lambda count=count: count)
-        assert (device_of(options["auto"]), device_of(options["cpu"])) == (found, "cpu")
+        assert (options["auto"].torch_device, options["cpu"].torch_device) == (found, "cpu")
         for name in ["cuda", "cuda:1"][count:]:
             with pytest.raises(ValueError, match=f"device is '{name}', and PyTorch can use {count} GPUs"):
-                device_of(options[name])
+                options[name].torch_device
 
 
 class TestNetworksOfOnesOwn:
@@ -121,7 +144,7 @@ class TestNetworksOfOnesOwn:
         encoder = Encoder((4, 42, 42), make)
         assert encoder.width == 7
         assert torch.allclose(encoder(images(2)), encoder.layers(images(2) / 255))
-        assert QNetwork(encoder, 3)(images(2)).shape == (2, 3)
+        assert pqn.QNetwork(encoder, 3)(images(2)).shape == (2, 3)
 
     @pytest.mark.parametrize(
         ("make", "kind", "text"),

@@ -19,7 +19,7 @@ from atari import ale_py, wrappers
 from atari.actions import Action
 from atari.integrations import envpool
 from atari.lab import Freeze, Poke, Ram, RamLabels, Search, Watch
-from atari.learning import PROTOCOLS, Published, ReplayMemory, Result
+from atari.learning import PROTOCOLS, Published, ReplayMemory, Result, TrainingEnvironments, TrainingOptions
 from atari.learning.evaluation.results import GameResult
 from atari.multiplayer import MultiplayerCore
 from atari.play import Session
@@ -340,6 +340,20 @@ def compressed() -> ReplayMemory:
 
 Case = tuple[Callable[[], Any], Callable[[Any], Any]]
 
+def training_environments() -> TrainingEnvironments:
+    """Environments in the middle of a game."""
+    made = TrainingEnvironments(TrainingOptions.of("pong", img_height=20, img_width=20), 2)
+    made.reset(3)
+    made.step(np.array([2, 3]))
+    return made
+
+
+def played(environments: TrainingEnvironments) -> list[Any]:
+    """The results of steps with actions of a fixed order, and the games that ended."""
+    results = [plain(environments.step(np.array([n % 6, n // 2 % 6]))) for n in range(60)]
+    return [*results, environments.take_games()]
+
+
 CASES: Mapping[str, Case] = {
     "atari.actions.Action": (lambda: Action.UPFIRE, itself),
     "atari.env.AtariEnv": (lambda: started(atari.AtariEnv("seaquest", frameskip=(2, 5), sound_obs=True)), steps),
@@ -407,6 +421,8 @@ CASES: Mapping[str, Case] = {
     "atari.lab.ram_labels.RamLabels": (lambda: started(RamLabels(unframed())), steps),
     "atari.lab.search.Search": (lambda: with_(Search, started(unframed())), narrowed),
     "atari.lab.watch.Watch": (lambda: started(Watch(atari.AtariEnv("pong"), "ball_x", 5, each="frame")), watched),
+    "atari.learning.environments.TrainingEnvironments": (training_environments, played),
+    "atari.learning.options.TrainingOptions": (lambda: TrainingOptions.of("pong", seed=3), itself),
     "atari.learning.evaluation.protocols.EvaluationProtocol": (lambda: PROTOCOLS["dopamine"], itself),
     "atari.learning.evaluation.published.Published": (lambda: Published("dopamine/rainbow"), facts),
     "atari.learning.memory.replay_memory.ReplayMemory": (memory, drawn),

@@ -13,17 +13,19 @@ from typing import Any, ClassVar
 import numpy as np
 import torch
 import torch.nn.functional as F
-from torch import Tensor
+from torch import Tensor, nn
 
-from atari.learning.agent import Agent
-from atari.learning.command import main
-from atari.learning.environments import TrainingEnvironments
-from atari.learning.memory import ReplayMemory
-from atari.learning.networks import Encoder, QNetwork, device_of, uses_bfloat16
-from atari.learning.options import FAST_PIXELS, TrainingOptions
-from atari.learning.replicas import Replicas
-from atari.learning.run import RunFolder
-from atari.learning.training import Training
+from atari.learning import (
+    Agent,
+    Encoder,
+    ReplayMemory,
+    Replicas,
+    RunFolder,
+    Training,
+    TrainingEnvironments,
+    TrainingOptions,
+    main,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,7 +87,15 @@ class DQNOptions(TrainingOptions):
 
 
 FAST: dict[str, Any] = {
-    **FAST_PIXELS,
+    "total_steps": 2_000_000,
+    "preset": "envpool",
+    "episodic_life": True,
+    "img_height": 42,
+    "img_width": 42,
+    "network": "small",
+    "normalize": True,
+    "bfloat16": "auto",
+    "workers": 2,
     "num_envs": 16,
     "memory": 200_000,
     "learning_starts": 10_000,
@@ -106,6 +116,26 @@ _UPDATE = 1000
 """Steps of an update, rounded to the number of environments."""
 
 
+class QNetwork(nn.Module):
+    """Action values; with `dueling`, the sum of a state's value and the actions' advantages (Wang et al. 2016)."""
+
+    def __init__(self, encoder: Encoder, actions: int, dueling: bool) -> None:
+        super().__init__()
+        self.encoder = encoder
+        self.advantage = nn.Linear(encoder.width, actions)
+        self.value = nn.Linear(encoder.width, 1) if dueling else None
+
+    def forward(self, observations: Tensor) -> Tensor:
+        """Values of the actions, (batch, actions)."""
+        features = self.encoder(observations)
+        advantage: Tensor = self.advantage(features)
+        if self.value is None:
+            return advantage
+        return self.value(features) + advantage - advantage.mean(1, keepdim=True)
+
+    scores = forward
+
+
 class DQN(Agent):
     """Environments, replay memory, network, target network and optimiser."""
 
@@ -116,7 +146,7 @@ class DQN(Agent):
 
     def __init__(self, options: DQNOptions, run: RunFolder | None = None) -> None:
         torch.manual_seed(options.seed)
-        self.options, self.device = options, device_of(options)
+        self.options, self.device = options, options.torch_device
         self.steps = self.updates = 0
         self.losses: list[float] = []  # of the present update
         self.values: list[float] = []
@@ -130,7 +160,7 @@ class DQN(Agent):
         self.network = self.make_network(options, stack, len(envs.actions)).to(self.device)
         self.target = self.make_network(options, stack, len(envs.actions)).to(self.device)
         self.target.load_state_dict(self.network.state_dict())
-        self.replicas = Replicas(self.network, options.workers)
+        self.replicas = Replicas(self.network, options.replicas)
         self.optimizer = self._make_optimizer()
         self.batch = self.memory.make_batch(options.batch, torch=True, pin_memory=self.device != "cpu")
 
@@ -171,8 +201,8 @@ class DQN(Agent):
     @staticmethod
     def make_network(options: DQNOptions, shape: tuple[int, ...], actions: int) -> QNetwork:
         """The network for observations of a shape."""
-        encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=uses_bfloat16(options))
-        return QNetwork(encoder, actions, dueling=options.dueling)
+        encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=options.computes_bfloat16)
+        return QNetwork(encoder, actions, options.dueling)
 
     def train(self, training: Training) -> None:
         """The loop: update after update, a row of the log for each, and a checkpoint now and then."""
@@ -234,8 +264,8 @@ class DQN(Agent):
         if options.priority is not None:
             beta = options.priority_beta + (1 - options.priority_beta) * min(1, self.steps / options.total_steps)
         batch = self.memory.sample(options.batch, n=options.n_step, gamma=options.gamma, beta=beta, out=self.batch)
-        shares = torch.arange(options.batch).chunk(options.workers)
-        batches = [batch] * options.workers
+        shares = torch.arange(options.batch).chunk(options.replicas)
+        batches = [batch] * options.replicas
         results = self.replicas.map(self._gradient, self.replicas.networks, batches, shares)
         if options.priority is not None:
             self.memory.update_priorities(batch.indices, torch.cat([errors for errors, _, _ in results]).numpy())
@@ -261,6 +291,7 @@ class DQN(Agent):
             )
         )
         with torch.no_grad():
+            following = network.encoder.prepare(following)  # once for both networks, whose statistics are equal
             rated = self.target(following)
             chosen = (network(following) if self.options.double else rated).argmax(1, keepdim=True)
             targets = rewards + discounts * rated.gather(1, chosen)[:, 0]

@@ -10,19 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-from atari.learning.agent import Agent
-from atari.learning.command import main
-from atari.learning.environments import TrainingEnvironments
-from atari.learning.networks import ActorCritic, Encoder, device_of, uses_bfloat16
-from atari.learning.options import FAST_PIXELS, TrainingOptions
-from atari.learning.replicas import Replicas
-from atari.learning.run import RunFolder
-from atari.learning.training import Training
+from atari.learning import Agent, Encoder, Replicas, RunFolder, Training, TrainingEnvironments, TrainingOptions, main
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +58,16 @@ class PPOOptions(TrainingOptions):
 
 
 FAST: dict[str, Any] = {
-    **FAST_PIXELS,
+    "total_steps": 2_000_000,
+    "num_envs": 64,
+    "preset": "envpool",
+    "episodic_life": True,
+    "img_height": 42,
+    "img_width": 42,
+    "network": "small",
+    "normalize": True,
+    "bfloat16": "auto",
+    "workers": 2,
     "minibatch": 1024,
     "learning_rate": 3e-4,
     "clip": 0.2,
@@ -103,46 +104,79 @@ class Returns:
         self.variance, self.count = squares / total, total
 
 
+class ActorCritic(nn.Module):
+    """A policy and a value function on common features."""
+
+    def __init__(self, encoder: Encoder, actions: int) -> None:
+        super().__init__()
+        self.encoder = encoder
+        self.policy, self.value = nn.Linear(encoder.width, actions), nn.Linear(encoder.width, 1)
+        for head, gain in ((self.policy, 0.01), (self.value, 1.0)):
+            nn.init.orthogonal_(head.weight, gain)
+            nn.init.zeros_(head.bias)
+
+    def forward(self, observations: Tensor) -> tuple[Tensor, Tensor]:
+        """Logits of the actions, (batch, actions), and values, (batch,)."""
+        features = self.encoder(observations)
+        return self.policy(features), self.value(features)[:, 0]
+
+    def scores(self, observations: Tensor) -> Tensor:
+        """The logits alone."""
+        return self.policy(self.encoder(observations))
+
+
 class Worker:
     """A share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""
 
     def __init__(self, options: PPOOptions, index: int) -> None:
-        self.options, self.device = options, device_of(options)
-        self.environments = TrainingEnvironments(options, options.num_envs // options.workers)
-        self.generator = torch.Generator().manual_seed(options.seed * options.workers + index)
-        count = self.environments.num_envs
+        self.options, self.device = options, options.torch_device
+        count, threads = options.num_envs // options.replicas, options.workers // options.replicas
+        self.environments = TrainingEnvironments(options, count, threads)
+        self.generator = torch.Generator().manual_seed(options.seed * options.replicas + index)
         first = options.seed * options.num_envs + index * count
         self.observations = self.environments.reset(options.environment_seeds(first, count))
         size = (options.horizon, count)
-        self.seen = torch.zeros(*size, *self.environments.shape, dtype=torch.uint8)
         self.actions = torch.zeros(*size, dtype=torch.int64)
         self.log_probs, self.rewards, self.ends = torch.zeros(3, *size).unbind()
         self.values = torch.zeros(options.horizon + 1, size[1])
         self.advantages, self.returns = torch.zeros(2, *size).unbind()
-        self.network: ActorCritic
+        self.learned: list[Tensor]
+
+    def begin(self, network: ActorCritic) -> None:
+        """Take the network, whose encoder decides how the steps' observations are kept."""
+        self.network = network
+        one = self._prepare(self.observations[:1])
+        self.seen = one.new_zeros(*self.actions.shape, *one.shape[1:])
 
     @torch.no_grad()
-    def play(self, returns: Returns) -> None:
-        """Play `horizon` steps, and estimate advantages and returns."""
+    def play(self, returns: Returns) -> Tensor:
+        """Play `horizon` steps, and estimate advantages and returns. Returns a part of the observations."""
+        part = []
         for step in range(self.options.horizon):
-            seen = torch.from_numpy(self.observations)
+            seen = self._prepare(self.observations)
             logits, values = self._evaluate(seen)
             log_probs = F.log_softmax(logits, 1)
             actions = torch.multinomial(log_probs.exp(), 1, generator=self.generator)
             self.seen[step], self.values[step] = seen, values
             self.actions[step], self.log_probs[step] = actions[:, 0], log_probs.gather(1, actions)[:, 0]
+            if step % 8 == 0:
+                part.append(torch.from_numpy(self.observations))
             self.observations, rewards, terminations, truncations, info = self.environments.step(actions[:, 0].numpy())
             self.rewards[step] = torch.from_numpy(rewards)
             self.ends[step] = torch.from_numpy(terminations | truncations)
             if truncations.any():  # the game goes on unseen: add the value of its rest
-                _, values = self._evaluate(torch.from_numpy(info["final_obs"]))
+                _, values = self._evaluate(self._prepare(info["final_obs"]))
                 values = values * returns.deviation + returns.mean
                 self.rewards[step] += self.options.gamma * values * torch.from_numpy(truncations & ~terminations)
-        self.values[-1] = self._evaluate(torch.from_numpy(self.observations))[1]
+        self.values[-1] = self._evaluate(self._prepare(self.observations))[1]
         self._estimate(self.values * returns.deviation + returns.mean)
+        return torch.cat(part)
 
-    def _evaluate(self, observations: Tensor) -> tuple[Tensor, Tensor]:
-        logits, values = self.network(observations.to(self.device))
+    def _prepare(self, observations: Any) -> Tensor:
+        return self.network.encoder.prepare(torch.from_numpy(observations).to(self.device))
+
+    def _evaluate(self, seen: Tensor) -> tuple[Tensor, Tensor]:
+        logits, values = self.network(seen)
         return logits.cpu(), values.cpu()
 
     def _estimate(self, values: Tensor) -> None:
@@ -154,14 +188,10 @@ class Worker:
             self.advantages[step] = following
         torch.add(self.advantages, values[:-1], out=self.returns)
 
-    def gradient(self, chosen: Tensor, clip: float) -> tuple[float, float, float, float]:
+    def gradient(self, chosen: Tensor, clip: float) -> Tensor:
         """Compute the gradients of the loss on some steps; returns loss, KL divergence, entropy and value loss."""
-        device = self.device
-        seen, actions, old, advantages, targets = (
-            memory.flatten(0, 1)[chosen].to(device)
-            for memory in (self.seen, self.actions, self.log_probs, self.advantages, self.returns)
-        )
-        logits, values = self.network(seen)
+        actions, old, advantages, targets = (array[chosen] for array in self.learned)
+        logits, values = self.network(self.seen.flatten(0, 1).index_select(0, chosen))
         log_probs = F.log_softmax(logits, 1)
         difference = log_probs.gather(1, actions[:, None])[:, 0] - old
         ratio = difference.exp()
@@ -172,7 +202,7 @@ class Worker:
         self.network.zero_grad()
         loss.backward()
         divergence = (ratio - 1 - difference).mean()  # an estimate that is never negative (Schulman 2020)
-        return loss.item(), divergence.item(), entropy.item(), value_loss.item()
+        return torch.stack([loss, divergence, entropy, value_loss]).detach()
 
 
 class PPO(Agent):
@@ -184,25 +214,25 @@ class PPO(Agent):
 
     def __init__(self, options: PPOOptions, run: RunFolder | None = None) -> None:
         torch.manual_seed(options.seed)
-        self.options, self.device = options, device_of(options)
+        self.options, self.device = options, options.torch_device
         self.steps = 0
         self.returns = Returns(options.normalize_returns)
         self.generator = torch.Generator().manual_seed(options.seed)
-        self.workers = [Worker(options, index) for index in range(options.workers)]
+        self.workers = [Worker(options, index) for index in range(options.replicas)]
         self.environments = [worker.environments for worker in self.workers]
         self.network = self.make_network(options, self.environments[0].shape, len(self.environments[0].actions))
         self.network.to(self.device)
-        self.replicas = Replicas(self.network, options.workers)
+        self.replicas = Replicas(self.network, options.replicas)
         for worker, network in zip(self.workers, self.replicas.networks, strict=True):
-            worker.network = network
+            worker.begin(network)
         self.learning_rate = options.learning_rate
         self.optimizer = torch.optim.Adam(self.network.parameters(), self.learning_rate, eps=1e-5, fused=True)
-        self._normalize(torch.from_numpy(np.concatenate([worker.observations for worker in self.workers])))
+        self._normalize([torch.from_numpy(worker.observations) for worker in self.workers])
 
     @staticmethod
     def make_network(options: PPOOptions, shape: tuple[int, ...], actions: int) -> ActorCritic:
         """The network for observations of a shape."""
-        encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=uses_bfloat16(options))
+        encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=options.computes_bfloat16)
         return ActorCritic(encoder, actions)
 
     def train(self, training: Training) -> None:
@@ -217,12 +247,12 @@ class PPO(Agent):
         left = 1 - self.steps / options.total_steps if options.anneal else 1.0
         if options.kl_target is None:
             self.learning_rate = options.learning_rate * left
-        self.replicas.map(lambda worker: worker.play(self.returns), self.workers)
+        seen = self.replicas.map(lambda worker: worker.play(self.returns), self.workers)
         self.steps += options.horizon * options.num_envs
         self._scale()
-        metrics = [self._learn(options.clip * left) for _ in range(options.epochs)]
-        self._normalize(torch.cat([worker.seen[::8].flatten(0, 1) for worker in self.workers]))
-        loss, divergence, entropy, value_loss = np.mean(metrics, 0).tolist()
+        metrics = torch.stack([self._learn(options.clip * left) for _ in range(options.epochs)])
+        self._normalize(seen)
+        loss, divergence, entropy, value_loss = metrics.mean(0).tolist()
         return {
             "loss": loss,
             "kl": divergence,
@@ -232,39 +262,42 @@ class PPO(Agent):
         }
 
     def _scale(self) -> None:
-        """Normalise advantages, and with `normalize_returns` the returns."""
+        """Normalise advantages, and with `normalize_returns` the returns, and take the arrays to the device."""
         self.returns.update(torch.cat([worker.returns for worker in self.workers]))
         advantages = torch.cat([worker.advantages for worker in self.workers])
         mean, deviation = advantages.mean(), advantages.std() + 1e-8
         for worker in self.workers:
             worker.advantages.sub_(mean).div_(deviation)
             worker.returns.sub_(self.returns.mean).div_(self.returns.deviation)
+            arrays = (worker.actions, worker.log_probs, worker.advantages, worker.returns)
+            worker.learned = [array.flatten().to(self.device) for array in arrays]
 
-    def _learn(self, clip: float) -> Any:
+    def _learn(self, clip: float) -> Tensor:
         """Learn from all steps once; returns the means of the minibatches' metrics."""
         options = self.options
-        steps, size = options.horizon * options.num_envs // options.workers, options.minibatch // options.workers
-        orders = [torch.randperm(steps, generator=self.generator) for _ in self.workers]
+        steps, size = options.horizon * options.num_envs // options.replicas, options.minibatch // options.replicas
+        orders = [torch.randperm(steps, generator=self.generator).to(self.device) for _ in self.workers]
         metrics = []
         for start in range(0, steps, size):
             shares = [order[start : start + size] for order in orders]
             metrics += self.replicas.map(lambda worker, share: worker.gradient(share, clip), self.workers, shares)
             self._step()
-        mean = np.mean(metrics, 0)
+        mean = torch.stack(metrics).mean(0)
         if options.kl_target is not None:
-            factor = 1 / 1.5 if mean[1] > 2 * options.kl_target else 1.5 if mean[1] < options.kl_target / 2 else 1
+            divergence = mean[1].item()
+            factor = 1 / 1.5 if divergence > 2 * options.kl_target else 1.5 if divergence < options.kl_target / 2 else 1
             self.learning_rate = min(max(self.learning_rate * factor, 1e-6), 1e-2)
         return mean
 
     def _step(self) -> None:
         """Average the workers' gradients, and take a step of the optimiser."""
         self.replicas.average_gradients()
-        nn.utils.clip_grad_norm_(self.network.parameters(), self.options.max_gradient)
+        nn.utils.clip_grad_norm_(self.network.parameters(), self.options.max_gradient, foreach=True)
         self.optimizer.param_groups[0]["lr"] = self.learning_rate
         self.optimizer.step()
 
-    def _normalize(self, observations: Tensor) -> None:
-        self.network.encoder.observe(observations.to(self.device))
+    def _normalize(self, observations: list[Tensor]) -> None:
+        self.network.encoder.observe(torch.cat(observations).to(self.device))
 
     def _sources(self) -> list[Any]:
         """The objects that have a generator."""

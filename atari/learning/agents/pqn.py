@@ -14,14 +14,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from atari.learning.agent import Agent
-from atari.learning.command import main
-from atari.learning.environments import TrainingEnvironments
-from atari.learning.networks import Encoder, QNetwork, device_of, uses_bfloat16
-from atari.learning.options import FAST_PIXELS, TrainingOptions
-from atari.learning.replicas import Replicas
-from atari.learning.run import RunFolder
-from atari.learning.training import Training
+from atari.learning import Agent, Encoder, Replicas, RunFolder, Training, TrainingEnvironments, TrainingOptions, main
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +61,16 @@ class PQNOptions(TrainingOptions):
 
 
 FAST: dict[str, Any] = {
-    **FAST_PIXELS,
+    "total_steps": 2_000_000,
+    "num_envs": 64,
+    "preset": "envpool",
+    "episodic_life": True,
+    "img_height": 42,
+    "img_width": 42,
+    "network": "small",
+    "normalize": True,
+    "bfloat16": "auto",
+    "workers": 2,
     "minibatch": 256,
     "q_lambda": 0.9,
     "anneal": False,
@@ -78,45 +80,81 @@ FAST: dict[str, Any] = {
 """Options for pixels, found by measurement on two cores; see docs/learning.md."""
 
 
+def rectification(update: int, decay: float = 0.999) -> float:
+    """The factor of Adam's step size by which it is RAdam's (Liu et al. 2020), which PQN's authors use.
+
+    It is 0 for the first five updates, and then rises to 1: until then the mean squares of the gradients are uncertain.
+    """
+    longest = 2 / (1 - decay) - 1
+    length = longest - 2 * update * decay**update / (1 - decay**update)
+    if length <= 5:
+        return 0.0
+    return float(((length - 4) * (length - 2) * longest / ((longest - 4) * (longest - 2) * length)) ** 0.5)
+
+
+class QNetwork(nn.Module):
+    """The values of the actions."""
+
+    def __init__(self, encoder: Encoder, actions: int) -> None:
+        super().__init__()
+        self.encoder = encoder
+        self.advantage = nn.Linear(encoder.width, actions)
+
+    def forward(self, observations: Tensor) -> Tensor:
+        """Values of the actions, (batch, actions)."""
+        values: Tensor = self.advantage(self.encoder(observations))
+        return values
+
+    scores = forward
+
+
 class Worker:
     """A share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""
 
     def __init__(self, options: PQNOptions, index: int) -> None:
-        self.options, self.device = options, device_of(options)
-        self.environments = TrainingEnvironments(options, options.num_envs // options.workers)
-        self.generator = torch.Generator().manual_seed(options.seed * options.workers + index)
-        count = self.environments.num_envs
+        self.options, self.device = options, options.torch_device
+        count, threads = options.num_envs // options.replicas, options.workers // options.replicas
+        self.environments = TrainingEnvironments(options, count, threads)
+        self.generator = torch.Generator().manual_seed(options.seed * options.replicas + index)
         first = options.seed * options.num_envs + index * count
         self.observations = self.environments.reset(options.environment_seeds(first, count))
         size = (options.horizon, count)
-        self.seen = torch.zeros(*size, *self.environments.shape, dtype=torch.uint8)
         self.actions = torch.zeros(*size, dtype=torch.int64)
         self.rewards, self.ends, self.targets = torch.zeros(3, *size).unbind()
         self.greatest = torch.zeros(options.horizon + 1, size[1])
-        self.network: QNetwork
+        self.learned: list[Tensor]
+
+    def begin(self, network: QNetwork) -> None:
+        """Take the network, whose encoder decides how the steps' observations are kept."""
+        self.network = network
+        one = self._prepare(self.observations[:1])
+        self.seen = one.new_zeros(*self.actions.shape, *one.shape[1:])
 
     @torch.no_grad()
-    def play(self, epsilon: float) -> None:
-        """Play `horizon` steps, and compute the targets."""
-        count, actions = self.environments.num_envs, len(self.environments.actions)
+    def play(self, epsilon: float) -> Tensor:
+        """Play `horizon` steps, and compute the targets. Returns a part of the observations."""
+        count, actions, part = self.environments.num_envs, len(self.environments.actions), []
         for step in range(self.options.horizon):
-            seen = torch.from_numpy(self.observations)
-            self.greatest[step], chosen = self._values(seen).max(1)
+            seen = self._prepare(self.observations)
+            self.greatest[step], chosen = self.network(seen).cpu().max(1)
             random = torch.randint(actions, (count,), generator=self.generator)
             chosen = torch.where(torch.rand(count, generator=self.generator) < epsilon, random, chosen)
             self.seen[step], self.actions[step] = seen, chosen
+            if step % 8 == 0:
+                part.append(torch.from_numpy(self.observations))
             self.observations, rewards, terminations, truncations, info = self.environments.step(chosen.numpy())
             self.rewards[step] = torch.from_numpy(rewards)
             self.ends[step] = torch.from_numpy(terminations | truncations)
             if truncations.any():  # the game goes on unseen: add the value of its rest
-                values = self._values(torch.from_numpy(info["final_obs"])).amax(1)
+                values = self.network(self._prepare(info["final_obs"])).cpu().amax(1)
                 self.rewards[step] += self.options.gamma * values * torch.from_numpy(truncations & ~terminations)
-        self.greatest[-1] = self._values(torch.from_numpy(self.observations)).amax(1)
+        self.greatest[-1] = self.network(self._prepare(self.observations)).cpu().amax(1)
         self._estimate()
+        self.learned = [array.flatten().to(self.device) for array in (self.actions, self.targets)]
+        return torch.cat(part)
 
-    def _values(self, observations: Tensor) -> Tensor:
-        values: Tensor = self.network(observations.to(self.device))
-        return values.cpu()
+    def _prepare(self, observations: Any) -> Tensor:
+        return self.network.encoder.prepare(torch.from_numpy(observations).to(self.device))
 
     def _estimate(self) -> None:
         following = self.greatest[-1]
@@ -125,16 +163,15 @@ class Worker:
             following = self.rewards[step] + self.options.gamma * (1 - self.ends[step]) * value
             self.targets[step] = following
 
-    def gradient(self, chosen: Tensor) -> tuple[float, float]:
+    def gradient(self, chosen: Tensor) -> tuple[Tensor, Tensor]:
         """Compute the gradients of the loss on some steps; returns the loss and the mean value."""
-        seen, actions, targets = (
-            memory.flatten(0, 1)[chosen].to(self.device) for memory in (self.seen, self.actions, self.targets)
-        )
+        actions, targets = (array[chosen] for array in self.learned)
+        seen = self.seen.flatten(0, 1).index_select(0, chosen)
         values = self.network(seen).gather(1, actions[:, None])[:, 0]
         loss = 0.5 * (values - targets).square().mean()
         self.network.zero_grad()
         loss.backward()
-        return loss.item(), values.mean().item()
+        return loss.detach(), values.detach().mean()
 
 
 class PQN(Agent):
@@ -146,24 +183,25 @@ class PQN(Agent):
 
     def __init__(self, options: PQNOptions, run: RunFolder | None = None) -> None:
         torch.manual_seed(options.seed)
-        self.options, self.device = options, device_of(options)
+        self.options, self.device = options, options.torch_device
         self.steps = 0
         self.generator = torch.Generator().manual_seed(options.seed)
-        self.workers = [Worker(options, index) for index in range(options.workers)]
+        self.workers = [Worker(options, index) for index in range(options.replicas)]
         self.environments = [worker.environments for worker in self.workers]
         self.network = self.make_network(options, self.environments[0].shape, len(self.environments[0].actions))
         self.network.to(self.device)
-        self.replicas = Replicas(self.network, options.workers)
+        self.replicas = Replicas(self.network, options.replicas)
         for worker, network in zip(self.workers, self.replicas.networks, strict=True):
-            worker.network = network
-        self.optimizer = torch.optim.RAdam(self.network.parameters(), options.learning_rate)
-        self._normalize(torch.from_numpy(np.concatenate([worker.observations for worker in self.workers])))
+            worker.begin(network)
+        self.optimizer = torch.optim.Adam(self.network.parameters(), options.learning_rate, fused=True)
+        self.updates = 0
+        self._normalize([torch.from_numpy(worker.observations) for worker in self.workers])
 
     @staticmethod
     def make_network(options: PQNOptions, shape: tuple[int, ...], actions: int) -> QNetwork:
         """The network for observations of a shape."""
         encoder = Encoder(
-            shape, options.network, normalize=options.normalize, layer_norm=True, bfloat16=uses_bfloat16(options)
+            shape, options.network, normalize=options.normalize, layer_norm=True, bfloat16=options.computes_bfloat16
         )
         return QNetwork(encoder, actions)
 
@@ -178,12 +216,12 @@ class PQN(Agent):
         options = self.options
         done = self.steps / options.total_steps
         epsilon = self._epsilon(done)
-        self.optimizer.param_groups[0]["lr"] = options.learning_rate * (1 - done if options.anneal else 1)
-        self.replicas.map(lambda worker: worker.play(epsilon), self.workers)
+        learning_rate = options.learning_rate * (1 - done if options.anneal else 1)
+        seen = self.replicas.map(lambda worker: worker.play(epsilon), self.workers)
         self.steps += options.horizon * options.num_envs
-        metrics = [metric for _ in range(options.epochs) for metric in self._learn()]
-        self._normalize(torch.cat([worker.seen[::8].flatten(0, 1) for worker in self.workers]))
-        loss, value = np.mean(metrics, 0).tolist()
+        metrics = torch.stack([metric for _ in range(options.epochs) for metric in self._learn(learning_rate)])
+        self._normalize(seen)
+        loss, value = metrics.mean(0).tolist()
         return {"loss": loss, "value": value, "epsilon": epsilon}
 
     def _epsilon(self, done: float) -> float:
@@ -191,22 +229,24 @@ class PQN(Agent):
         last, middle = self.options.epsilon, self.options.epsilon_middle
         return float(np.interp(done, (0, self.options.exploration, 1), (1, last if middle is None else middle, last)))
 
-    def _learn(self) -> list[tuple[float, float]]:
-        """Learn from all steps once; returns the metrics of the minibatches."""
+    def _learn(self, learning_rate: float) -> list[Tensor]:
+        """Learn from all steps once; returns loss and mean value of the minibatches."""
         options = self.options
-        steps, size = options.horizon * options.num_envs // options.workers, options.minibatch // options.workers
-        orders = [torch.randperm(steps, generator=self.generator) for _ in self.workers]
+        steps, size = options.horizon * options.num_envs // options.replicas, options.minibatch // options.replicas
+        orders = [torch.randperm(steps, generator=self.generator).to(self.device) for _ in self.workers]
         metrics = []
         for start in range(0, steps, size):
             shares = [order[start : start + size] for order in orders]
-            metrics += self.replicas.map(Worker.gradient, self.workers, shares)
+            metrics += map(torch.stack, self.replicas.map(Worker.gradient, self.workers, shares))
             self.replicas.average_gradients()
-            nn.utils.clip_grad_norm_(self.network.parameters(), options.max_gradient)
+            nn.utils.clip_grad_norm_(self.network.parameters(), options.max_gradient, foreach=True)
+            self.updates += 1
+            self.optimizer.param_groups[0]["lr"] = learning_rate * rectification(self.updates)
             self.optimizer.step()
         return metrics
 
-    def _normalize(self, observations: Tensor) -> None:
-        self.network.encoder.observe(observations.to(self.device))
+    def _normalize(self, observations: list[Tensor]) -> None:
+        self.network.encoder.observe(torch.cat(observations).to(self.device))
 
     def _sources(self) -> list[Any]:
         """The objects that have a generator."""
@@ -216,6 +256,7 @@ class PQN(Agent):
         """Everything that the next update depends on."""
         return {
             "steps": self.steps,
+            "updates": self.updates,
             "network": self.network.state_dict(),
             "optimizer": self.optimizer.state_dict(),
             "generators": [source.generator.get_state() for source in self._sources()],
@@ -225,7 +266,7 @@ class PQN(Agent):
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Continue from a state of `state`."""
-        self.steps = state["steps"]
+        self.steps, self.updates = state["steps"], state["updates"]
         self.network.load_state_dict(state["network"])
         self.optimizer.load_state_dict(state["optimizer"])
         for source, generator in zip(self._sources(), state["generators"], strict=True):
