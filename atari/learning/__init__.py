@@ -1,8 +1,8 @@
 """Learning from the environments: agents and trainings, a replay memory, evaluation by protocols, comparison with
 published results.
 
-Memory and evaluation need NumPy alone. Agents, trainings, run folders and trained policies need PyTorch (extra `learn`),
-which is imported when one of their names is used.
+Memory and evaluation need NumPy alone. Agents, trainings, run folders and trained policies need PyTorch (extra
+`learn`), which is imported when one of their names is used.
 """
 
 from importlib import import_module
@@ -36,8 +36,8 @@ __all__ = [
     "EvaluationProtocol",
     "Policy",
     "Published",
-    "Replicas",
     "ReplayMemory",
+    "Replicas",
     "Result",
     "RunFolder",
     "ScoresPolicy",

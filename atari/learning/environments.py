@@ -16,6 +16,8 @@ ByteArray = npt.NDArray[np.uint8]
 class TrainingEnvironments:
     """Environments with SAME_STEP autoreset, and the scores of the whole games that were played in them.
 
+    With several games, environment i plays game i modulo their number.
+
     Args:
         options: the options of the training.
         num_envs: the number of environments.
@@ -39,15 +41,16 @@ class TrainingEnvironments:
     """
 
     def __init__(self, options: TrainingOptions, num_envs: int, num_threads: int = 1, stacked: bool = True) -> None:
-        played = options.task
+        played = options.tasks
         if not stacked:
-            played = played.replace(stack_num=None if options.from_ram else 1)
-        self._envs = AtariVectorEnv(played, num_envs, autoreset_mode="SameStep", num_threads=num_threads)
+            played = tuple(task.replace(stack_num=None if options.from_ram else 1) for task in played)
+        listed = [played[index % len(played)] for index in range(num_envs)]
+        self._envs = AtariVectorEnv(listed, autoreset_mode="SameStep", num_threads=num_threads)
         self.actions = tuple(action.name for action in options.task.action_set)
         space: Any = self._envs.single_observation_space
         self.shape: tuple[int, ...] = space.shape
         self.num_envs = num_envs
-        self.games: list[tuple[float, int]] = []
+        self._games: list[tuple[str, float, int]] = []
 
     def reset(self, seed: int | npt.NDArray[np.int64]) -> ByteArray:
         """Begin new games. Environment i gets the seed `seed + i`, or element i of an array."""
@@ -66,12 +69,13 @@ class TrainingEnvironments:
 
     def _count_games(self, info: Mapping[str, Any]) -> None:
         if "episode" in info:
-            ended = info["_episode"]
-            self.games += zip(info["episode"]["r"][ended].tolist(), info["episode"]["l"][ended].tolist(), strict=True)
+            ended, episode = info["_episode"], info["episode"]
+            names = [self._envs.games[lane].id for lane in np.flatnonzero(ended)]
+            self._games += zip(names, episode["r"][ended].tolist(), episode["l"][ended].tolist(), strict=True)
 
-    def take_games(self) -> list[tuple[float, int]]:
-        """The score and the length in frames of each whole game that has ended since the last call."""
-        taken, self.games = self.games, []
+    def take_games(self) -> list[tuple[str, float, int]]:
+        """The name, score and length in frames of each whole game that has ended since the last call."""
+        taken, self._games = self._games, []
         return taken
 
     def state(self) -> dict[str, Any]:
@@ -82,7 +86,7 @@ class TrainingEnvironments:
         """Continue from the positions of `state`."""
         self._envs.reset(seed=0)
         self._envs.restore(None, pickle.loads(state["snapshots"]))
-        self.games = []
+        self._games = []
 
     def close(self) -> None:
         """Close the environments."""

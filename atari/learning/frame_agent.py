@@ -11,9 +11,8 @@ from atari.cores import Core
 from atari.games.game import Game
 from atari.learning.policies import load_policy
 from atari.observations.frames import Frame, FrameObservations
-from atari.policy.needs import Needs, composed, needs_of
+from atari.policy.needs import Needs, in_game, needs_of
 from atari.task import Task
-from atari.task.fields import GROUPS
 
 Start = Literal["game", "life", "middle"]
 """How an episode begins: at the start of a game, after a lost life, or anywhere in a game."""
@@ -68,9 +67,7 @@ class FrameAgent:
             )
         if task.definition == game:
             return task
-        groups = ("play", "begin", "lives", "limits", "observation")  # the policy is of another game
-        fields = {name: getattr(task, name) for group in groups for name in GROUPS[group] if name != "interventions"}
-        return composed(self._unsaid(game), **fields)
+        return in_game(task, self._unsaid(game))  # the policy is of another game
 
     def _unsaid(self, game: Game) -> Task:
         """The task of a policy without `task` and `environment`."""

@@ -7,13 +7,14 @@ import types
 import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from atari.learning.programs import is_program, module_of, named_in, program
+from atari.policy.needs import in_game
 from atari.task import Task
 from atari.task.resolution import ALIASES, OPTIONS, GameLike, resolve_for_agent
 from atari.validation import check_integer, check_known
@@ -49,6 +50,9 @@ class TrainingOptions:
             SeedSequence.
         total_steps: agent steps of all environments together.
         stop_score: stop when the mean score of the last 100 whole games reaches this; none is never.
+        more_games: other games of the training, with commas between. Environment i plays the game i modulo their
+            number, the task's game first; the score is the mean of the games' scores. They are played as the task says,
+            and must have the same actions, as with actions "full".
         num_envs: environments that are played together.
         network: nature (Mnih et al. 2015), small (two convolutions, 256 units), or, for RAM, mlp (two layers of 256
             units) or bits (the same on the bits of RAM); or FILE.py:NAME, a class or function of your own that makes a
@@ -84,6 +88,7 @@ class TrainingOptions:
     seed: int = 0
     total_steps: int = 10_000_000
     stop_score: float | None = None
+    more_games: str | None = None
     num_envs: int = 8
     network: str | Callable[[Any], Any] = "nature"
     normalize: bool = False
@@ -149,6 +154,7 @@ class TrainingOptions:
         if self.num_envs % self.workers:
             raise ValueError(f"num_envs must be a multiple of workers, got {self.num_envs} and {self.workers}")
         self._check_network()
+        self._check_games()
         if not re.fullmatch(r"cpu|auto|cuda(:\d{1,4})?", self.device):
             raise ValueError(f"device must be cpu, cuda, cuda:N or auto, got {self.device!r}")
         if not 0 < self.gamma <= 1:
@@ -165,6 +171,27 @@ class TrainingOptions:
                 f"network {self.network!r} is not for obs_type {self.task.obs_type!r}: images need nature or small, "
                 "ram mlp or bits"
             )
+
+    def _check_games(self) -> None:
+        """Raises: gymnasium.error.NameNotFound, ValueError: the games cannot be played together."""
+        names = [task.game for task in self.tasks]
+        if twice := sorted({name for name in names if names.count(name) > 1}):
+            raise ValueError(f"{twice[0]} is named twice in more_games={self.more_games!r} and the task; leave one out")
+        for task in self.tasks[1:]:
+            if task.action_set != self.task.action_set:
+                raise ValueError(
+                    f"{task.game} has other actions than {self.task.game}, and one network rates the actions of all "
+                    "games; add actions='full'"
+                )
+        if self.num_envs % (self.workers * len(names)):
+            given = f"{self.num_envs}, {self.workers} and {len(names)}"
+            raise ValueError(f"num_envs must be a multiple of workers times games, got {given}")
+
+    @cached_property
+    def tasks(self) -> tuple[Task, ...]:
+        """The task of each game: `task`, and the same in `more_games`."""
+        others = [] if self.more_games is None else self.more_games.split(",")
+        return (self.task, *(in_game(self.task, Task.of(name.strip())) for name in others))
 
     @property
     def torch_device(self) -> str:

@@ -33,7 +33,7 @@ class Training:
         folder: the run folder.
         agent: the agent.
         options: the options of the agent.
-        scores: the scores of the last 100 whole games.
+        scores: by game, the scores of the last 100 whole games.
         games: the number of whole games so far.
         seconds: the seconds of the updates so far.
 
@@ -52,7 +52,7 @@ class Training:
         self.folder = folder
         self.agent = agent
         self.options = options
-        self.scores: deque[float] = deque(maxlen=WINDOW)
+        self.scores: dict[str, deque[float]] = {task.game: deque(maxlen=WINDOW) for task in options.tasks}
         self.games = 0
         self.seconds = 0.0
         self._saved_at, self._saved_step = time.monotonic(), -1
@@ -181,14 +181,15 @@ class Training:
         if self.agent.steps >= self.options.total_steps:
             return "steps"
         wanted = self.options.stop_score
-        if wanted is not None and len(self.scores) == WINDOW and sum(self.scores) / WINDOW >= wanted:
+        known = all(len(scores) == WINDOW for scores in self.scores.values())
+        if wanted is not None and known and self._score() >= wanted:
             return "score"
         return "stop" if self._stop is not None and self._stop.is_set() else ""
 
     def _count_games(self) -> None:
         for environments in self.agent.environments:
-            for score, _ in environments.take_games():
-                self.scores.append(score)
+            for game, score, _ in environments.take_games():
+                self.scores[game].append(score)
                 self.games += 1
 
     def _check_finite(self, loss: float) -> None:
@@ -201,9 +202,14 @@ class Training:
             f"{self.options.learning_rate / 4:g} for example"
         )
 
+    def _means(self) -> dict[str, float]:
+        """By game, the mean of the last whole games; NaN before the first."""
+        return {game: sum(scores) / len(scores) if scores else math.nan for game, scores in self.scores.items()}
+
     def _score(self) -> float:
-        """The mean of the last whole games; NaN before the first."""
-        return sum(self.scores) / len(self.scores) if self.scores else math.nan
+        """The mean of the games' means; NaN before the first whole game."""
+        known = [mean for mean in self._means().values() if not math.isnan(mean)]
+        return sum(known) / len(known) if known else math.nan
 
     def _facts(self) -> dict[str, float]:
         low, high = self.options.task.frames
@@ -213,6 +219,7 @@ class Training:
             "seconds": round(self.seconds, 3),
             "games": self.games,
             "score": self._score(),
+            **({} if len(self.scores) == 1 else {f"score_{game}": mean for game, mean in self._means().items()}),
         }
 
     def save_when_due(self) -> None:
@@ -253,7 +260,7 @@ class Training:
         """
         state = {
             "agent": self.agent.state(),
-            "scores": list(self.scores),
+            "scores": {game: list(scores) for game, scores in self.scores.items()},
             "games": self.games,
             "seconds": self.seconds,
         }
@@ -262,7 +269,9 @@ class Training:
 
     def _restore(self, state: Mapping[str, Any]) -> None:
         self.agent.restore(state["agent"])
-        self.scores.extend(state["scores"])
+        saved = state["scores"]  # a list in runs of earlier releases
+        for game, scores in ({self.options.task.game: saved} if isinstance(saved, list) else saved).items():
+            self.scores[game].extend(scores)
         self.games, self.seconds = state["games"], state["seconds"]
         self._saved_step = self.agent.steps
 

@@ -10,9 +10,10 @@ from atari.games.game import Game
 from atari.games.players import rules_of
 from atari.observations.layout import Layout
 from atari.task import Task
+from atari.task.fields import GROUPS
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.rules import settle
-from atari.task.task import DEFAULTS
+from atari.task.task import DEFAULTS, FIELDS
 from atari.validation import check_known
 from atari.vector import AtariVectorEnv
 from atari.vector.ale_names import NAMES
@@ -98,6 +99,12 @@ def _task(task: Any) -> Task | None:
     if isinstance(task, Mapping):
         return Task.from_json(json.dumps(task))
     raise TypeError(f"task must be an atari.Task, got {task!r}")
+
+
+def in_game(task: Task, game: Task) -> Task:
+    """A task with the game, mode, difficulty, players and interventions of `game`, and with all else of `task`."""
+    fields = {name: getattr(task, name) for name in FIELDS if name not in (*GROUPS["game"], "interventions")}
+    return composed(game, **fields)
 
 
 def composed(game: Task, **fields: Any) -> Task:

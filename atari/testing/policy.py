@@ -10,12 +10,10 @@ from typing_extensions import Unpack
 
 from atari.games.catalog import games
 from atari.policy import LoadedPolicy, makes_policy, show
-from atari.policy.needs import composed, needs_of
+from atari.policy.needs import in_game, needs_of
 from atari.task import Task
-from atari.task.fields import GROUPS
 from atari.task.options import VectorTaskOptions
 from atari.task.resolution import GameLike
-from atari.task.task import FIELDS
 from atari.testing.contract import ContractError, broken_by, require, require_same
 from atari.vector import AtariVectorEnv
 from atari.vector.options import resolve_one
@@ -123,8 +121,7 @@ def _played(
         wrong = "preset" if preset is not None else next(iter(options))
         raise ValueError(f"the policy says what it sees, by its task or environment; leave out {wrong}")
     else:
-        fields = {name: getattr(needs.task, name) for name in FIELDS if name not in GROUPS["game"]}
-        task = needs.task if needs.task.game == chosen.game else composed(chosen, **fields)
+        task = needs.task if needs.task.game == chosen.game else in_game(needs.task, chosen)
     every = [action.name for action in task.action_set]
     names = needs.actions or tuple(every)
     lacking = [name for name in names if name not in every]

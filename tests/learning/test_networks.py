@@ -131,7 +131,7 @@ def test_the_device_is_a_gpu_if_there_is_one(monkeypatch: pytest.MonkeyPatch) ->
         assert (options["auto"].torch_device, options["cpu"].torch_device) == (found, "cpu")
         for name in ["cuda", "cuda:1"][count:]:
             with pytest.raises(ValueError, match=f"device is '{name}', and PyTorch can use {count} GPUs"):
-                options[name].torch_device
+                _ = options[name].torch_device
 
 
 class TestNetworksOfOnesOwn:

@@ -122,7 +122,7 @@ def test_games_of_the_evaluation_are_those_of_the_training(tmp_path: Path, name:
     while not (ended := envs.take_games()):
         images, *_ = envs.step(policy(images, lane))
     envs.close()
-    assert ended[0] == (result.scores[0], result.frames[0])
+    assert ended[0] == ("breakout", result.scores[0], result.frames[0])
 
 
 def test_report(run: RunFolder) -> None:

@@ -340,6 +340,7 @@ def compressed() -> ReplayMemory:
 
 Case = tuple[Callable[[], Any], Callable[[Any], Any]]
 
+
 def training_environments() -> TrainingEnvironments:
     """Environments in the middle of a game."""
     made = TrainingEnvironments(TrainingOptions.of("pong", img_height=20, img_width=20), 2)

@@ -234,7 +234,7 @@ class PQN(Agent):
         options = self.options
         steps, size = options.horizon * options.num_envs // options.replicas, options.minibatch // options.replicas
         orders = [torch.randperm(steps, generator=self.generator).to(self.device) for _ in self.workers]
-        metrics = []
+        metrics: list[Tensor] = []
         for start in range(0, steps, size):
             shares = [order[start : start + size] for order in orders]
             metrics += map(torch.stack, self.replicas.map(Worker.gradient, self.workers, shares))

@@ -14,8 +14,19 @@ from atari.validation import check_integer, import_extra
 Array = Callable[[tuple[int, ...], Any], Any]
 
 
-class _Copied:
-    """Copies of batches: without the target of the extension module, which writes to the arrays of the original."""
+class _Rows:
+    """What batches of steps have in common: the environments of the rows, and copies.
+
+    A copy has no target of the extension module, which writes to the arrays of the original.
+    """
+
+    indices: Any
+    num_envs: int
+
+    @property
+    def env_id(self) -> Any:
+        """The environment of each row, (batch,) int64. With several games, `envs.games[i]` is its game."""
+        return self.indices % self.num_envs
 
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "_target": []}
@@ -39,7 +50,7 @@ def _views(frames: Any, observations: Any) -> tuple[Any, Any]:
 
 
 @dataclass(frozen=True, eq=False)
-class Batch(_Copied):
+class Batch(_Rows):
     """Transitions, see `ReplayMemory.sample`: arrays of NumPy, or tensors of PyTorch on the CPU."""
 
     observations: Any
@@ -52,11 +63,12 @@ class Batch(_Copied):
     indices: Any
     weights: Any
     frames: Any = None
+    num_envs: int = 1
     _target: list[Any] = field(default_factory=list, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
-class Sequences(_Copied):
+class Sequences(_Rows):
     """Sequences of steps, see `ReplayMemory.sample_sequences`: arrays of NumPy, or tensors of PyTorch on the CPU."""
 
     observations: Any
@@ -66,6 +78,7 @@ class Sequences(_Copied):
     truncations: Any
     mask: Any
     indices: Any
+    num_envs: int = 1
     _target: list[Any] = field(default_factory=list, repr=False)
 
 
@@ -99,6 +112,7 @@ def make_batch(
         "terminations": array(steps, np.bool_),
         "truncations": array(steps, np.bool_),
         "indices": array((size,), np.int64),
+        "num_envs": options.num_envs,
     }
     if length:
         return Sequences(**common, mask=array(steps, np.bool_))

@@ -1,6 +1,6 @@
 """The last observations of episodes, read from the `info` of a vector environment in SAME_STEP."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,16 +12,21 @@ _KEYS = ("final_obs", "final_observation")
 
 
 def final_observations(
-    info: Mapping[str, Any] | None, ended: npt.NDArray[np.bool_], parts: tuple[Part, ...], named: bool
+    info: Mapping[str, Any] | Sequence[Mapping[str, Any]] | None,
+    ended: npt.NDArray[np.bool_],
+    parts: tuple[Part, ...],
+    named: bool,
 ) -> list[npt.NDArray[np.uint8]]:
     """By part, an array (num_envs, *shape) with the last observations of the environments that ended.
 
     `info` has one array or a dict of arrays from `AtariVectorEnv`, and an object array of observations from Gymnasium's
-    vector environments.
+    vector environments. From Gymnasium's `DictInfoToList` it is a list with a dict for each environment.
 
     Raises:
         ValueError: `info` has no last observations, or one has another shape.
     """
+    if isinstance(info, Sequence):
+        info = {key: [one.get(key) for one in info] for key in _KEYS if any(key in one for one in info)}
     key = next((key for key in _KEYS if key in (info or {})), None)
     if info is None or key is None:
         raise ValueError("an episode has ended, and info has no final_obs; autoreset_mode is SAME_STEP here")

@@ -1,7 +1,7 @@
 """`ReplayMemory` stores the experience of vector environments, each frame once."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from os import PathLike
 from pathlib import Path
@@ -295,7 +295,7 @@ class ReplayMemory:
         rewards: Any,
         terminations: Any,
         truncations: Any,
-        info: Mapping[str, Any] | None = None,
+        info: Mapping[str, Any] | Sequence[Mapping[str, Any]] | None = None,
         *,
         observations: Any = None,
     ) -> None:
@@ -305,7 +305,7 @@ class ReplayMemory:
             actions: (num_envs, *action_shape), of values that `action_dtype` can store; floats are rounded.
             rewards: numbers (num_envs,), stored as float32.
             terminations, truncations: bool (num_envs,).
-            info: in SAME_STEP, with `final_obs` of the environments that ended.
+            info: in SAME_STEP, with `final_obs` of the environments that ended; a dict, or a dict for each environment.
             observations: uint8 (num_envs, *observation_shape), or a dict of these, which are copied to `frames`. None
                 if the step has written them there.
 
@@ -447,6 +447,7 @@ class ReplayMemory:
             - `terminations`, `truncations`: bool (batch,), how the last step ended. A reset before the end of an
                 episode is a truncation;
             - `indices`: int64 (batch,), the numbers of the steps, for `update_priorities`. No number is used twice;
+            - `env_id`: int64 (batch,), the environments of the steps;
             - `weights`: float32 (batch,), importance weights, divided by their maximum; 1 in uniform sampling;
             - `frames`: uint8 (batch, stack_num + 1, ...), or a dict of these, after `make_batch(..., share=True)`:
                 `observations` and `next_observations` are views of it. Otherwise None.
@@ -496,7 +497,8 @@ class ReplayMemory:
             - `rewards`: float32 (batch, length);
             - `terminations`, `truncations`: bool (batch, length);
             - `mask`: bool (batch, length), False after the end of the episode, where all else is 0;
-            - `indices`: int64 (batch,), the numbers of the first steps.
+            - `indices`: int64 (batch,), the numbers of the first steps;
+            - `env_id`: int64 (batch,), the environments.
 
         Raises:
             TypeError, ValueError: an argument does not fit, or no sequence can be drawn yet.

@@ -157,3 +157,35 @@ def test_environments_that_do_not_fit() -> None:
             ReplayMemory.for_env(atari.AtariVectorEnv("pong", 2, **options), 100)
     with pytest.raises(TypeError, match="uint8"):
         ReplayMemory.for_env(gymnasium.make_vec("CartPole-v1", 2), 100)
+
+
+WRAPPERS = {
+    "statistics": gymnasium.wrappers.vector.RecordEpisodeStatistics,
+    "rewards": lambda envs: gymnasium.wrappers.vector.TransformReward(envs, lambda reward: reward),
+    "infos by environment": gymnasium.wrappers.vector.DictInfoToList,
+}
+
+
+@pytest.mark.parametrize("name", WRAPPERS)
+def test_behind_a_wrapper_the_memory_stores_the_same(name: str) -> None:
+    needs_autoreset_modes()
+    options: Any = {"preset": "dqn2015", "max_num_frames_per_episode": 120, "autoreset_mode": "SameStep"}
+    wrapped = WRAPPERS[name](atari.AtariVectorEnv("breakout", 3, stack_num=1, **options))
+    stacked = atari.AtariVectorEnv("breakout", 3, **options)
+    memory = ReplayMemory.for_env(wrapped, 400, final_frames=20)
+    wanted = play(memory, wrapped, stacked, 100, AutoresetMode.SAME_STEP, copied=True)
+    assert any(each["truncations"] or each["terminations"] for each in wanted.values())
+    compare(memory, wanted)
+
+
+def test_rows_say_their_environment() -> None:
+    games = ["pong", "breakout", "freeway"]
+    envs = atari.AtariVectorEnv(games, stack_num=1, preset="machado2018")
+    memory = ReplayMemory.for_env(envs, 300)
+    memory.reset(envs.reset(seed=0)[0])
+    for _ in range(40):
+        memory.add(np.arange(3), *envs.step(np.zeros(3, np.int64), out=memory.frames())[1:])
+    batch, sequences = memory.sample(50), memory.sample_sequences(50, 2)
+    assert np.array_equal(batch.env_id, batch.actions)  # each environment has its own action
+    assert np.array_equal(sequences.env_id, sequences.actions[:, 0])
+    assert set(batch.env_id.tolist()) == {0, 1, 2}
