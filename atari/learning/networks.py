@@ -142,7 +142,8 @@ def _layers(shape: Sequence[int], kind: str, layer_norm: bool) -> tuple[nn.Modul
             size = nn.Sequential(*layers)(torch.zeros(1, *shape)).shape[1]
         widths = [512 if kind == "nature" else 256]
     for width in widths:
-        layers += [orthogonal(nn.Linear(size, width)), *([nn.LayerNorm(width)] if layer_norm else []), nn.ReLU()]
+        norm = [nn.LayerNorm(width)] if layer_norm else []
+        layers += [orthogonal(nn.Linear(size, width)), *norm, nn.ReLU(inplace=True)]
         size = width
     return nn.Sequential(*layers), size
 
@@ -184,7 +185,7 @@ def _convolutions(channels: int, table: Sequence[tuple[int, int, int]], layer_no
     layers: list[nn.Module] = []
     for out, kernel, stride in table:
         layers.append(orthogonal(nn.Conv2d(channels, out, kernel, stride)))
-        layers += [nn.GroupNorm(1, out), nn.ReLU()] if layer_norm else [nn.ReLU()]
+        layers += [nn.GroupNorm(1, out), nn.ReLU(inplace=True)] if layer_norm else [nn.ReLU(inplace=True)]
         channels = out
     return [*layers, nn.Flatten()]
 

@@ -5,9 +5,9 @@
     scripts/generate/learning_curves.py draw                                           # docs/learning-curves.svg
     scripts/generate/learning_curves.py table                                          # Markdown on standard output
 
-A run folder becomes `docs/curves/GAME-AGENT.csv`, at most 100 rows of its log, and an entry of `docs/curves/runs.json`:
-the options that differ from the agent's defaults, versions, and the scores of the evaluation after the training. It
-needs the extra `learn`.
+A run folder becomes `docs/curves/GAME-AGENT.csv`, or with sticky actions `GAME-AGENT-sticky-SEED.csv`, at most 100 rows of
+its log, and an entry of `docs/curves/runs.json`: the options that differ from the agent's defaults, versions, and the
+scores of the evaluation after the training. It needs the extra `learn`.
 """
 
 import argparse
@@ -26,7 +26,7 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 FOLDER = DOCS / "curves"
 RUNS = FOLDER / "runs.json"
 COLUMNS = ("step", "frames", "seconds", "games", "score")
-COLORS = {"ppo": "#c2410c", "dqn": "#1d4ed8", "pqn": "#15803d"}
+COLORS = {"ppo": "#c2410c", "dqn": "#1d4ed8", "pqn": "#15803d", "pqn, sticky actions": "#a21caf"}
 PUBLISHED = ("dopamine/dqn", "dopamine/rainbow", "cleanrl/ppo")
 """Columns of the table: those with curves at equal frames, the others at the end of their training."""
 
@@ -38,7 +38,9 @@ def collect(path: Path) -> None:
 
     folder = RunFolder.open(path)
     agent, options = folder.config["agent"], read_options(folder)
-    name, rows = f"{options.task.game}-{agent}", folder.rows()
+    sticky = bool(options.task.repeat_action_probability)
+    name = f"{options.task.game}-{agent}{f'-sticky-{options.seed}' if sticky else ''}"
+    rows = folder.rows()
     thinned = rows[:: math.ceil(len(rows) / 99)]
     FOLDER.mkdir(exist_ok=True)
     with (FOLDER / f"{name}.csv").open("w", newline="") as file:
@@ -72,6 +74,11 @@ def read_rows(name: str) -> list[dict[str, float]]:
         return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
 
 
+def suffix(name: str) -> str:
+    """What is said after the agent of a run with sticky actions."""
+    return ", sticky actions" if "-sticky-" in name else ""
+
+
 def draw() -> None:
     """Draw a panel for each game."""
     import matplotlib
@@ -94,7 +101,8 @@ def draw() -> None:
         curves = {name: read_rows(name) for name in names}
         draw_published(axes, game, max(rows[-1]["frames"] for rows in curves.values()))
         for name, rows in curves.items():
-            draw_scores(axes, rows, f"{runs[name]['agent']} of this package", COLORS[runs[name]["agent"]])
+            kind = runs[name]["agent"] + suffix(name)
+            draw_scores(axes, rows, f"this package: {kind}", COLORS[kind])
         draw_levels(axes, game)
         axes.set_title(game, fontsize="medium")
         axes.set_xlabel("million frames", fontsize="small")
@@ -116,7 +124,7 @@ def table() -> None:
         after = f"{statistics.fmean(run['scores']):,.1f} ± {statistics.stdev(run['scores']):,.1f}"
         beside = " | ".join(_beside(source, game, int(last["frames"])) for source in PUBLISHED)
         frames = f"{last['frames'] / 1e6:.1f} M"
-        print(f"| {game} | `{run['agent']}` | {frames} | {last['score']:,.1f} | {after} | {beside} |")
+        print(f"| {game} | `{run['agent']}`{suffix(name)} | {frames} | {last['score']:,.1f} | {after} | {beside} |")
 
 
 def _beside(name: str, game: str, frames: int) -> str:
