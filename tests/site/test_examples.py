@@ -8,6 +8,7 @@ WITHOUT_EXAMPLE = {
     "atari.classic.configuration.undo_logger_setup",  # does nothing
     "atari.classic.scoreboard.upload",  # likewise
     "atari.integrations.arrays.to_jax",
+    "atari.learning.command.main",  # reads the command line of a script
     "atari.integrations.ray.rllib.env_creator",
     "atari.lab.widget.show",
     "atari.play.loop.play",
