@@ -29,6 +29,11 @@ PLACES: dict[str, tuple[str, ...]] = {
         "tests/multiplayer",
         "tests/conformance/test_goldens.py",
     ),
+    "atari/emulator/ale/colours": (
+        "tests/conformance/test_native_equals_ale_py.py",
+        "tests/emulator/test_observation.py",
+    ),
+    "atari/emulator/ale/programs": ("tests/games", "tests/lab", "tests/cores", "tests/conformance/test_goldens.py"),
     "atari/emulator/observations": ("tests/emulator/test_observation.py", "tests/wrappers", "tests/vector"),
     "atari/emulator/vector": ("tests/vector", "tests/multiplayer/test_vector.py"),
     "atari/emulator/memory": ("tests/learning/memory",),

@@ -20,6 +20,40 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """The options of a run in two parts: the second has packages that the first lacks."""
+    parser.addoption("--note-passed", type=Path, metavar="FILE", help="write the names of passed tests to FILE")
+    parser.addoption("--leave-out", type=Path, metavar="FILE", help="leave out the tests that FILE names")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out tests that have passed without the packages of this run. A test that needs them was skipped there."""
+    if file := config.getoption("leave_out"):
+        passed = set(file.read_text(encoding="utf-8").splitlines())
+        config.hook.pytest_deselected(items=[item for item in items if item.nodeid in passed])
+        items[:] = [item for item in items if item.nodeid not in passed]
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Note passed tests in the process that collects the results of all."""
+    if (file := config.getoption("note_passed")) and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(_Passed(file))
+
+
+class _Passed:
+    """Writes the names of passed tests."""
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("w", encoding="utf-8")
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.when == "call" and report.passed:
+            print(report.nodeid, file=self._file)
+
+    def pytest_unconfigure(self) -> None:
+        self._file.close()
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     """Skip a test that compares with a feature that the installed Gymnasium or ale-py lacks.

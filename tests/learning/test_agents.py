@@ -89,7 +89,7 @@ def train(agent: str, folder: Path, steps: int) -> "subprocess.Popen[bytes]":
 
 @pytest.mark.parametrize("agent", AGENTS)
 def test_a_killed_training_ends_with_the_same_weights(agent: str, tmp_path: Path) -> None:
-    steps = {"ppo": 1920, "pqn": 1920, "dqn": 8000}[agent]
+    steps = {"ppo": 960, "pqn": 960, "dqn": 5000}[agent]
     assert train(agent, tmp_path / "whole", steps).wait() == 0
     killed = train(agent, tmp_path / "killed", steps)
     checkpoint = tmp_path / "killed" / "checkpoint.pt"

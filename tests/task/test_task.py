@@ -248,6 +248,11 @@ def test_fields_without_effect_of_another_task_are_left_out() -> None:
     assert task.replace(fire="never").fire_counts is False
 
 
+def test_an_action_is_named_once() -> None:
+    with pytest.raises(ValueError, match="actions has a name twice: NOOP, FIRE, NOOP"):
+        Task.of("pong", actions=["NOOP", "FIRE", "NOOP"])
+
+
 def test_the_third_action_needs_three() -> None:
     game = dataclasses.replace(games.find("freeway"), minimal_actions=(Action.NOOP, Action.FIRE))
     with pytest.raises(ValueError, match="freeway has only 2; use actions='full'"):

@@ -60,6 +60,28 @@ def test_of_games_with_more_state(game: str) -> None:
     assert play(envs, 20, seed=2) == first
 
 
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"max_num_frames_per_episode": 40}, (False, True)),
+        ({"preset": "ale_vector", "episodic_life": True, "fire": "never"}, (True, False)),
+    ],
+)
+def test_a_snapshot_of_an_ended_episode_has_how_it_ended(options: dict[str, Any], expected: tuple[bool, bool]) -> None:
+    envs = atari.AtariVectorEnv("beam_rider", 1, autoreset_mode="Disabled", **options)
+    envs.reset(seed=0)
+    ended = False
+    while not ended:
+        *_, terminations, truncations, _ = envs.step(np.zeros(1, int))
+        ended = bool(terminations[0] or truncations[0])
+    assert (terminations[0], truncations[0]) == expected
+    snapshot = envs.snapshot()
+    envs.reset(seed=1)
+    envs.restore(None, snapshot)
+    *_, terminations, truncations, _ = envs.step(np.zeros(1, int))
+    assert (terminations[0], truncations[0]) == expected
+
+
 def test_a_snapshot_of_one_continues_in_another() -> None:
     envs = make("seaquest", 3)
     envs.reset(seed=5)
