@@ -55,6 +55,11 @@ class BaseSession(ABC):
 
     @property
     @abstractmethod
+    def minimal_actions(self) -> tuple[Action, ...]:
+        """The actions that have an effect in the game, see `atari.play.first_screen`."""
+
+    @property
+    @abstractmethod
     def over(self) -> bool:
         """Whether the game has ended."""
 

@@ -16,6 +16,7 @@ first player        W A S D          space, left shift                  fire
 second player       arrows           right ctrl, right shift, return    fire
 gamepads            to the players in the order in which they are found,
                     first to those without keys; stick or cross, any button"""
+_PADDLES = "in a game with paddles, such as Pong, up turns the paddle right and down turns it left"
 _COMMANDS = """\
 P                   pause            N               one frame, while paused
 backspace (held)    go back in time  R               new game
@@ -23,9 +24,9 @@ F5, F9              save, load       F10             begin or end a video
 F11                 full screen      M               sound on or off
 H or F1             help             escape          end"""
 
-HELP = f"{_ONE_PLAYER}\n{_COMMANDS}"
+HELP = f"{_ONE_PLAYER}\n{_PADDLES}\n{_COMMANDS}"
 """The keys of one player."""
-HELP_SEVERAL = f"{_SEVERAL_PLAYERS}\n{_COMMANDS}"
+HELP_SEVERAL = f"{_SEVERAL_PLAYERS}\n{_PADDLES}\n{_COMMANDS}"
 """The keys of two players."""
 
 
@@ -78,10 +79,11 @@ class Controls:
     Args:
         pygame: the module pygame.
         keys: the player's keys.
+        paddle: whether the player turns a paddle. It has one axis: up is right, and down is left.
     """
 
-    def __init__(self, pygame: Any, keys: Keys = ALL_KEYS) -> None:
-        self._pygame = pygame
+    def __init__(self, pygame: Any, keys: Keys = ALL_KEYS, *, paddle: bool = False) -> None:
+        self._pygame, self._paddle = pygame, paddle
         directions = ("up", "down", "left", "right", "fire")
         self._names = {name: {*keys.get(name, ()), *_GAMEPAD.get(name, ())} for name in directions}
         self._held: set[str] = set()  # names of keys, gamepad axes and buttons
@@ -110,6 +112,13 @@ class Controls:
             self._held.clear()  # no event comes for keys released in another window
         return None
 
+    def presses(self, event: Any) -> bool:
+        """Whether an event presses a key or a button, or moves the stick or the cross of a gamepad."""
+        pygame = self._pygame
+        if event.type == pygame.JOYAXISMOTION:
+            return event.axis in (0, 1) and abs(event.value) > _AXIS_LIMIT
+        return event.type in (pygame.KEYDOWN, pygame.JOYBUTTONDOWN, pygame.JOYHATMOTION)
+
     @property
     def rewinding(self) -> bool:
         """Whether the rewind key is held."""
@@ -120,6 +129,8 @@ class Controls:
         held = {direction for direction, names in self._names.items() if self._held.intersection(names)}
         vertical = ("up" in held) - ("down" in held)
         horizontal = ("right" in held) - ("left" in held)
+        if self._paddle:
+            vertical, horizontal = 0, (horizontal + vertical > 0) - (horizontal + vertical < 0)
         fire = "fire" in held or any(name.startswith("button ") for name in self._held)
         wanted = [(vertical, horizontal, fire), (vertical, horizontal, False), (0, horizontal, fire)]
         wanted += [(vertical, 0, fire), (0, 0, fire), (0, horizontal, False), (vertical, 0, False), (0, 0, False)]
@@ -145,12 +156,15 @@ class SharedControls(Controls):
     Args:
         pygame: the module pygame.
         players: the numbers of the human players, from 1; a single person has all keys and all gamepads.
+        paddles: whether the players turn paddles, see `Controls`.
     """
 
-    def __init__(self, pygame: Any, players: Sequence[int]) -> None:
+    def __init__(self, pygame: Any, players: Sequence[int], *, paddles: bool = False) -> None:
         super().__init__(pygame, NO_KEYS)
         layouts = [ALL_KEYS] if len(players) == 1 else [LEFT_KEYS, RIGHT_KEYS, NO_KEYS, NO_KEYS]
-        self._seats = {player: Controls(pygame, keys) for player, keys in zip(players, layouts, strict=False)}
+        self.layouts = dict(zip(players, layouts, strict=False))
+        """The keys of each human player."""
+        self._seats = {player: Controls(pygame, keys, paddle=paddles) for player, keys in self.layouts.items()}
         self._gamepads: dict[int, int] = {}  # the player of each gamepad
         self.help = HELP if len(players) == 1 else HELP_SEVERAL
 

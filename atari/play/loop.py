@@ -8,6 +8,7 @@ import gymnasium
 
 from atari.play.base import BaseSession
 from atari.play.controls import Command, SharedControls
+from atari.play.first_screen import first_screen
 from atari.play.speaker import Speaker
 from atari.play.window import GameWindow, start_pygame
 from atari.recording.video.writer import frame_rate
@@ -61,11 +62,18 @@ def play(session: BaseSession, *, scale: int = 3, sound: bool = True, full_scree
 
 
 class Loop:
-    """The work of each tick: handle events, play or rewind a frame, show it and play its sound."""
+    """The work of each tick: handle events, play or rewind a frame, show it and play its sound.
+
+    If a person plays, the game waits at its first screen, which shows the keys, until a key or a gamepad is pressed
+    that gives no command.
+    """
 
     def __init__(self, pygame: Any, session: BaseSession, window: GameWindow, speaker: Speaker | None) -> None:
         self._pygame, self._session, self._window, self._speaker = pygame, session, window, speaker
-        self._controls = SharedControls(pygame, [player + 1 for player in session.humans])
+        paddles = session.game.controllers.paddles
+        self._controls = SharedControls(pygame, [player + 1 for player in session.humans], paddles=paddles)
+        self._first_screen = first_screen(session.game, session.minimal_actions, self._controls.layouts)
+        self._waiting = bool(session.humans)
         self._gamepads: dict[int, Any] = {}
         self._paused = self._single = self._helping = False
         self._ticks = 0
@@ -91,7 +99,9 @@ class Loop:
             command = self._controls.handle(event)
             if command == Command.QUIT:
                 return False
-            if command is not None:
+            if command is None:
+                self._waiting &= not self._controls.presses(event)
+            else:
                 self._show_errors(lambda command=command: self._run_command(command))  # type: ignore[misc]
         if self._controls.rewinding:
             if self._ticks % _FRAMES_PER_REWIND == 0:
@@ -103,7 +113,7 @@ class Loop:
         return True
 
     def _play(self) -> None:
-        if self._session.over:
+        if self._waiting or self._session.over:
             return
         self._session.play(*self._controls.actions(self._session.legal_actions))
         if self._speaker is not None:
@@ -156,4 +166,5 @@ class Loop:
             state = "paused: P to go on, N for one frame"
         message = self._message if self._ticks < self._message_until else ""
         line = "   ".join(part for part in ("REC" if session.recording else "", state, message) if part)
-        return "\n".join(filter(None, (self._controls.help if self._helping else "", line)))
+        keys = self._controls.help if self._helping else self._first_screen if self._waiting else ""
+        return "\n".join(filter(None, (keys, line)))

@@ -92,6 +92,11 @@ class MultiplayerSession(BaseSession):
         return PLAYER_ACTIONS
 
     @property
+    def minimal_actions(self) -> tuple[Action, ...]:
+        """The minimal actions of each player."""
+        return self.core.rules.minimal_actions
+
+    @property
     def over(self) -> bool:
         """Whether the game has ended."""
         return self.core.game_over or self.core.truncated

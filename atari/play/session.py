@@ -98,6 +98,11 @@ class Session(BaseSession):
         return self.task.action_set
 
     @property
+    def minimal_actions(self) -> tuple[Action, ...]:
+        """The game's minimal actions."""
+        return self.game.minimal_actions
+
+    @property
     def over(self) -> bool:
         """Whether the game has ended, and its last frame has been shown."""
         core = self._atari.core

@@ -78,6 +78,22 @@ def test_every_game_can_be_played_with_every_key(game: str, controls: Controls) 
         release(controls, *keys)
 
 
+@pytest.mark.parametrize(
+    ("keys", "action"),
+    [
+        ([pygame.K_UP], Action.RIGHT),
+        ([pygame.K_s], Action.LEFT),
+        ([pygame.K_RIGHT, pygame.K_w], Action.RIGHT),
+        ([pygame.K_LEFT, pygame.K_UP], Action.NOOP),
+        ([pygame.K_DOWN, pygame.K_SPACE], Action.LEFTFIRE),
+    ],
+)
+def test_a_paddle_has_one_axis(keys: list[int], action: Action) -> None:
+    controls = Controls(pygame, paddle=True)
+    press(controls, *keys)
+    assert controls.action(PLAYER_ACTIONS) == action
+
+
 def test_commands(controls: Controls) -> None:
     expected = {
         pygame.K_ESCAPE: Command.QUIT,

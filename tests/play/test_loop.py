@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,22 @@ def display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
     pygame.quit()
 
 
+def begin() -> None:
+    """Press a key without a meaning, with which the game begins at the next tick."""
+    pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_x))
+
+
+def run_loop(frames: int) -> Callable[[Loop], None]:
+    """A `Loop.run` that ends after some frames."""
+
+    def run(loop: Loop) -> None:
+        begin()
+        for _ in range(frames):
+            loop.tick()
+
+    return run
+
+
 class WindowDriver:
     """A loop whose ticks the test makes."""
 
@@ -39,6 +56,7 @@ class WindowDriver:
         pygame.joystick.init()
         self.speaker = Speaker(pygame, 59.92) if sound else None
         self.loop = Loop(pygame, self.session, self.window, self.speaker)
+        begin()
 
     def tick(self, frames: int = 1) -> bool:
         return all(self.loop.tick() for _ in range(frames))
@@ -72,6 +90,46 @@ def test_keys_are_played_and_the_screen_is_shown_with_wide_pixels() -> None:
     assert pygame.display.get_caption()[0] == "Breakout   0"
     actions = [frame.action for frame in driver.close().frames()]
     assert actions == [1] * 10 + [3] * 20 + [0] * 5
+
+
+def test_the_first_screen_shows_the_keys_until_one_is_pressed() -> None:
+    driver = WindowDriver("pong")
+    pygame.event.clear()
+    for key in (pygame.K_m, pygame.K_F11, pygame.K_F11, pygame.K_h, pygame.K_h):  # commands begin no game
+        driver.press(key)
+    assert driver.session.frames == 0
+    assert "right arrow, D, up arrow, W: RIGHT" in driver.loop._text()
+    assert (driver.shown()[-60:, :100] == 255).any()
+    driver.press(pygame.K_UP, frames=8)
+    assert driver.loop._text() == ""
+    driver.press(pygame.K_LEFT, pygame.K_UP, frames=2)
+    driver.press(pygame.K_s, pygame.K_SPACE, frames=3)
+    replay = driver.close()
+    assert [frame.action for frame in replay.frames()] == [3] * 8 + [0] * 2 + [
+        12
+    ] * 3  # RIGHT, LEFTFIRE: the game's own
+    assert replay.verify("ale")
+
+
+@pytest.mark.parametrize(
+    "first",
+    [
+        pygame.event.Event(pygame.JOYBUTTONDOWN, button=0),
+        pygame.event.Event(pygame.JOYHATMOTION, value=(0, 1)),
+        pygame.event.Event(pygame.JOYAXISMOTION, axis=1, value=-1.0),
+    ],
+)
+def test_a_gamepad_begins_the_game(first: Any) -> None:
+    driver = WindowDriver("pong")
+    pygame.event.clear()
+    pygame.event.post(pygame.event.Event(pygame.JOYAXISMOTION, axis=1, value=-0.2))  # a worn stick
+    pygame.event.post(pygame.event.Event(pygame.MOUSEMOTION))
+    driver.tick(3)
+    assert driver.session.frames == 0
+    pygame.event.post(first)
+    driver.tick(3)
+    assert driver.session.frames == 3
+    driver.close()
 
 
 def test_pause_and_single_frames() -> None:
@@ -243,13 +301,7 @@ def test_play_runs_until_the_window_is_closed() -> None:
 
 
 def test_the_command_writes_a_replay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    ticks = iter(range(30))
-
-    def run(loop: Loop) -> None:
-        for _ in ticks:
-            loop.tick()
-
-    monkeypatch.setattr(Loop, "run", run)
+    monkeypatch.setattr(Loop, "run", run_loop(30))
     assert main(["play", "pong", "--scale", "1", "--no-sound"]) == 0
     (path,) = Path("replays").iterdir()
     assert path.name.startswith("pong-")
@@ -258,7 +310,7 @@ def test_the_command_writes_a_replay(monkeypatch: pytest.MonkeyPatch, capsys: py
 
 
 def test_the_command_plays_what_an_id_says(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(Loop, "run", lambda loop: [loop.tick() for _ in range(30)])
+    monkeypatch.setattr(Loop, "run", run_loop(30))
     words = ["--scale", "1", "--no-sound", "--replay", "a.a26", "--mode", "1", "--seed", "4294967295"]
     assert main(["play", "Pong-ram-v0", *words]) == 0
     assert capsys.readouterr().out.startswith("pong: Pong, as Pong-v0, but mode=1, without obs_type='ram'\nPong: 30 f")

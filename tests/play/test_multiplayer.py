@@ -271,8 +271,36 @@ def test_the_window_plays_both_players() -> None:
     assert (pygame.surfarray.array3d(surface)[:, -160:] == 255).any()
 
 
+@pytest.mark.parametrize(
+    ("policies", "keys", "actions"),
+    [
+        ({}, [pygame.K_s, pygame.K_UP], (Action.LEFT, Action.RIGHT)),
+        ({0: "noop"}, [pygame.K_UP], (Action.NOOP, Action.RIGHT)),
+        ({1: "noop"}, [pygame.K_s], (Action.LEFT, Action.NOOP)),
+    ],
+)
+def test_up_and_down_turn_the_paddles_of_people(
+    policies: dict[int, str], keys: list[int], actions: tuple[Action, ...]
+) -> None:
+    session = MultiplayerSession("pong", players=2, seed=1, policies=policies, replay=Path("a.a26"))
+    loop = Loop(pygame, session, GameWindow(pygame, session.game, 1), None)
+    for key in keys:
+        pygame.event.post(event(pygame.KEYDOWN, key=key))
+    loop.tick()
+    session.close()
+    assert [frame.actions for frame in Replay.load("a.a26").frames()] == [actions]
+
+
+def test_policies_alone_do_not_wait_for_a_key() -> None:
+    session = MultiplayerSession("pong", seed=1, policies={0: "noop", 1: "noop"})
+    loop = Loop(pygame, session, GameWindow(pygame, session.game, 1), None)
+    loop.tick()
+    assert session.frames == 1
+
+
 def run_loop(frames: int) -> Any:
     def run(loop: Loop) -> None:
+        pygame.event.post(event(pygame.KEYDOWN, key=pygame.K_x))  # the game begins
         for _ in range(frames):
             loop.tick()
 
