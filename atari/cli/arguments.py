@@ -10,7 +10,6 @@ from typing import Any, NoReturn, TypeAlias
 
 from atari.games.catalog import games
 from atari.games.game import Game
-from atari.recording.video.overlay import OVERLAYS
 from atari.task import Task
 from atari.task.arguments import field_of_flag, game_of
 from atari.task.resolution import is_id, spelled
@@ -90,23 +89,6 @@ def add_rom(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="the ROM of a game definition (default: the file beside it with the ending .bin or .a26)",
     )
-
-
-def add_overlay(parser: argparse.ArgumentParser) -> None:
-    """Add `--overlay`."""
-    parser.add_argument(
-        "--overlay",
-        type=_overlay,
-        metavar="PARTS",
-        help=f"show values below the screen: some of {', '.join(OVERLAYS)}, with commas between",
-    )
-
-
-def _overlay(text: str) -> tuple[str, ...]:
-    parts = tuple(text.split(","))
-    for part in set(parts) - set(OVERLAYS):
-        raise argparse.ArgumentTypeError(f"{part!r} is none of {', '.join(OVERLAYS)}")
-    return parts
 
 
 def find_game(name: str, playable: bool = True) -> Game:

@@ -17,7 +17,8 @@ from tqdm import tqdm
 
 import atari
 from atari._interrupt import ctrl_c_as_event
-from atari.cli.arguments import GAME_HELP, Commands, add_command, add_overlay, add_rom, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
+from atari.cli.looks import Looks, add_looks
 from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
 from atari.cli.policies import PolicySession, find_played, games_of, replay_of
 from atari.cli.printing import print_json
@@ -27,10 +28,9 @@ from atari.learning.evaluation.played import says_nothing
 from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.policy import LoadedPolicy
-from atari.recording import RecordReplay, Replay, VideoWriter
+from atari.recording import RecordReplay, Replay
 from atari.recording.replay.file_format import SUFFIX
-from atari.recording.video.formats import FORMATS, has_sound
-from atari.recording.video.overlay import Overlay
+from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
 from atari.task import Task
 from atari.task.arguments import add_former, add_task, game_of, given_options, seed, show_task, task_of
@@ -76,17 +76,13 @@ def add_recording(parser: argparse.ArgumentParser) -> Any:
         type=Path,
         action="append",
         metavar="FILE",
-        help=f"a video or a replay, by its ending ({endings}), an existing file is replaced; may be repeated "
-        "(default: videos/GAME-SEED.mp4)",
-    )
-    parser.add_argument(
-        "--scale", type=number(int, 1, 16), default=2, metavar="N", help="rows of the video a pixel (default: 2)"
+        help=f"a video, a picture (.png) or a replay, by its ending ({endings}), an existing file is replaced; may be "
+        "repeated (default: videos/GAME-SEED.mp4)",
     )
     parser.add_argument(
         "--best", action="store_true", help="videos show the game with the highest score alone; a replay has all games"
     )
-    add_overlay(parser)
-    parser.add_argument("--no-sound", action="store_true", help="write no sound")
+    add_looks(parser)
     return length
 
 
@@ -102,7 +98,11 @@ def record(args: argparse.Namespace) -> int:
         return 0
     stem = Path(policies[0]).stem if Path(policies[0]).exists() and not match else str(args.seed)
     files = [] if args.no_video else args.output or [Path("videos", f"{task.game}-{stem}.mp4")]
-    outputs = _Outputs(files, args.scale, not args.no_sound, args.overlay, args.best)
+    outputs = _Outputs(files, Looks(args, files), args.best)
+    if args.best and not outputs.videos:
+        raise ValueError("--best is for videos and pictures, and a replay has all games; leave it out")
+    if isinstance(args.frame, int) and (args.best or (recorded and args.seconds is not None)):
+        raise ValueError(f"--frame {args.frame} is a frame of all games; leave --best and --seconds out")
     if recorded and outputs.replays:
         raise ValueError("a replay of a replay is its copy; name a video with -o")
     outputs.check(task.definition)
@@ -199,19 +199,17 @@ class _Ends:
 
 @dataclass(frozen=True)
 class _Outputs:
-    """The replays and videos that a command writes.
+    """The replays, videos and pictures that a command writes.
 
     Attributes:
         files: the files; their suffixes decide their formats.
-        scale, sound, overlay: see `Replay.render`.
-        best: whether videos show only the game with the highest score.
+        looks: how videos and pictures look.
+        best: whether they show only the game with the highest score.
     """
 
     files: list[Path]
-    scale: int = 2
-    sound: bool = True
-    overlay: tuple[str, ...] | None = None
-    best: bool = False
+    looks: Looks
+    best: bool
 
     @property
     def replays(self) -> list[Path]:
@@ -222,7 +220,7 @@ class _Outputs:
         return [path for path in self.files if path.suffix.lower() != SUFFIX]
 
     def check(self, game: Game) -> None:
-        """Check the videos before the games, which may take hours.
+        """Check the files before the games, which may take hours.
 
         Raises:
             TypeError, ValueError, OSError, gymnasium.error.DependencyNotInstalled: see `VideoWriter`.
@@ -231,13 +229,8 @@ class _Outputs:
         for path in self.files:
             if path.suffix.lower() not in endings:
                 raise ValueError(f"-o is a file that ends in one of {', '.join(endings)}, got {str(path)!r}")
-        shown = Overlay(self.overlay)
-        size, lines = shown.size(game.screen.shape), shown.caption_lines
         for path in self.videos:
-            sound = self.sound and has_sound(path)
-            VideoWriter(
-                path, size, frame_rate(game), scale=self.scale, sound=sound, caption_lines=lines
-            ).close()  # without frames it leaves no file
+            self.looks.check(path, game)
 
     def write(self, replay: Replay, seconds: float | None = None) -> int:
         """Write all files except the loaded replay itself, and return the number of frames of a video.
@@ -250,17 +243,16 @@ class _Outputs:
             if path != replay.path:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(replay.path, path)
-        frames, part = replay.frames_total, dict[str, int]()
+        frames, part = replay.frames_total, dict[str, Any]()
         if self.best:
-            part = {"episode": replay.best_episode}
+            part = {"episode": "best"}
             frames = replay.episodes[replay.best_episode].frames
         elif seconds is not None:
             frames = min(frames, math.ceil(seconds * frame_rate(replay.game)))
             part = {"stop": frames}
-        options: dict[str, Any] = {"scale": self.scale, "sound": self.sound, "overlay": self.overlay, **part}
-        for path in self.videos:
-            with tqdm(unit=" frames", total=frames, disable=None) as bar:
-                replay.render(path, **options, progress=bar.update)
+        for path in sorted(self.videos, key=is_picture):  # pictures last: their frame may be after the end
+            with tqdm(unit=" frames", total=frames, disable=is_picture(path) or None) as bar:
+                replay.render(path, **self.looks.options(path), **part, progress=bar.update)
         return frames
 
     def __str__(self) -> str:

@@ -8,11 +8,12 @@ from typing import Any
 
 from tqdm import tqdm
 
-from atari.cli.arguments import Commands, add_command, add_overlay, number
+from atari.cli.arguments import Commands, add_command, number
+from atari.cli.looks import Looks, add_looks, best_or_number
 from atari.cli.printing import print_json, print_table, print_warning
 from atari.cores import CORES
 from atari.recording import Replay
-from atari.recording.video.formats import FORMATS
+from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
 from atari.validation import check_integer
 
@@ -43,25 +44,18 @@ def register(commands: Commands) -> None:
         "--output",
         type=Path,
         metavar="FILE",
-        help=f"the video ({', '.join(FORMATS)}), replaced if there (default: FILE with the ending .mp4)",
-    )
-    parser.add_argument(
-        "--scale", type=number(int, 1, 16), default=2, metavar="N", help="rows of the video a pixel (default: 2)"
+        help=f"the video ({', '.join(FORMATS)}), or a picture (.png), replaced if there (default: FILE with the ending "
+        ".mp4)",
     )
     parser.add_argument("--start", type=number(int, 0), default=0, metavar="FRAME", help="the first frame (default: 0)")
     parser.add_argument("--stop", type=number(int, 1), metavar="FRAME", help="the frame after the last (default: all)")
     parser.add_argument(
         "--episode",
-        type=_episode,
+        type=best_or_number,
         metavar="N",
         help="show one episode alone: its number, as `atari replay show` prints it, or best; without --start, --stop",
     )
-    add_overlay(parser)
-    parser.add_argument("--no-sound", action="store_true", help="write no sound")
-
-
-def _episode(text: str) -> int | str:
-    return text if text == "best" else int(number(int, 0)(text))
+    add_looks(parser)
 
 
 def _show(args: argparse.Namespace) -> int:
@@ -117,6 +111,7 @@ def _verify(args: argparse.Namespace) -> int:
 def _render(args: argparse.Namespace) -> int:
     replay = _load(args.file)
     output = args.output or args.file.with_suffix(".mp4")
+    options = Looks(args, [output]).options(output)
     part: dict[str, Any]
     if args.episode is not None:
         if args.start or args.stop is not None:
@@ -126,15 +121,20 @@ def _render(args: argparse.Namespace) -> int:
         number = replay.best_episode if best else check_integer("--episode", args.episode, 0, most)
         part, frames = {"episode": number}, replay.episodes[number].frames
     else:
-        part = {"start": args.start, "stop": min(args.stop or replay.frames_total, replay.frames_total)}
-        frames = max(part["stop"] - args.start, 0)
+        part = {"start": args.start, "stop": args.stop}
+        frames = max(min(args.stop or replay.frames_total, replay.frames_total) - args.start, 0)
     if not frames:
         raise ValueError(f"there are no frames to render: the replay has {replay.frames_total:,} frames")
-    options = {"scale": args.scale, "sound": not args.no_sound, "overlay": args.overlay}
-    with tqdm(total=frames, unit=" frames", disable=None) as bar:
+    picture = is_picture(output)
+    with tqdm(total=frames, unit=" frames", disable=picture or None) as bar:
         replay.render(output, **options, **part, progress=bar.update)
-    result = {"file": args.file, "frames": frames, "video": output.resolve()}
-    print_json(result) if args.json else print(f"{frames:,} frames in {output.resolve()}")
+    result = (
+        {"file": args.file, "frames": 1, "picture": output.resolve()}
+        if picture
+        else {"file": args.file, "frames": frames, "video": output.resolve()}
+    )
+    shown = "a picture" if picture else f"{frames:,} frames"
+    print_json(result) if args.json else print(f"{shown} in {output.resolve()}")
     return 0
 
 

@@ -262,7 +262,7 @@ def test_the_best_game_is_filmed(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_wrong_videos_are_refused_before_the_games_are_played(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["record", "pong", "--best", "--seconds", "1", "-o", "a.png", "-o", "a.a26"]) == 1
+    assert main(["record", "pong", "--best", "--seconds", "1", "-o", "%.png", "-o", "a.a26"]) == 1
     assert capsys.readouterr().err.count("\n") == 1
     assert main(["record", "pong", "--best", "--seconds", "1", "-o", "a.gif", "--scale", "17", "-o", "a.a26"]) == 2
     assert "--scale: '17' is not a whole number within 1..16" in capsys.readouterr().err

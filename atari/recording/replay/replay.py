@@ -5,6 +5,7 @@ game again: screens, RAM, sound and rewards are the same on each core and on any
 """
 
 import json
+import math
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -12,7 +13,7 @@ from functools import cached_property
 from itertools import chain
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from atari.cores import CORES, Core, snapshot
 from atari.env import ALE_OPTIONS, AtariEnv
@@ -29,9 +30,9 @@ from atari.recording.replay.recorder import rom_md5
 from atari.recording.replay.results import Divergence, Episode, Frame, Verification
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
 from atari.recording.video.facts import PACKAGE
-from atari.recording.video.formats import has_sound
+from atari.recording.video.formats import has_sound, is_picture
 from atari.recording.video.overlay import Overlay
-from atari.recording.video.writer import VideoWriter, frame_rate
+from atari.recording.video.writer import VideoWriter, frame_rate, shown_rate
 from atari.task import Task
 from atari.task.resolution import translate
 from atari.task.rules import settle
@@ -224,13 +225,18 @@ class Replay:
         Raises:
             TypeError, ValueError: there is no such frame or core, or the replay cannot be played on this core.
         """
-        start = check_integer("start", start, 0, self.frames_total)
-        stop = self.frames_total if stop is None else min(check_integer("stop", stop, 0, 2**62), self.frames_total)
+        start, stop = self._part(start, stop)
         for runner, call in self._calls(core, sound=sound, start=start):
             if runner.frame > stop or start >= stop:
                 break
             if call.played and runner.frame > start:
                 yield _frame(runner, call)
+
+    def _part(self, start: int, stop: int | None) -> tuple[int, int]:
+        start = check_integer("start", start, 0, self.frames_total)
+        return start, self.frames_total if stop is None else min(
+            check_integer("stop", stop, 0, 2**62), self.frames_total
+        )
 
     def seek(self, frame: int, *, core: str = "native", sound: bool = False) -> Core:
         """Return a new core in the state after the first `frame` frames, for inspection or for playing on.
@@ -291,53 +297,93 @@ class Replay:
         self,
         path: str | PathLike[str],
         *,
+        speed: float = 1,
         scale: int = 2,
         sound: bool = True,
         start: int = 0,
         stop: int | None = None,
-        episode: int | None = None,
+        episode: int | Literal["best"] | None = None,
+        frame: int | Literal["best"] | None = None,
         overlay: tuple[str, ...] | None = None,
         core: str = "native",
         progress: Callable[[int], object] | None = None,
     ) -> Path:
-        """Write a video of the replay or of a part, with each emulated frame, at the console's speed.
+        """Write a video of the replay or of a part, with each emulated frame; or a picture of one frame.
 
         Args:
-            path: the video; see `VideoWriter` for the formats.
+            path: the video, see `VideoWriter` for the formats; a picture ends in ".png" and has no "%" in its name.
+            speed: 1 is the console's speed, 0.25 is slow motion, and 4 is fast; see `VideoWriter`.
             scale: a pixel becomes `2 * scale` columns and `scale` rows.
             sound: write the game's sound, if the format has sound.
             start, stop, core: see `frames`.
-            episode: the number of the only episode that is shown, such as `best_episode`; without `start` and `stop`.
+            episode: the number of the only episode that is shown, or "best", which is `best_episode`; without `start`
+                and `stop`.
+            frame: the frame of a picture: its number, without `start`, `stop` and `episode`, or "best", the first with
+                the greatest reward. None is the last frame.
             overlay: parts of the text below the frame: some of "score", "action", "ram" and "curve", the score of the
                 episode up to each frame.
             progress: called with 1 after each frame.
 
         Raises:
-            TypeError, ValueError: see `frames` and `VideoWriter`; there is no such episode.
+            TypeError, ValueError: see `frames` and `VideoWriter`; there is no such episode or frame.
             OSError: the file cannot be written.
             gymnasium.error.DependencyNotInstalled: PyAV is not installed.
         """
-        audible, shown = sound and has_sound(path), Overlay(overlay)
-        if episode is None:
-            frames = self.frames(start, stop, core=core, sound=audible)
-        elif start or stop is not None:
+        picture, audible, shown = is_picture(path), sound and has_sound(path), Overlay(overlay)
+        if episode is not None and (start or stop is not None):
             raise ValueError("render takes episode, or start and stop, not both")
+        if frame is not None:
+            start, stop = self._part_of_frame(path, frame, start, stop, episode)
+        if episode is not None:
+            number = self.best_episode if episode == "best" else episode
+            frames = self._frames_of(
+                check_integer('an episode other than "best"', number, 0, len(self.episodes) - 1), core, audible
+            )
         else:
-            frames = self._frames_of(check_integer("episode", episode, 0, len(self.episodes) - 1), core, audible)
+            if picture and frame != "best" and "curve" not in shown.parts:  # a curve has the frames before, too
+                start, stop = self._part(start, stop)
+                start = max(start, stop - 1)
+            frames = self.frames(start, stop, core=core, sound=audible)
         size, lines = shown.size(self.game.screen.shape), shown.caption_lines
-        rate = frame_rate(self.game)
+        rate = shown_rate(self.game, Path(path).suffix, speed=speed)
         comment = json.dumps(self.facts)
         with VideoWriter(path, size, rate, scale=scale, sound=audible, caption_lines=lines, comment=comment) as video:
-            last = -1
-            for frame in frames:
-                if frame.episode != last:
+            chosen, most, last = None, -math.inf, -1
+            for one in frames:
+                if one.episode != last:
                     shown.begin_game()
-                    last = frame.episode
-                shown.add(frame.score - shown.score)  # also after a rewind
-                video.write(shown.draw(frame.screen), frame.audio, shown.caption(frame.action, frame.ram))
+                    last = one.episode
+                shown.add(one.score - shown.score)  # also after a rewind
+                if not picture:
+                    video.write(shown.draw(one.screen), one.audio, shown.caption(one.action, one.ram))
+                elif frame != "best" or one.reward > most:
+                    chosen = shown.draw(one.screen), None, shown.caption(one.action, one.ram)
+                    most = one.reward
                 if progress is not None:
                     progress(1)
+            if picture and chosen is None:
+                raise ValueError(f"there is no frame for a picture: the replay has {self.frames_total:,} frames")
+            if chosen is not None:
+                video.write(*chosen)
         return video.path
+
+    def _part_of_frame(
+        self, path: Any, frame: Any, start: int, stop: int | None, episode: Any
+    ) -> tuple[int, int | None]:
+        """The part of the replay that ends with the frame of a picture; for the best one, `start` and `stop`.
+
+        Raises:
+            TypeError, ValueError: there is no such frame, it contradicts the part, or `path` is no picture.
+        """
+        if not is_picture(path):
+            raise ValueError(
+                f"frame={frame!r} chooses the frame of a picture, such as 'pong.png', got {str(path)!r}; leave it out"
+            )
+        if frame == "best":
+            return start, stop
+        if episode is not None or start or stop is not None:
+            raise ValueError(f"frame={frame!r} is a frame of the whole replay; leave episode, start and stop out")
+        return 0, 1 + check_integer('a frame other than "best"', frame, 0, self.frames_total - 1)
 
     def _frames_of(self, episode: int, core: str, sound: bool) -> Iterator[Frame]:
         """The frames of one of `episodes`."""

@@ -9,6 +9,9 @@ lower than the console's, two fifths of a semitone (18 % with PAL, whose frames 
 FFmpeg's sample rates are integers, but this rate is a fraction. A resampler uses only the ratio of two rates, and the
 ratio to 48,000 Hz is a fraction of small integers (27379/17500 with NTSC). So the resampler gets these two integers,
 and its output is labelled with the format's rate. FLAC needs no resampling, because its samples carry exact times.
+
+At another speed a frame lasts longer or shorter, and so does its sound: it is lower in slow motion, and higher in a
+fast video.
 """
 
 from fractions import Fraction
@@ -21,6 +24,7 @@ from atari.cores import ByteArray
 from atari.recording.video.formats import Format
 
 SAMPLES_PER_FRAME = 512
+_EXACT_RATES = 65_535  # FLAC's greatest sample rate in Hz that is no multiple of 10
 _SILENCE = np.full(SAMPLES_PER_FRAME, 128, np.uint8)
 
 
@@ -31,8 +35,8 @@ class AudioEncoder:
         self._av, self._fades_in = av, format.fades_in
         rate = format.sound_rate
         exact = SAMPLES_PER_FRAME * frame_rate
-        self._rate = round(exact) if rate is None else rate
-        self._tick = 1 / exact if rate is None else Fraction(1, rate)
+        self._rate = rate or int(round(exact, -1 if exact > _EXACT_RATES else 0))
+        self._tick = Fraction(1, rate) if rate else (1 / exact).limit_denominator(2**31 - 1)  # FFmpeg has 32 bits
         self._ratio = Fraction(1) if rate is None else (rate / exact).limit_denominator(1_000_000)
         self._stream = container.add_stream(format.sound, rate=self._rate, layout="mono")
         kind = "s16" if rate is None else "fltp"

@@ -10,6 +10,7 @@ import cv2
 from atari.cores import ByteArray
 from atari.files import durable
 from atari.recording.video.audio import AudioEncoder
+from atari.recording.video.formats import is_picture
 from atari.recording.video.images import Palette
 from atari.recording.video.options import VideoOptions
 from atari.validation import import_extra
@@ -92,7 +93,10 @@ class FFmpegEncoder:
 
 
 class PngEncoder:
-    """Writes files "...000000.png", "...000001.png", ...; `path` has a placeholder for the number, such as "%06d"."""
+    """Writes files "...000000.png", "...000001.png", ...; `path` has a placeholder for the number, such as "%06d".
+
+    Without a placeholder, it writes one file.
+    """
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -102,7 +106,7 @@ class PngEncoder:
     def write(self, image: ByteArray, samples: ByteArray | None) -> None:
         """Write the next file."""
         _, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
-        path = self._path.with_name(self._path.name % self._frames)
+        path = self._path if is_picture(self._path) else self._path.with_name(self._path.name % self._frames)
         with BufferedWriter(durable.create(path)) as file:
             file.write(data.tobytes())
         self._frames += 1

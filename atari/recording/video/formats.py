@@ -1,7 +1,7 @@
 """The video formats by file suffix, and how each is encoded.
 
 MP4 plays in nearly every program. MKV is lossless. WebM is for browsers and free of patents. GIF and PNG (one file a
-frame) have no sound.
+frame, or a single picture) have no sound.
 
 All formats are written in small portions. If the process is killed, the file plays up to its last second.
 """
@@ -100,3 +100,9 @@ def has_sound(path: str | PathLike[str]) -> bool:
     """Return whether the format of this file name has sound."""
     format = FORMATS.get(Path(path).suffix.lower())
     return format is not None and format.sound is not None
+
+
+def is_picture(path: str | PathLike[str]) -> bool:
+    """Return whether this is the name of a single picture: a PNG without a placeholder for a number."""
+    path = Path(path)
+    return path.suffix.lower() == ".png" and "%" not in path.name

@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from atari.recording.video.formats import FORMATS, Format
+from atari.recording.video.formats import FORMATS, Format, is_picture
 from atari.recording.video.images import line_height
 from atari.validation import check_integer
 
@@ -85,9 +85,10 @@ def _check_format(path: Path) -> Format:
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
         raise ValueError(f"a video's name must end in one of {', '.join(FORMATS)}, got {str(path)!r}")
-    if suffix == ".png" and not re.fullmatch(r"[^%]*%0?\d*d[^%]*", path.name):
+    if suffix == ".png" and not is_picture(path) and not re.fullmatch(r"[^%]*%0?\d*d[^%]*", path.name):
         raise ValueError(
-            f"a PNG is one frame, so a name must have a place for its number, such as '%06d.png', got {str(path)!r}"
+            f"a PNG is one frame, so a name with % must have a place for its number, such as '%06d.png', "
+            f"got {str(path)!r}"
         )
     return FORMATS[suffix]
 

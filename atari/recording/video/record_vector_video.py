@@ -21,7 +21,7 @@ from atari.recording.video.record_video_base import RecordVideoBase, make_folder
 from atari.recording.video.recorder import VideoSettings
 from atari.recording.video.schedule import Schedule, Trigger
 from atari.recording.video.shadow_core import ShadowCore
-from atari.recording.video.writer import frame_rate
+from atari.recording.video.writer import shown_rate
 from atari.rendering import tile
 from atari.validation import check_integer
 
@@ -59,6 +59,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         *,
         index: int = 0,
         format: str = "mp4",
+        speed: float = 1,
         scale: int = 2,
         sound: bool = True,
         overlay: tuple[str, ...] | None = None,
@@ -72,7 +73,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         self._index = check_integer("index", index, 0, inner.num_envs - 1)
         filmed = [self._index] if record_first_only else list(range(inner.num_envs))
         self._columns = _columns([inner.games[i].screen.shape for i in filmed], video_aspect_ratio)
-        rate = frame_rate(inner.games[self._index]) if fps is None else fps
+        rate = shown_rate(inner.games[self._index], f".{format}", fps, speed)
         size = tile([np.zeros((*inner.games[i].screen.shape, 3), np.uint8) for i in filmed], self._columns).shape
         self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)

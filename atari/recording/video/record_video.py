@@ -14,7 +14,7 @@ from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.recording.video.record_video_base import RecordVideoBase, make_folder
 from atari.recording.video.recorder import VideoRecorder, VideoSettings
 from atari.recording.video.schedule import Schedule, Trigger
-from atari.recording.video.writer import frame_rate
+from atari.recording.video.writer import shown_rate
 from atari.restorable import Restorable
 
 
@@ -34,6 +34,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
         gc_trigger: Callable[[int], bool] | None = None,
         *,
         format: str = "mp4",
+        speed: float = 1,
         scale: int = 2,
         sound: bool = True,
         overlay: tuple[str, ...] | None = None,
@@ -46,7 +47,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
             raise not_recorded(env, "RecordVideo", "; for other environments use gymnasium.wrappers.RecordVideo")
         super().__init__(env)
         self._atari = inner
-        rate = frame_rate(inner.game) if fps is None else fps
+        rate = shown_rate(inner.game, f".{format}", fps, speed)
         self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
         self.video_folder = make_folder(video_folder)
@@ -103,10 +104,10 @@ class RecordVideo(RecordEnvVideo):
         step_trigger: returns whether to begin a video at a step, by its number over all episodes.
         video_length: steps in a video, which may span episodes; 0 ends the video with the episode.
         name_prefix: the start of the names "{name_prefix}-episode-{number}.mp4" and "{name_prefix}-step-{number}.mp4".
-        fps: frames a second; None is the console's. A lower number gives slow motion and lower sound, a higher number
-            fast motion and higher sound.
+        fps: frames a second; None is the console's rate times `speed`.
         disable_logger, gc_trigger: accepted for code that was written for Gymnasium's wrapper, without effect.
         format: "mp4", "mkv", "webm", "gif" or "png", see `VideoWriter`. With "png" a video is a folder.
+        speed: 0.25 is slow motion, and 4 is fast, within 0.05..16; see `VideoWriter`. The sound is lower or higher.
         scale: a pixel becomes `2 * scale` x `scale` pixels of the video.
         sound: record the sound, if the format has it. Each frame costs some microseconds more, recorded or not.
         overlay: parts of the text below the frame: some of "score", "action", "ram" and "curve", the score of the game
@@ -150,6 +151,7 @@ class RecordVideo(RecordEnvVideo):
             gc_trigger: Callable[[int], bool] | None = None,
             *,
             format: str = "mp4",
+            speed: float = 1,
             scale: int = 2,
             sound: bool = True,
             overlay: tuple[str, ...] | None = None,

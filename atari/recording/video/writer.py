@@ -11,7 +11,9 @@ import errno
 import os
 from contextlib import suppress
 from fractions import Fraction
+from numbers import Rational, Real
 from os import PathLike
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -21,6 +23,7 @@ from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.recording.video.audio import SAMPLES_PER_FRAME
 from atari.recording.video.encoder import FFmpegEncoder, PngEncoder
+from atari.recording.video.formats import is_picture
 from atari.recording.video.images import add_caption, enlarge
 from atari.recording.video.options import VideoOptions
 
@@ -32,6 +35,8 @@ COLOUR_CLOCK_HZ = MappingProxyType(
         "SECAM": Fraction(228 * 15_625),  # the standard's 15,625 lines a second
     }
 )
+SPEEDS = (0.05, 16)
+"""The least and the greatest speed of a video. FLAC has no sample rate for a greater one."""
 LINES_PER_FRAME = MappingProxyType({"NTSC": 262, "PAL": 312, "SECAM": 312})
 
 
@@ -43,6 +48,30 @@ def frame_rate(game: Game) -> Fraction:
     """
     tv = game.screen.format
     return COLOUR_CLOCK_HZ[tv] / (COLOUR_CLOCKS_PER_LINE * LINES_PER_FRAME[tv])
+
+
+def shown_rate(game: Game, suffix: str, fps: Any = None, speed: Any = 1) -> Any:
+    """The frames a second of a video: `fps`, or without it the console's rate times `speed`.
+
+    Args:
+        game: the game that is shown.
+        suffix: the suffix of the video, such as ".mp4".
+        fps, speed: see `VideoWriter`.
+
+    Raises:
+        TypeError, ValueError: `speed` is no number within `SPEEDS`, is given with `fps`, or the format has no speed.
+    """
+    if isinstance(speed, bool) or not isinstance(speed, Real):
+        raise TypeError(f"speed is a number, such as 0.5 for half the console's speed, got {speed!r}")
+    if not SPEEDS[0] <= float(speed) <= SPEEDS[1]:
+        raise ValueError(f"speed must be within {SPEEDS[0]}..{SPEEDS[1]}, where 1 is the console's speed, got {speed}")
+    if speed == 1:
+        return frame_rate(game) if fps is None else fps
+    if fps is not None:
+        raise ValueError(f"fps={fps} and speed={speed} both decide how fast a video is; leave one out")
+    if suffix.lower() == ".png":
+        raise ValueError(f"a PNG has no speed, got speed={speed}; leave it out, or write another format")
+    return frame_rate(game) * Fraction(speed if isinstance(speed, Rational) else float(speed)).limit_denominator(1000)
 
 
 class VideoWriter:
@@ -58,7 +87,8 @@ class VideoWriter:
     .mkv    FFV1, FLAC            lossless: pixels as written, samples as `(samples - 128) * 128`
     .webm   VP9, Opus             for web pages
     .gif    exact colours, silent at most 50 frames a second; from 59.92, one frame in six is dropped
-    .png    lossless, silent      a file a frame; the name has a placeholder for the number, such as "pong/%06d.png"
+    .png    lossless, silent      a file a frame; the name has a placeholder for the number, such as "pong/%06d.png".
+                                  A name without a placeholder is one picture, and takes one frame
     ======= ===================== ===============================================================================
 
     Args:
@@ -66,6 +96,8 @@ class VideoWriter:
         size: the `Game` whose frames are written, or (rows, columns) of the frames.
         fps: frames a second; None is the console's rate for a `Game`, 59.92 with NTSC and 49.86 with PAL. Divide that
             by the frame skip for a video of one frame a step.
+        speed: the speed of the video of a `Game`, within 0.05..16: 0.25 is slow motion, and 4 is fast. The video has
+            all frames. Their sound lasts as long as they do: it is lower in slow motion, and higher in a fast video.
         scale: a pixel of the frame becomes `2 * scale` columns and `scale` rows of the video. MP4 and WebM store
             colours for blocks of 2 x 2, so with an odd scale the colours of neighbouring rows mix at edges.
         pixel_aspect: (columns, rows) of a pixel at scale 1: (2, 1) on this console; other environments have (1, 1).
@@ -106,6 +138,7 @@ class VideoWriter:
         size: Game | tuple[int, int],
         fps: Fraction | float | None = None,
         *,
+        speed: float = 1,
         scale: int = 2,
         pixel_aspect: tuple[int, int] = (2, 1),
         sound: bool = False,
@@ -113,8 +146,10 @@ class VideoWriter:
         comment: str = "",
     ) -> None:
         if isinstance(size, Game):
-            fps = frame_rate(size) if fps is None else fps
+            fps = shown_rate(size, Path(path).suffix, fps, speed)
             size = size.screen.shape
+        elif speed != 1:
+            raise ValueError(f"speed={speed} is for a Game, whose frame rate is known; multiply fps by it instead")
         options = VideoOptions.check(
             path, size, fps, scale=scale, pixel_aspect=pixel_aspect, sound=sound, caption_lines=caption_lines
         )
@@ -133,11 +168,16 @@ class VideoWriter:
             caption: text below the frame, up to `caption_lines` lines.
 
         Raises:
-            TypeError, ValueError: an array has another shape or dtype, or the video is closed.
+            TypeError, ValueError: an array has another shape or dtype, the video is closed, or the file is one picture
+                and has a frame.
             OSError: the file cannot be written, for example because the disk is full. The video is then closed.
         """
         if self._encoder is None:
             raise ValueError(f"{self.path} is closed; make a new VideoWriter")
+        if self.frames and is_picture(self.path):
+            raise ValueError(
+                f"{self.path} is one picture, and has its frame; name a picture of each frame such as 'pong/%06d.png'"
+            )
         _check_array("a screen", rgb, self._options.shape)
         if samples is not None and self.sound:
             _check_array("the sound of a screen", samples, (SAMPLES_PER_FRAME,))

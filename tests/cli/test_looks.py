@@ -1,0 +1,91 @@
+"""`--speed`, `--frame` and the other looks of videos and pictures, in each command that writes them."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from replay_tools import record
+from video_reader import NTSC, frame_times
+
+from atari.cli import main
+from atari.recording import Replay
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "words", [["record", "breakout", "--seconds", "1"], ["demo", "--steps", "12"], ["replay", "render", "b.a26"]]
+)
+def test_slow_motion_and_a_picture(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    if words[0] == "replay":
+        record(Path("b.a26"), "breakout", 12)
+        assert main([*words, "-o", "a.mkv", "--speed", "0.25", "--scale", "1"]) == 0
+        assert main([*words, "-o", "a.png", "--frame", "20", "--scale", "1"]) == 0
+        assert capsys.readouterr().out.endswith(f"a picture in {Path('a.png').resolve()}\n")
+    else:
+        outputs = ["-o", "a.mkv", "-o", "a.png", "-o", "b.a26", "-o", "%03d.png"]
+        assert main([*words, *outputs, "--speed", "0.25", "--frame", "20", "--scale", "1"]) == 0
+    replay = Replay.load("b.a26")
+    assert frame_times(Path("a.mkv")) == pytest.approx([4 * i / NTSC for i in range(replay.frames_total)], abs=0.0011)
+    (shown,) = replay.frames(20, 21)
+    assert np.array_equal(cv2.imread("a.png")[..., ::-1], shown.screen.repeat(2, axis=1))
+
+
+def test_the_picture_of_a_video_without_a_choice_is_its_last_frame() -> None:
+    assert main(["record", "breakout", "--episodes", "2", "--best", "-o", "a.png", "-o", "b.a26", "--scale", "1"]) == 0
+    replay = Replay.load("b.a26")
+    *_, last = (frame for frame in replay.frames() if frame.episode == replay.best_episode)
+    assert np.array_equal(cv2.imread("a.png")[..., ::-1], last.screen.repeat(2, axis=1))
+    assert main(["record", "breakout", "--policy", "b.a26", "--frame", "best", "-o", "c.png"]) == 0
+    assert Path("c.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["-o", "a.a26", "--speed", "2"], "--speed is for a video, and the command writes a.a26; leave it out"),
+        (["-o", "a.png", "-o", "%03d.png", "--speed", "2"], "--speed is for a video, and the command writes a.png, "),
+        (
+            ["-o", "a.mp4", "--frame", "3"],
+            "--frame is for a picture, such as -o game.png, and the command writes a.mp4",
+        ),
+        (["-o", "%03d.png", "--frame", "best"], "--frame is for a picture"),
+        (["--frame", "0"], "--frame is for a picture, such as -o game.png, and the command writes videos/pong-0.mp4"),
+        (["-o", "a.a26", "--scale", "2"], "--scale is for a video or a picture, and the command writes a.a26"),
+        (["-o", "a.a26", "--overlay", "ram"], "--overlay is for a video or a picture"),
+        (["-o", "a.gif", "-o", "a.png", "--no-sound"], "--no-sound is for a video with sound, and"),
+        (["-o", "a.a26", "--best"], "--best is for videos and pictures, and a replay has all games; leave it out"),
+        (
+            ["-o", "a.png", "--frame", "3", "--best"],
+            "--frame 3 is a frame of all games; leave --best and --seconds out",
+        ),
+    ],
+)
+def test_options_without_effect(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["record", "pong", *words]) == 1
+    assert text in capsys.readouterr().err
+    assert not list(Path().iterdir())
+
+
+def test_options_without_effect_in_other_commands(capsys: pytest.CaptureFixture[str]) -> None:
+    record(Path("a.a26"), "pong", 3)
+    for words, text in (
+        (["demo", "--no-video", "--speed", "2"], "--speed is for a video, and the command writes nothing"),
+        (
+            ["replay", "render", "a.a26", "--frame", "1"],
+            "--frame is for a picture, such as -o game.png, and the command ",
+        ),
+        (["replay", "render", "a.a26", "-o", "a.png", "--speed", "2"], "--speed is for a video"),
+        (["replay", "render", "a.a26", "-o", "a.gif", "--no-sound"], "--no-sound is for a video with sound"),
+        (["replay", "render", "a.a26", "-o", "a.png", "--frame", "3", "--stop", "5"], "leave episode, start and stop"),
+        (["record", "pong", "--policy", "a.a26", "-o", "a.png", "--frame", "3", "--seconds", "1"], "--seconds out"),
+    ):
+        assert main(words) == 1
+        assert text in capsys.readouterr().err
+    assert main(["record", "pong", "--speed", "17"]) == 2
+    assert "--speed: '17' is not a number within 0.05..16" in capsys.readouterr().err
+    assert [path.name for path in Path().iterdir()] == ["a.a26"]
