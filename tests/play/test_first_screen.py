@@ -43,6 +43,36 @@ def test_several_people_have_a_line_each() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("game", "others"),
+    [("sir_lancelot", (Action.UP, Action.DOWN)), ("up_n_down", (Action.RIGHT, Action.LEFT))],
+)
+def test_sticks_with_minimal_actions_on_one_axis_may_have_an_effect_on_the_other(
+    game: str, others: tuple[Action, ...]
+) -> None:
+    found = atari.games[game]
+    assert not set(others) & set(found.minimal_actions)
+    core = NativeCore(game, seed=0, repeat_action_probability=0)
+    core.reset()
+    random = np.random.default_rng(0)
+    different = 0
+    for _ in range(300):
+        action = int(random.choice([int(action) for action in found.minimal_actions]))
+        for _ in range(25):
+            core.act(action)
+        if core.game_over:
+            core.reset()
+        state, screens = core.clone_state(), []
+        for held in (Action.NOOP, *others):
+            core.restore_state(state)
+            for _ in range(24):
+                core.act(int(held))
+            screens.append(core.screen().tobytes())
+        core.restore_state(state)
+        different += len({*screens}) > 1
+    assert different
+
+
 PADDLES = [game for game in atari.games.playable() if game.controllers.paddles]
 
 
