@@ -46,7 +46,7 @@ def leave_folder(namespace: dict[str, Any]) -> None:
 
 pytest_collect_file = Sybil(
     parsers=[PythonCodeBlockParser(), CodeBlockParser("bash", run_atari_commands)],
-    patterns=["README.md", "CONTRIBUTING.md", "docs/*.md", "atari/games/SCHEMA.md"],
+    patterns=["README.md", "CONTRIBUTING.md", "docs/*.md", "docs/recipes/*.md", "atari/games/SCHEMA.md"],
     setup=enter_folder,
     teardown=leave_folder,
 ).pytest()

@@ -18,5 +18,6 @@ def installed_modules() -> list[str]:
     here = Path(__file__).parent
     raise ImportError(
         f"{here} is the source folder, and atari is not installed for {sys.executable}; "
-        f"run `pip install {here.parent}`, or start the Python of the environment that atari is installed in"
+        f"run `{sys.executable} -m pip install {here.parent}`, or start the Python of the environment that atari is "
+        "installed in"
     )

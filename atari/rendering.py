@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from atari._extras import install_extra
 from atari.cores.core import ByteArray
 from atari.games.game import Game
 
@@ -43,7 +44,7 @@ def import_pygame(use: str, instead: str) -> Any:
         import pygame
     except ImportError:
         raise gymnasium.error.DependencyNotInstalled(
-            f"{use} needs pygame-ce: pip install 'atari-envs[play]'; {instead}"
+            f"{use} needs pygame-ce: {install_extra('play')}; {instead}"
         ) from None
     return pygame
 

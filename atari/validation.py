@@ -10,7 +10,6 @@ import math
 import operator
 import stat
 from collections.abc import Iterable
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -131,22 +130,6 @@ def check_frameskip(frameskip: Any) -> int | tuple[int, int]:
             f"a frameskip range (low, high) is low..high-1 frames and needs low < high, got {frameskip!r}"
         )
     return low, high
-
-
-def import_extra(module: str, need: str) -> Any:
-    """An optional module.
-
-    Args:
-        module: its name.
-        need: the sentence about it, such as "probes need PyTorch: pip install torch".
-
-    Raises:
-        gymnasium.error.DependencyNotInstalled: it is not installed.
-    """
-    try:
-        return import_module(module)
-    except ImportError as error:
-        raise gymnasium.error.DependencyNotInstalled(need) from error
 
 
 def check_file(file: Path, instead: str = "give a regular file") -> Path:

@@ -15,6 +15,7 @@ from typing import TextIO
 
 from gymnasium.error import DependencyNotInstalled
 
+from atari._extras import install_extra
 from atari.roms.importing import ImportReport, import_from
 
 
@@ -33,7 +34,7 @@ def install(accept_license: bool = False) -> ImportReport:
         from AutoROM import AutoROM
     except ImportError as error:
         raise DependencyNotInstalled(
-            "AutoROM is needed to download ROM files; install it with `pip install 'atari-envs[roms]'`"
+            f"AutoROM is needed to download ROM files; install it with `{install_extra('roms')}`"
         ) from error
     with tempfile.TemporaryDirectory() as folder:
         heard = _Listener(sys.stdout)

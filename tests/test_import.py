@@ -167,7 +167,8 @@ def test_sources_that_are_not_installed_say_what_to_do(monkeypatch: pytest.Monke
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     message = (
-        f"{ROOT / 'atari'} is the source folder, and atari is not installed for {sys.executable}; run `pip install"
+        f"{ROOT / 'atari'} is the source folder, and atari is not installed for {sys.executable}; "
+        f"run `{sys.executable} -m pip install"
     )
     assert message in done.stderr
 

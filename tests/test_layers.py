@@ -18,7 +18,7 @@ import atari.wrappers
 
 ORDER = """
     algorithmic
-    _version _renamed protocols _sources _interrupt _gymnasium validation files notebook
+    _version _renamed _extras protocols _sources _interrupt _gymnasium validation files notebook
     actions games roms _emulator cores
     env_ids task rendering observations
     driver env_state env restorable wrappers

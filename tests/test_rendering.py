@@ -124,5 +124,5 @@ def test_without_a_display_human_names_rgb_array() -> None:
 
 def test_without_pygame_human_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pygame", None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'atari-envs\[play\]'"):
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'pygame-ce>=2.4'"):
         AtariEnv("pong", render_mode="human")

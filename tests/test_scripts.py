@@ -1,6 +1,8 @@
 """Every script of `scripts` prints its help, no folder of them is too large to look through, and a build that fails."""
 
+import importlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -9,6 +11,8 @@ from pathlib import Path
 
 import pytest
 from env_tools import needs_gymnasium_1, needs_new_ale_py
+
+from atari.recording import Replay
 
 SCRIPTS = Path(__file__).parent.parent / "scripts"
 SHELL = sorted(path for path in SCRIPTS.iterdir() if path.is_file() and not path.suffix)
@@ -38,6 +42,27 @@ def test_a_python_script_prints_its_help(script: Path) -> None:
         pytest.skip("needs PyTorch")
     done = subprocess.run([sys.executable, str(script), "--help"], check=True, capture_output=True, text=True)
     assert done.stdout.startswith(f"usage: {script.name} [-h]")
+
+
+@needs_gymnasium_1
+@needs_new_ale_py
+def test_the_speeds_of_quickstart(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(sys, "path", [str(SCRIPTS / "bench"), *sys.path])
+    quick = importlib.import_module("quick")
+    monkeypatch.setattr(quick, "SECONDS", 0.02)
+    monkeypatch.setattr(sys, "argv", ["quick.py", "qbert"])
+    quick.main()
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split() == ["frames", "a", "second", "of", "qbert", "atari-envs", "ale-py"]
+    for line in lines[1:]:
+        ours, theirs, ratio = (float(text.replace(",", "")) for text in re.findall(r"[\d,]+\.?\d*", line))
+        assert ratio == pytest.approx(ours / theirs, rel=0.1)
+
+
+def test_the_game_of_quickstart() -> None:
+    replay = Replay.load(SCRIPTS.parent / "examples" / "qbert.a26")
+    assert replay.verify()
+    assert [episode.score for episode in replay.episodes] == [7950]
 
 
 @pytest.mark.parametrize(

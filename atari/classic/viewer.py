@@ -123,7 +123,7 @@ def _import_pygame() -> Any:
         import pygame
     except ImportError:
         raise gymnasium.error.DependencyNotInstalled(
-            "env.render() needs pygame-ce: pip install 'atari-envs[play]'; env.render(mode='rgb_array') needs nothing"
+            "env.render() needs pygame-ce: pip install pygame-ce; env.render(mode='rgb_array') needs nothing"
         ) from None
     return pygame
 

@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium
 
 from atari import env_ids
+from atari._extras import install_extra
 from atari.cli.arguments import Commands, Parser, add_command
 from atari.cli.printing import print_json
 from atari.games.catalog import games
@@ -85,7 +86,7 @@ def _completion(args: argparse.Namespace) -> int:
         import shtab
     except ImportError:
         raise gymnasium.error.DependencyNotInstalled(
-            "atari completion needs shtab: pip install 'atari-envs[completion]'"
+            f"atari completion needs shtab: {install_extra('completion')}"
         ) from None
     parser = _whole_parser()
     _attach(parser, shtab.FILE)

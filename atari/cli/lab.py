@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
+from atari._extras import install_extra
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, find_game, number
 from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
 from atari.task.resolution import BY_FRAME
@@ -48,7 +49,7 @@ def register(commands: Commands) -> None:
 
 def _lab(args: argparse.Namespace) -> int:
     if find_spec("aiohttp") is None:
-        raise gymnasium.error.DependencyNotInstalled("atari lab needs aiohttp: pip install 'atari-envs[lab]'")
+        raise gymnasium.error.DependencyNotInstalled(f"atari lab needs aiohttp: {install_extra('lab')}")
     from atari.lab.inspector.server import serve
 
     session = _session(args)

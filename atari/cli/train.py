@@ -6,6 +6,7 @@ from pathlib import Path
 
 import gymnasium
 
+from atari._extras import install_extra
 from atari.cli.arguments import Commands, add_command, number
 from atari.cli.printing import print_json
 from atari.cli.sweep import add_sweep, is_sweep, run_sweep
@@ -93,7 +94,7 @@ def _output_parser() -> argparse.ArgumentParser:
 
 def _train(args: argparse.Namespace) -> int:
     if find_spec("torch") is None:
-        raise gymnasium.error.DependencyNotInstalled("atari train needs torch: pip install 'atari-envs[learn]'")
+        raise gymnasium.error.DependencyNotInstalled(f"atari train needs torch: {install_extra('learn')}")
     from atari.learning.agent_code import agent_code
     from atari.learning.command import finish_run, resume, train
     from atari.learning.run import RunFolder

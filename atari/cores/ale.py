@@ -17,6 +17,7 @@ import gymnasium
 import numpy as np
 from ale_py import ALEInterface, ALEState, LoggerMode
 
+from atari._extras import pip_install
 from atari.cores import copies, snapshot
 from atari.cores.core import ByteArray
 from atari.cores.journal import Journal
@@ -143,7 +144,7 @@ class AleCore:
         if _numbers(ale_py.__version__) < _numbers(OLDEST_ALE_PY):
             raise gymnasium.error.DependencyNotInstalled(
                 f"core='ale' needs ale-py {OLDEST_ALE_PY} or newer, and {ale_py.__version__} is installed; "
-                "run `pip install --upgrade ale-py`, or use core='native', which needs none"
+                f"run `{pip_install('--upgrade', 'ale-py')}`, or use core='native', which needs none"
             )
         self.game: Game = games.find(game)
         if self.game != games.get(self.game.id):

@@ -4,6 +4,8 @@ from typing import Any
 
 import gymnasium
 
+from atari._extras import pip_install
+
 
 def to_torch(arrays: Any, device: Any = None, pin_memory: bool = False) -> Any:
     """An array, or a dict, list or tuple of them, as PyTorch tensors.
@@ -30,7 +32,7 @@ def to_torch(arrays: Any, device: Any = None, pin_memory: bool = False) -> Any:
     try:
         import torch
     except ImportError:
-        raise gymnasium.error.DependencyNotInstalled("atari.to_torch needs PyTorch: pip install torch") from None
+        raise gymnasium.error.DependencyNotInstalled(f"atari.to_torch needs PyTorch: {pip_install('torch')}") from None
 
     pins = pin_memory and torch.cuda.is_available()
 
@@ -53,7 +55,7 @@ def to_jax(arrays: Any) -> Any:
     try:
         import jax.numpy
     except ImportError:
-        raise gymnasium.error.DependencyNotInstalled("atari.to_jax needs JAX: pip install jax") from None
+        raise gymnasium.error.DependencyNotInstalled(f"atari.to_jax needs JAX: {pip_install('jax')}") from None
     return _mapped(jax.numpy.from_dlpack, arrays)
 
 

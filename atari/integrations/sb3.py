@@ -17,6 +17,7 @@ import gymnasium
 import numpy as np
 from gymnasium import logger, spaces
 
+from atari._extras import install_extra
 from atari._gymnasium import AutoresetMode
 from atari.cores.options import SEED_LIMIT
 from atari.recording.replay.record_replay import RecordVectorReplay
@@ -29,9 +30,7 @@ try:
     from stable_baselines3.common.monitor import Monitor
     from stable_baselines3.common.vec_env import VecEnv, VecEnvWrapper, VecFrameStack
 except ImportError:
-    raise gymnasium.error.DependencyNotInstalled(
-        "atari.sb3 needs Stable-Baselines3: pip install 'atari-envs[sb3]'"
-    ) from None
+    raise gymnasium.error.DependencyNotInstalled(f"atari.sb3 needs Stable-Baselines3: {install_extra('sb3')}") from None
 
 Indices = int | Sequence[int] | None
 

@@ -6,13 +6,14 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from atari._extras import pip_install
 from atari.integrations.arrays import to_torch
 from atari.vector.env import vector_of
 
 try:
     import torch
 except ImportError:
-    raise gymnasium.error.DependencyNotInstalled("envs.torch() needs PyTorch: pip install torch") from None
+    raise gymnasium.error.DependencyNotInstalled(f"envs.torch() needs PyTorch: {pip_install('torch')}") from None
 
 
 class TorchEnvs:

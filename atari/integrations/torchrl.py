@@ -6,6 +6,7 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from atari._extras import pip_install
 from atari._gymnasium import AutoresetMode
 from atari.integrations.torch import TorchEnvs
 from atari.vector.env import vector_of
@@ -17,7 +18,7 @@ try:
     from torchrl.envs import EnvBase
 except ImportError:
     raise gymnasium.error.DependencyNotInstalled(
-        "atari.integrations.torchrl needs TorchRL: pip install torchrl"
+        f"atari.integrations.torchrl needs TorchRL: {pip_install('torchrl')}"
     ) from None
 
 

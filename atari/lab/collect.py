@@ -16,11 +16,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from atari._extras import import_extra, pip_install
 from atari.files import durable, json_text
 from atari.lab.labels import Labels
 from atari.recording.datasets import NO_STEPS, check_new_dataset, import_minari, write_minari
 from atari.recording.episodes import EpisodeArrays, Source, facts_of_replays, load_replays, replayed_episodes
-from atari.validation import check_file, check_name, import_extra
+from atari.validation import check_file, check_name
 
 Format = Literal["minari", "parquet", "hdf5"]
 
@@ -237,7 +238,7 @@ def _import_format(format: Format) -> Any:
         return import_minari()
     name = {"parquet": "pyarrow.parquet", "hdf5": "h5py"}[format]
     package = name.partition(".")[0]
-    return import_extra(name, f"a data set in the format {format} needs {package}: pip install {package}")
+    return import_extra(name, f"a data set in the format {format} needs {package}: {pip_install(package)}")
 
 
 Values: TypeAlias = dict[str, dict[str, npt.NDArray[Any]]]

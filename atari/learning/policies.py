@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from atari._extras import import_extra, install_extra, pip_install
 from atari.files import json_text
 from atari.files.archives import check_member, read_member
 from atari.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
-from atari.validation import check_file, import_extra
+from atari.validation import check_file
 
 _KINDS = "a run folder, an SB3 zip, a TorchScript or ONNX file, or module:name"
 _SB3_VERSION = "_stable_baselines3_version"
@@ -110,7 +111,7 @@ def _run_folder(folder: Path, sample: bool) -> Policy:
     """The newest weights of a run folder of `atari train`."""
     if not (folder / "config.json").is_file():  # this error needs no PyTorch
         raise ValueError(f"{folder} is no run folder of `atari train`: it has no config.json")
-    _need("torch", f"{folder}, a run folder,", "'atari-envs[learn]'")
+    _need("torch", f"{folder}, a run folder,", install_extra("learn"))
     from atari.learning.run_policy import run_policy
 
     return run_policy(folder, sample)
@@ -194,14 +195,14 @@ def _check_unpacked(archive: zipfile.ZipFile, size: int) -> None:
 
 
 def _need(module: str, what: str, install: str) -> Any:
-    return import_extra(module, f"{what} needs {module}: pip install {install}")
+    return import_extra(module, f"{what} needs {module}: {install}")
 
 
 def _sb3(file: Path, facts: Mapping[str, Any], sample: bool) -> Policy:
     """A model of Stable-Baselines3, without the parts that only its training needs."""
-    _need("stable_baselines3", f"{file}, a model of Stable-Baselines3,", "'atari-envs[sb3]'")
+    _need("stable_baselines3", f"{file}, a model of Stable-Baselines3,", install_extra("sb3"))
     module, name = _algorithm(file, facts)
-    algorithm = getattr(_need(module, f"{file}, a model of {name},", "sb3-contrib"), name)
+    algorithm = getattr(_need(module, f"{file}, a model of {name},", pip_install("sb3-contrib")), name)
     unused = {
         "learning_rate": 0.0,
         "lr_schedule": _zero,
@@ -283,7 +284,7 @@ def _of_space(file: Path, space: Any, actions: int) -> dict[str, Any]:
 
 
 def _torch_script(file: Path, sample: bool) -> Policy:
-    torch = _need("torch", f"{file}, a TorchScript file,", "'atari-envs[learn]'")
+    torch = _need("torch", f"{file}, a TorchScript file,", install_extra("learn"))
     extra = {"environment.json": ""}
     try:
         module = torch.jit.load(str(file), map_location="cpu", _extra_files=extra)
@@ -342,7 +343,7 @@ def _first_line(error: Exception) -> str:
 
 
 def _onnx(file: Path, sample: bool) -> Policy:
-    onnxruntime = _need("onnxruntime", f"{file}, an ONNX file,", "onnxruntime")
+    onnxruntime = _need("onnxruntime", f"{file}, an ONNX file,", pip_install("onnxruntime"))
     try:
         session = onnxruntime.InferenceSession(file.read_bytes(), providers=["CPUExecutionProvider"])
     except Exception as error:  # onnxruntime's classes of errors are not public

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
+from atari._extras import install_extra
 from atari._renamed import missing
 from atari.games.pettingzoo import ENVIRONMENTS
 from atari.multiplayer.core import MultiplayerCore
@@ -107,7 +108,7 @@ def _require() -> None:
         import pettingzoo  # noqa: F401
     except ImportError:
         raise gymnasium.error.DependencyNotInstalled(
-            "environments of several players need PettingZoo: pip install 'atari-envs[multiplayer]'; "
+            f"environments of several players need PettingZoo: {install_extra('multiplayer')}; "
             "MultiplayerCore works without"
         ) from None
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from gymnasium.envs.registration import EnvSpec, WrapperSpec
 
+from atari._extras import import_extra, install_extra
 from atari.env import ObsType
 from atari.env_ids import stem
 from atari.recording.episodes import (
@@ -25,7 +26,6 @@ from atari.recording.episodes import (
     replayed_episodes,
 )
 from atari.recording.replay.replay import Replay
-from atari.validation import import_extra
 
 NO_STEPS = "the replays have no steps of an environment; record with RecordReplay as the outermost wrapper"
 
@@ -146,7 +146,7 @@ def check_new_dataset(minari: Any, dataset_id: str) -> None:
 
 def import_minari() -> Any:
     """Return the module, or raise as `import_extra`, also without the packages that it needs for its files."""
-    need = "a Minari dataset needs Minari: pip install 'atari-envs[minari]'"
+    need = f"a Minari dataset needs Minari: {install_extra('minari')}"
     import_extra("h5py", need)  # Minari keeps its data with it
     import_extra("PIL", need)  # Minari needs it but does not depend on it
     return import_extra("minari", need)

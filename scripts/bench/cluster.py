@@ -2,7 +2,7 @@
 
 usage: python scripts/bench/cluster.py [--game GAME] [--seconds S] [--only-simulate]
 
-Needs Ray (pip install 'atari-envs[ray]'). Starts a cluster of this machine with an object store of 200 MB.
+Needs Ray (pip install '.[ray]'). Starts a cluster of this machine with an object store of 200 MB.
 """
 
 import argparse

@@ -1,5 +1,6 @@
 """Documents of the repository that are pages of the site too, and links between them."""
 
+import posixpath
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -33,16 +34,18 @@ def relink(text: str, source: Path) -> str:
     A link to a file that does not exist stays as it is, so that the build fails.
     """
 
+    own = source.relative_to(ROOT).as_posix()
+    folder = posixpath.dirname(own.removeprefix("docs/")) if own.startswith("docs/") else ""
+
     def replace(match: re.Match[str]) -> str:
         words, target, anchor = match.group(1), match.group(2), match.group(3) or ""
         place = (source.parent / target).resolve()
         if not place.is_relative_to(ROOT) or not place.exists():
             return match.group(0)
         name = place.relative_to(ROOT).as_posix()
-        if name in OUTSIDE:
-            return f"[{words}]({OUTSIDE[name]}{anchor})"
-        if name.startswith("docs/"):
-            return f"[{words}]({name.removeprefix('docs/').replace('.ipynb', '.md')}{anchor})"
+        if name in OUTSIDE or name.startswith("docs/"):
+            page = OUTSIDE.get(name, name.removeprefix("docs/").replace(".ipynb", ".md"))
+            return f"[{words}]({posixpath.relpath(page, folder or '.')}{anchor})"
         return words if words.startswith("`") else f"{words} (`{name}`)"
 
     return _LINK.sub(replace, text)

@@ -9,11 +9,9 @@ from typing import Any
 
 import check
 import documents
-import families
 import games
 import hero
 import notebooks
-import presets
 import reference
 from mkdocs.exceptions import PluginError
 from mkdocs.plugins import event_priority
@@ -24,7 +22,6 @@ from page import Page
 SOURCES: tuple[Callable[[], Iterator[Page]], ...] = (
     documents.pages,
     reference.pages,
-    presets.pages,
     hero.pages,
     games.pages,
     notebooks.pages,
@@ -33,10 +30,7 @@ SOURCES: tuple[Callable[[], Iterator[Page]], ...] = (
 # The replacements of <!-- site: NAME --> in a document.
 INSERTS: dict[str, Callable[[], str]] = {
     "hero": hero.html,
-    "ids.table": families.table,
-    "presets.sources": presets.sources,
-    "presets.table": presets.table,
-    "presets.views": presets.views,
+    "games": lambda: "[All games](games/index.md){ .md-button }",  # a page that only the site has
 }
 _INSERT = re.compile(r"<!-- site: ([\w.]+) -->")
 

@@ -178,7 +178,7 @@ def test_the_error_for_rendering_without_pygame_names_the_extra() -> None:
     options = {"env": {**os.environ, "SDL_VIDEODRIVER": "dummy"}, "timeout": 60}
     result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, **options)  # type: ignore[call-overload]
     assert result.stdout == (
-        "env.render() needs pygame-ce: pip install 'atari-envs[play]'; env.render(mode='rgb_array') needs nothing\n"
+        "env.render() needs pygame-ce: pip install pygame-ce; env.render(mode='rgb_array') needs nothing\n"
     ), result.stderr
 
 

@@ -3,6 +3,7 @@
 import builtins
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -128,5 +129,6 @@ def test_without_shtab_it_names_the_extra(capsys: pytest.CaptureFixture[str], mo
     monkeypatch.setattr(builtins, "__import__", without)
     assert main(["completion", "bash"]) == 1
     assert (
-        capsys.readouterr().err == "atari: error: atari completion needs shtab: pip install 'atari-envs[completion]'\n"
+        capsys.readouterr().err
+        == f"atari: error: atari completion needs shtab: {sys.executable} -m pip install 'shtab>=1.10'\n"
     )

@@ -162,7 +162,7 @@ def test_without_pyav_it_names_the_extra_and_the_way_without(
     monkeypatch.setitem(sys.modules, "av", None)
     assert main(["demo", "--steps", "3"]) == 1
     err = capsys.readouterr().err
-    assert "pip install 'atari-envs[video]'" in err
+    assert "pip install 'av>=14'" in err
     assert "--no-video" in err
     assert not list(folder.iterdir())
     assert main(["demo", "--steps", "3", "--no-video"]) == 0

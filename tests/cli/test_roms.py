@@ -159,7 +159,7 @@ def test_install_without_autorom_names_the_extra(
 ) -> None:
     monkeypatch.setitem(sys.modules, "AutoROM", None)
     assert main(["roms", "install"]) == 1
-    assert "atari-envs[roms]" in capsys.readouterr().err
+    assert "pip install 'autorom>=0.6'" in capsys.readouterr().err
 
 
 def test_install_keeps_the_talk_of_autorom_out_of_the_result(

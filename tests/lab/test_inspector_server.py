@@ -3,6 +3,7 @@
 import asyncio
 import json
 import socket
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -217,7 +218,7 @@ def test_it_plays_what_game_and_flags_say(capsys: pytest.CaptureFixture[str], tm
 def test_without_aiohttp(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr("atari.cli.lab.find_spec", lambda name: None)
     assert main(["lab", "pong"]) == 1
-    assert "atari lab needs aiohttp: pip install 'atari-envs[lab]'" in capsys.readouterr().err
+    assert f"atari lab needs aiohttp: {sys.executable} -m pip install 'aiohttp>=3.9'" in capsys.readouterr().err
 
 
 def test_without_a_browser_the_address_is_printed(

@@ -141,7 +141,7 @@ def test_mistakes(
 def test_without_torch(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr("atari.cli.train.find_spec", lambda name: None)
     assert main(["train", "ppo", "pong"]) == 1
-    assert "atari train needs torch: pip install 'atari-envs[learn]'" in capsys.readouterr().err
+    assert f"atari train needs torch: {sys.executable} -m pip install 'torch>=2.2'" in capsys.readouterr().err
 
 
 PRINTED: dict[tuple[str, ...], dict[str, Any]] = {

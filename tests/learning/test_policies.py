@@ -83,8 +83,8 @@ def test_what_is_no_policy(tmp_path, make, error, text):
 @pytest.mark.parametrize(
     ("name", "module", "content", "install"),
     [
-        ("a.zip", "stable_baselines3", lambda file: sb3(file, clip_range=0.1), r"atari-envs\[sb3\]"),
-        ("a.pt", "torch", lambda file: archive(file, **{"a/code/a.py": ""}), r"atari-envs\[learn\]"),
+        ("a.zip", "stable_baselines3", lambda file: sb3(file, clip_range=0.1), "pip install 'stable-baselines3>=2.9'"),
+        ("a.pt", "torch", lambda file: archive(file, **{"a/code/a.py": ""}), "pip install 'torch>=2.2'"),
         ("a.onnx", "onnxruntime", lambda file: file.write_bytes(b"x"), "pip install onnxruntime"),
     ],
 )

@@ -316,7 +316,7 @@ def test_wrong_words_are_one_line(words: list[str], text: str, capsys: pytest.Ca
 def test_without_pygame_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setitem(sys.modules, "pygame", None)
     assert main(["play", "pong"]) == 1
-    assert "pip install 'atari-envs[play]'" in capsys.readouterr().err
+    assert "pip install 'pygame-ce>=2.4'" in capsys.readouterr().err
     assert not list(Path().iterdir())
 
 

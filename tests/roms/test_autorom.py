@@ -111,5 +111,5 @@ def test_a_machine_that_is_offline(
 
 def test_autorom_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "AutoROM", None)
-    with pytest.raises(DependencyNotInstalled, match=r"pip install 'atari-envs\[roms\]'"):
+    with pytest.raises(DependencyNotInstalled, match=r"pip install 'autorom>=0.6'"):
         roms.install(accept_license=True)

@@ -41,9 +41,7 @@ def play(
     try:
         import gymnasium.utils.play as gymnasium_play
     except gymnasium.error.DependencyNotInstalled:
-        raise gymnasium.error.DependencyNotInstalled(
-            "playing needs pygame-ce: pip install 'atari-envs[play]'"
-        ) from None
+        raise gymnasium.error.DependencyNotInstalled("playing needs pygame-ce: pip install pygame-ce") from None
 
     def after_step(
         before: Any, after: Any, action: Any, reward: Any, terminated: bool, truncated: bool, info: dict[str, Any]

@@ -7,6 +7,7 @@ import gymnasium
 import numpy as np
 
 from atari import _emulator
+from atari._extras import pip_install
 from atari.integrations.jax.results import ResultParts
 
 _registered = False
@@ -86,7 +87,7 @@ def _import_jax() -> Any:
         import jax.ffi
         import jax.numpy
     except ImportError:
-        raise gymnasium.error.DependencyNotInstalled("xla() needs JAX 0.5.0 or newer: pip install jax") from None
+        raise gymnasium.error.DependencyNotInstalled(f"xla() needs JAX 0.5.0 or newer: {pip_install('jax')}") from None
     return jax
 
 

@@ -1,4 +1,4 @@
-"""Atari on a cluster, with Ray: `pip install 'atari-envs[ray]'`.
+"""Atari on a cluster, with Ray (extra `ray`).
 
 RLlib: `config` makes an algorithm's configuration, `register` and `env_creator` the environment alone (`rllib.py`).
 Other learners: `RolloutActors` plays environments in actors and returns batches of steps (`rollout_actors.py`).
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
+from atari._extras import install_extra
 from atari._renamed import missing
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from atari.integrations.ray.rollout_actors import RolloutActors
 
 if find_spec("ray") is None:
-    raise gymnasium.error.DependencyNotInstalled("atari.integrations.ray needs Ray: pip install 'atari-envs[ray]'")
+    raise gymnasium.error.DependencyNotInstalled(f"atari.integrations.ray needs Ray: {install_extra('ray')}")
 
 _MODULES = {
     "RolloutActors": "rollout_actors",

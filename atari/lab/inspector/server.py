@@ -22,13 +22,13 @@ from urllib.parse import quote
 
 import gymnasium
 
+from atari._extras import install_extra
+
 try:
     from aiohttp import WSCloseCode, web
     from aiohttp.http_exceptions import HttpProcessingError
 except ImportError as error:
-    raise gymnasium.error.DependencyNotInstalled(
-        "the inspector needs aiohttp: pip install 'atari-envs[lab]'"
-    ) from error
+    raise gymnasium.error.DependencyNotInstalled(f"the inspector needs aiohttp: {install_extra('lab')}") from error
 
 from atari.lab.inspector import export
 from atari.lab.inspector.session import FRAMES_PER_SECOND, Session

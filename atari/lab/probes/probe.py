@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from atari._extras import import_extra, install_extra
 from atari.cores import ByteArray
 from atari.lab.atari_ari import CATEGORIES, categories
 from atari.lab.probes.data import ProbeData, Split
 from atari.lab.table import Table
-from atari.validation import check_integer, import_extra
+from atari.validation import check_integer
 
 Encoder = Callable[[ByteArray], Any]
 FloatArray = npt.NDArray[np.float32]
@@ -94,7 +95,7 @@ def probe(
     """
     for name, value in (("epochs", epochs), ("patience", patience), ("batch_size", batch_size)):
         check_integer(name, value, 1, 2**31)
-    torch = import_extra("torch", "probes need PyTorch: pip install 'atari-envs[learn]'")
+    torch = import_extra("torch", f"probes need PyTorch: {install_extra('learn')}")
     features = [_features(torch, encoder, split) for split in (data.train, data.validation, data.test)]
     generator = torch.Generator().manual_seed(seed)
     training = _Training(torch, features[0].shape[1], len(data.names), learning_rate, generator)

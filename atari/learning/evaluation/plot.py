@@ -7,13 +7,14 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from atari._extras import install_extra
 from atari.files import durable
 from atari.learning.evaluation.statistics import profile
 
 try:
     from matplotlib.figure import Figure
 except ImportError:
-    raise gymnasium.error.DependencyNotInstalled("plots need Matplotlib: pip install 'atari-envs[learn]'") from None
+    raise gymnasium.error.DependencyNotInstalled(f"plots need Matplotlib: {install_extra('learn')}") from None
 
 _SUMMARIES = {"median": "median", "iqm": "interquartile mean", "mean": "mean"}
 

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, Protocol, TypeVar
 
-from atari.validation import check_name, import_extra
+from atari._extras import import_extra, install_extra
+from atari.validation import check_name
 
 Task = TypeVar("Task")
 Done = TypeVar("Done")
@@ -26,7 +27,7 @@ class RayWorkers:
     """
 
     def __init__(self) -> None:
-        self._ray = import_extra("ray", "workers='ray' needs Ray: pip install 'atari-envs[ray]'")
+        self._ray = import_extra("ray", f"workers='ray' needs Ray: {install_extra('ray')}")
 
     def map(self, function: Callable[[Task], Done], tasks: Iterable[Task], /) -> Iterator[Done]:
         """The results of the function for the tasks, in their order. An error cancels the other tasks."""

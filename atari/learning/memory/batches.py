@@ -8,8 +8,9 @@ from typing import Any, cast
 import numpy as np
 
 from atari import _emulator
+from atari._extras import import_extra, pip_install
 from atari.learning.memory.options import MemoryOptions, as_numpy, check_stack
-from atari.validation import check_integer, import_extra
+from atari.validation import check_integer
 
 Array = Callable[[tuple[int, ...], Any], Any]
 
@@ -130,7 +131,7 @@ def array_maker(torch: bool, pin_memory: bool) -> Array:
     """
     if not torch:
         return np.empty
-    library = import_extra("torch", "batches of tensors need PyTorch: pip install torch")
+    library = import_extra("torch", f"batches of tensors need PyTorch: {pip_install('torch')}")
 
     def array(shape: tuple[int, ...], dtype: Any) -> Any:
         kind = library.from_numpy(np.empty(0, dtype)).dtype

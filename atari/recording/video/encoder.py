@@ -7,12 +7,12 @@ from typing import Any
 
 import cv2
 
+from atari._extras import import_extra, install_extra
 from atari.cores import ByteArray
 from atari.files import durable
 from atari.recording.video.audio import AudioEncoder
 from atari.recording.video.images import Palette
 from atari.recording.video.options import VideoOptions
-from atari.validation import import_extra
 
 # FFmpeg's colour constants. The matrix is standard definition's, because some programs assume it without reading it.
 _BT709_PRIMARIES = _BT709_TRANSFER = 1
@@ -113,4 +113,4 @@ class PngEncoder:
 
 def import_av() -> Any:
     """Return the module PyAV, or raise as `import_extra`."""
-    return import_extra("av", "writing a video needs PyAV: pip install 'atari-envs[video]'")
+    return import_extra("av", f"writing a video needs PyAV: {install_extra('video')}")

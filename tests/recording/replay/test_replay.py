@@ -442,7 +442,7 @@ def test_a_whole_file_gives_no_warning(tmp_path: Path) -> None:
 def test_without_minari_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "minari", None)
     monkeypatch.setitem(sys.modules, "h5py", None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'atari-envs\[minari\]'"):
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'minari>=0.5.3'"):
         to_minari(record(tmp_path / "a.a26", steps=3), "a-v0")
 
 

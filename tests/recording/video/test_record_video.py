@@ -405,7 +405,7 @@ def test_other_environments_are_refused(tmp_path: Path) -> None:
 
 def test_without_pyav_the_error_comes_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "av", None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'atari-envs\[video\]'"):
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'av>=14'"):
         record_video(atari.make("pong"), tmp_path)
     record_video(atari.make("pong"), tmp_path, format="png").close()
 

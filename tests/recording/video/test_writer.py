@@ -236,7 +236,7 @@ def test_a_place_that_cannot_be_written_is_refused_at_once(tmp_path: Path) -> No
 
 def test_without_pyav_the_error_names_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "av", None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'atari-envs\[video\]'"):
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'av>=14'"):
         VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC)
     assert not list(tmp_path.iterdir())
 

@@ -1,0 +1,40 @@
+"""Optional packages, and the commands that install them for the Python that runs."""
+
+import re
+import shlex
+import sys
+from importlib import import_module
+from importlib.metadata import requires
+from typing import Any
+
+import gymnasium
+
+
+def pip_install(*packages: str) -> str:
+    """The command that installs packages for this Python, whichever environment the shell has activated."""
+    return shlex.join([sys.executable or "python", "-m", "pip", "install", *packages])
+
+
+def install_extra(extra: str) -> str:
+    """The command that installs the packages of an extra of this package.
+
+    It names the packages themselves, so it works after an installation from a clone, from a wheel and from an index.
+    """
+    of_extra = re.compile(rf"""extra == ['"]{re.escape(extra)}['"]""")
+    return pip_install(*(line.partition(";")[0] for line in requires("atari-envs") or [] if of_extra.search(line)))
+
+
+def import_extra(module: str, need: str) -> Any:
+    """An optional module.
+
+    Args:
+        module: its name.
+        need: the sentence about it, such as f"probes need PyTorch: {pip_install('torch')}".
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: it is not installed.
+    """
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise gymnasium.error.DependencyNotInstalled(need) from error

@@ -1,0 +1,171 @@
+#!/usr/bin/env python
+"""Writes the tables of the documents that the package's data decide, and the picture of the presets.
+
+    scripts/generate/tables.py            # docs/ids.md, docs/presets.md
+    scripts/generate/tables.py --pictures # also docs/assets/presets.png
+
+A table stands between `<!-- table: NAME -->` and `<!-- end -->`. A test compares the files with the data.
+"""
+
+import argparse
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+import atari
+from atari.env_ids import FAMILIES, Family
+from atari.task import PRESETS
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+DOCUMENTS = ("ids.md", "presets.md")
+TABLE = re.compile(r"(<!-- table: ([\w.]+) -->\n)(.*?)(\n<!-- end -->)", re.DOTALL)
+
+Fields = Mapping[str, Any]
+Image = npt.NDArray[np.uint8]
+
+
+def families() -> str:
+    """A row for each family of environment IDs, with Pong's ID."""
+    head = ["| ID of Pong | observation | frames a step | sticky actions | games |", "|---|---|---|---|---|"]
+    return "\n".join([*head, *map(_family, FAMILIES)])
+
+
+def _family(family: Family) -> str:
+    observation = "RAM, (128,)" if family.obs_type == "ram" else "RGB, (210, 160, 3)"
+    skip = family.frameskip
+    frames = f"{skip[0]} to {skip[1] - 1}, random" if isinstance(skip, tuple) else str(skip)
+    sticky = family.repeat_action_probability or "no"
+    return f"| `{family.id('pong')}` | {observation} | {frames} | {sticky} | {len(family.games())} |"
+
+
+def _noops(fields: Fields) -> str:
+    low, high = fields.get("noops", (0, 0))
+    return f"{low} to {high}" if high else "none"
+
+
+def _fire(fields: Fields) -> str:
+    words = {"never": "never", "before_noops": "at each reset, before the no-ops", "after_noops": "at each reset"}
+    return words[fields.get("fire", "never")] + (", then action 2" if fields.get("third_action") else "")
+
+
+def _after_life(fields: Fields) -> str:
+    if not fields["episodic_life"]:
+        return "the episode goes on"
+    words = {"noop": "episode ends; the game goes on after a NOOP", "continue": "episode ends; the game goes on",
+             "new_game": "episode ends; a new game"}  # fmt: skip
+    return words[fields["on_reset"]]
+
+
+def _limit(fields: Fields) -> str:
+    frames = fields.get("max_num_frames_per_episode") or fields.get("max_frames")
+    return f"{frames:,} frames" if frames else "as made"
+
+
+_END = {
+    "last": "the last frame",
+    "gymnasium": "the step before, or its maximum with the last frame but one",
+    "baselines": "the last frame if it is one of the step's last two, pooled with what the other buffer has",
+    "envpool": "the last frame if it is one of the step's last two, else the step before",
+}
+
+ROWS: dict[str, Callable[[Fields], str]] = {
+    "sticky actions": lambda fields: str(fields.get("repeat_action_probability", "as made")),
+    "actions": lambda fields: "all 18" if fields.get("actions") == "full" else "those of the game",
+    "frames a step": lambda fields: str(fields["frameskip"]),
+    "no-ops at the start": _noops,
+    "FIRE": _fire,
+    "a lost life": _after_life,
+    "rewards": lambda fields: "clipped to -1, 0, 1" if fields["reward_clipping"] else "as the game gives them",
+    "two frames become one": lambda fields: "maximum of " + ("RGB, then gray" if fields.get("pool_rgb") else "gray"),
+    "the stack begins with": lambda fields: {"zero": "black", "reset": "the first image"}[fields["padding"]],
+    "an end inside a step shows": lambda fields: _END[fields["end_frames"]],
+    "longest episode": _limit,
+}  # fmt: skip
+
+
+def presets() -> str:
+    """A row for each choice, a column for each preset."""
+    lines = [f"| | {' | '.join(f'`{name}`' for name in PRESETS)} |", "|---" * (len(PRESETS) + 1) + "|"]
+    for label, cell in ROWS.items():
+        lines.append(f"| **{label}** | {' | '.join(cell(preset.fields) for preset in PRESETS.values())} |")
+    return '<div class="wide" markdown>\n\n' + "\n".join(lines) + "\n\n</div>"
+
+
+def sources() -> str:
+    """A line for each preset: the publication or implementation that it follows."""
+    return "\n".join(f"- `{name}`: {preset.source}" for name, preset in PRESETS.items())
+
+
+TABLES: Mapping[str, Callable[[], str]] = {
+    "ids.families": families,
+    "presets.sources": sources,
+    "presets.choices": presets,
+}
+
+
+def filled(text: str) -> str:
+    """A document with its tables made anew.
+
+    Raises:
+        KeyError: there is no such table.
+    """
+    return TABLE.sub(lambda match: f"{match[1]}{TABLES[match[2]]()}{match[4]}", text)
+
+
+def picture() -> Image:
+    """The observations of each preset: the first, one 15 steps later, and the first after a lost life."""
+    rows = [_words(("first observation", "15 steps later", "after a lost life"))]
+    for name in PRESETS:
+        rows += [_words((name, "", "")), np.concatenate([_strip(seen) for seen in _moments(name)], 1)]
+    return np.concatenate(rows)
+
+
+def _words(texts: tuple[str, ...]) -> Image:
+    """A line of text above the columns of observations."""
+    line: Image = np.full((20, 4 * 87 * 3 + 24), 255, np.uint8)
+    for column, text in enumerate(texts):
+        cv2.putText(line, text, (column * (4 * 87 + 8), 15), cv2.FONT_HERSHEY_SIMPLEX, 0.45, 0, 1, cv2.LINE_AA)
+    return line
+
+
+def _strip(stack: Image) -> Image:
+    """The images of a stack beside each other, the oldest first."""
+    padded = [np.pad(image, ((0, 0), (0, 3)), constant_values=255) for image in stack]
+    return np.pad(np.concatenate(padded, 1), ((0, 0), (0, 8)), constant_values=255)
+
+
+def _moments(name: str) -> list[Image]:
+    """Observations of a preset in Breakout with seed 2; FIRE is pressed at every 20th step, NOOP else."""
+    env = atari.make("breakout", preset=name)
+    moments = [env.reset(seed=2)[0]]
+    fire, noop = env.unwrapped.get_action_meanings().index("FIRE"), 0
+    for step in range(1, 1000):
+        observation, _, ended, _, info = env.step(fire if step % 20 == 1 else noop)
+        if step == 15:
+            moments.append(observation)
+        if step > 15 and (ended or info["lives"] < 5):
+            moments.append(env.reset()[0] if ended else env.step(noop)[0])
+            break
+    env.close()
+    return moments
+
+
+def main() -> None:
+    """Write the documents, and with `--pictures` the picture."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--pictures", action="store_true", help="also draw docs/assets/presets.png")
+    args = parser.parse_args()
+    for name in DOCUMENTS:
+        path = DOCS / name
+        path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")
+    if args.pictures:
+        cv2.imwrite(str(DOCS / "assets" / "presets.png"), picture(), [cv2.IMWRITE_PNG_COMPRESSION, 9])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,76 @@
+"""The documents as files of a checkout: tables made from data are up to date, and every link has a place."""
+
+import importlib.util
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+TOP = Path(__file__).resolve().parents[2]
+LISTED = subprocess.run(
+    ["git", "ls-files", "*.md"], cwd=TOP, capture_output=True, text=True, check=False
+).stdout.split()
+DOCUMENTS = LISTED or [
+    path.relative_to(TOP).as_posix() for path in (*TOP.glob("*.md"), *TOP.glob("docs/*.md"), *TOP.glob("atari/**/*.md"))
+]
+
+
+def load_tables() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("tables", TOP / "scripts" / "generate" / "tables.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_tables_are_those_of_the_data() -> None:
+    tables = load_tables()
+    found = []
+    for name in tables.DOCUMENTS:
+        text = (TOP / "docs" / name).read_text(encoding="utf-8")
+        found += re.findall(r"<!-- table: ([\w.]+) -->", text)
+        assert tables.filled(text) == text, f"{name} is old: run scripts/generate/tables.py"
+    assert sorted(found) == sorted(tables.TABLES)
+
+
+def links(text: str) -> Iterator[str]:
+    """The targets of the links of a document to other files, outside of code."""
+    code = re.compile(r"```.*?```|`[^`\n]*`", re.DOTALL)
+    for target in re.findall(r"\]\(([^)\s]+)\)", code.sub("", text)):
+        if not re.match(r"\w+:", target):
+            yield target
+
+
+def anchor(title: str) -> str:
+    """The anchor of a headline, as GitHub and MkDocs make it."""
+    words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", title).replace("`", "").replace("*", "").strip().lower()
+    return re.sub(r"[^\w\- ]", "", words).replace(" ", "-")
+
+
+def dead(file: Path, text: str) -> Iterator[str]:
+    """The links of a document that have no place in a checkout."""
+    for target in links(text):
+        path, _, part = target.partition("#")
+        place = file.parent / path if path else file
+        if not place.exists():
+            yield target
+        elif part and place.suffix == ".md":
+            headlines = re.findall(r"^#+ (.*)$", place.read_text(encoding="utf-8"), re.MULTILINE)
+            if part not in map(anchor, headlines):
+                yield target
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_no_link_is_dead(name: str) -> None:
+    file = TOP / name
+    assert list(dead(file, file.read_text(encoding="utf-8"))) == []
+
+
+def test_a_dead_link_is_found() -> None:
+    file = TOP / "docs" / "tasks.md"
+    text = "[a](tasks.md) [b](nothing.md) [c](tasks.md#no-such-part) `[d](nothing.md)` [e](https://example.org/x)"
+    assert list(dead(file, text)) == ["nothing.md", "tasks.md#no-such-part"]
