@@ -133,7 +133,7 @@ def test_play_poke_search_freeze_scrub_and_export(page: Any, tmp_path: Path) -> 
     page.click("#tab-Search")
     page.keyboard.press("r")
     wait_for(page, "shown.lives === 5")
-    page.get_by_label("speed").select_option("16")
+    page.get_by_label("speed").select_option("4")
     page.get_by_label("number", exact=True).fill("5")
     page.click('[data-filter="equals"]')
     page.locator(".screen").first.focus()
