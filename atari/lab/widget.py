@@ -82,9 +82,10 @@ def static_html(session: Session) -> str:
     picture = base64.b64encode(png.tobytes()).decode()
     ram = core.ram()
     cell = "padding:1px 4px;text-align:center;font:12px monospace"
-    rows = []
+    columns = "".join(f'<th style="{cell};opacity:.6">{column:X}</th>' for column in range(16))
+    rows = [f"<tr><th></th>{columns}</tr>"]
     for row in range(0, 128, 16):
-        cells = [f'<th style="{cell};opacity:.6">${128 + row:02X}</th>']
+        cells = [f'<th style="{cell};opacity:.6">{128 + row:02X}</th>']
         for index in range(row, row + 16):
             name = session.names.get(index) or next(iter(session.readings.names.get(index, ())), "")
             title = html.escape(f"byte {index}: {name}" if name else f"byte {index}", quote=True)

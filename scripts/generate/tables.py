@@ -1,13 +1,14 @@
 #!/usr/bin/env python
 """Writes the tables of the documents that the package's data decide, and the picture of the presets.
 
-    scripts/generate/tables.py            # docs/ids.md, docs/presets.md
+    scripts/generate/tables.py            # docs/ids.md, docs/presets.md, docs/learning.md (needs the extra `learn`)
     scripts/generate/tables.py --pictures # also docs/assets/presets.png
 
 A table stands between `<!-- table: NAME -->` and `<!-- end -->`. A test compares the files with the data.
 """
 
 import argparse
+import dataclasses
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -20,9 +21,10 @@ import numpy.typing as npt
 import atari
 from atari.env_ids import FAMILIES, Family
 from atari.task import PRESETS
+from atari.task.arguments import descriptions
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-DOCUMENTS = ("ids.md", "presets.md")
+DOCUMENTS = ("ids.md", "presets.md", "learning.md")
 TABLE = re.compile(r"(<!-- table: ([\w.]+) -->\n)(.*?)(\n<!-- end -->)", re.DOTALL)
 
 Fields = Mapping[str, Any]
@@ -101,7 +103,39 @@ def sources() -> str:
     return "\n".join(f"- `{name}`: {preset.source}" for name, preset in PRESETS.items())
 
 
+def options() -> str:
+    """A table of the options that all agents have, and one for each agent's own."""
+    from atari.learning.agents import AGENTS, find_agent  # imports PyTorch
+    from atari.learning.options import TrainingOptions, shown
+
+    common = {field.name for field in dataclasses.fields(TrainingOptions)} - {"task"}
+    texts = descriptions(TrainingOptions)
+    lines = ["| option of all agents | meaning |", "|---|---|"]
+    lines += [f"| `--{name.replace('_', '-')}`, `{name}` | {texts[name]} |" for name in texts if name in common]
+    for name in AGENTS:
+        agent = find_agent(name)
+        texts = descriptions(agent.options_class)
+        lines += ["", f"| option of `{name}` | default | `--fast` | meaning |", "|---|---|---|---|"]
+        for field in dataclasses.fields(agent.options_class):
+            fast = shown(agent.fast[field.name]) if field.name in agent.fast else ""
+            own = field.name not in common | {"task"}
+            if own or fast or field.default != _default_of(TrainingOptions, field.name):
+                flag = f"`--{field.name.replace('_', '-')}`, `{field.name}`"
+                meaning = texts[field.name] if own else "as above"
+                lines.append(f"| {flag} | {_shown_default(field, shown)} | {fast} | {meaning} |")
+    return "\n".join(lines)
+
+
+def _default_of(owner: type[Any], name: str) -> object:
+    return next((field.default for field in dataclasses.fields(owner) if field.name == name), None)
+
+
+def _shown_default(field: Any, shown: Callable[[Any], str]) -> str:
+    return "" if field.default is dataclasses.MISSING else shown(field.default)
+
+
 TABLES: Mapping[str, Callable[[], str]] = {
+    "learning.options": options,
     "ids.families": families,
     "presets.sources": sources,
     "presets.choices": presets,

@@ -84,6 +84,19 @@ def cell(page: Any, index: int) -> Any:
     return page.locator(".cell").nth(index)
 
 
+def record_commands(page: Any) -> None:
+    """Record the commands that keys and the touch stick send from here on."""
+    page.evaluate(
+        """() => { const { atariLab } = document.querySelector('main'), { send } = atariLab; window.sent = [];
+        atariLab.send = (message) => { sent.push(message); send(message); }; }"""
+    )
+
+
+def holds(page: Any) -> list[dict[str, Any]]:
+    """The recorded commands that move the stick."""
+    return list(page.evaluate("sent.filter((message) => message.do === 'hold')"))
+
+
 def download(page: Any, name: str, folder: Path) -> Path:
     with page.expect_download() as pending:
         page.click(f'[data-export="{name}"]')
@@ -120,7 +133,7 @@ def test_play_poke_search_freeze_scrub_and_export(page: Any, tmp_path: Path) -> 
     page.click("#tab-Search")
     page.keyboard.press("r")
     wait_for(page, "shown.lives === 5")
-    page.get_by_label("speed").select_option("16")
+    page.get_by_label("speed").select_option("4")
     page.get_by_label("number", exact=True).fill("5")
     page.click('[data-filter="equals"]')
     page.locator(".screen").first.focus()
@@ -226,6 +239,159 @@ def test_keyboard_alone(page: Any) -> None:
     assert unnamed == []
 
 
+def test_after_a_click_space_is_fire(page: Any) -> None:
+    record_commands(page)
+
+    def expect_fire() -> None:
+        before = len(holds(page))
+        page.keyboard.press(" ")
+        assert [message["fire"] for message in holds(page)[before:]] == [True, False]
+
+    page.get_by_role("button", name="Play").click()
+    wait_for(page, "shown.playing")
+    at = frame(page)
+    expect_fire()
+    wait_for(page, f"shown.at > {at + 30}")
+    assert page.evaluate("sent.filter((message) => message.do === 'pause')") == []
+
+    cell(page, PADDLE).click()
+    before = len(holds(page))
+    page.keyboard.press("ArrowLeft")
+    assert [message["horizontal"] for message in holds(page)[before:]] == [-1, 0]
+    expect(page.locator(".byte h2")).to_have_text("player_x")  # the arrow chose no other byte
+
+    page.get_by_label("number", exact=True).fill("5")
+    page.click('[data-filter="equals"]')
+    expect_fire()
+    expect(page.locator("#panel-Search .status")).to_have_text(re.compile(r"after equals\(5\)$"))
+    page.locator(".time").click()
+    expect_fire()
+    page.get_by_role("button", name="keyboard shortcuts").click()
+    page.get_by_role("button", name="Close").click()
+    expect_fire()
+    expect(page.locator("dialog.help")).to_be_hidden()
+
+
+def test_tab_reaches_the_buttons(page: Any) -> None:
+    record_commands(page)
+    play = page.locator(".play")
+    page.locator(".screen").first.focus()
+    for _ in range(10):
+        page.keyboard.press("Tab")
+        if play.evaluate("(button) => button === document.activeElement"):
+            break
+    expect(play).to_be_focused()
+    for key in ("Enter", " "):
+        page.keyboard.press(key)
+        wait_for(page, "shown.playing")
+        page.keyboard.press(key)
+        wait_for(page, "!shown.playing")
+    assert holds(page) == []
+    page.keyboard.press("Escape")
+    page.keyboard.press(" ")
+    assert [message["fire"] for message in holds(page)] == [True, False]
+    page.keyboard.press("?")
+    expect(page.locator("dialog.help")).to_contain_text("Enter or Space presses a button")
+
+
+def test_addresses_stand_on_rows_and_columns(page: Any) -> None:
+    assert page.get_by_role("rowheader").all_text_contents() == [f"{address:X}" for address in range(0x80, 0x100, 16)]
+    columns = page.get_by_role("columnheader").all()[1:]
+    assert [column.text_content() for column in columns] == list("0123456789ABCDEF")
+    for index in (0, LIVES, PADDLE, 127):
+        row, column = page.get_by_role("rowheader").nth(index // 16), columns[index % 16]
+        box = cell(page, index).bounding_box()
+        middle = column.bounding_box()["x"] + column.bounding_box()["width"] / 2
+        assert box["x"] < middle < box["x"] + box["width"]
+        middle = row.bounding_box()["y"] + row.bounding_box()["height"] / 2
+        assert box["y"] < middle < box["y"] + box["height"]
+
+
+def test_the_whole_name_stands_at_pointer_and_focus(page: Any) -> None:
+    name = cell(page, PADDLE).locator("i")
+    assert name.evaluate("(i) => i.scrollWidth > i.clientWidth")  # the cell cuts it short
+    tip = page.locator(".tip")
+    expect(tip).to_be_hidden()
+    cell(page, PADDLE).hover()
+    expect(tip).to_have_text("byte 72, address $C8: player_x")
+    page.locator("h1").hover()
+    expect(tip).to_be_hidden()
+    page.keyboard.press("g")
+    expect(tip).to_have_text(re.compile("^byte "))
+    for key in (*["ArrowUp"] * 7, "Home", *["ArrowDown"] * 4, *["ArrowRight"] * 8):
+        page.keyboard.press(key)
+    expect(cell(page, PADDLE)).to_be_focused()
+    expect(tip).to_have_text("byte 72, address $C8: player_x")
+    box = tip.bounding_box()
+    assert box["x"] >= 0
+    assert box["x"] + box["width"] <= 1280
+    page.keyboard.press("Escape")
+    expect(tip).to_be_hidden()
+
+
+def test_the_search_is_above_the_fold(page: Any) -> None:
+    page.set_viewport_size({"width": 1280, "height": 800})
+    page.get_by_label("number", exact=True).fill("5")
+    page.click('[data-filter="equals"]')
+    expect(page.locator(f'[data-byte="{LIVES}"]')).to_be_visible()
+    parts = page.locator(".tools [role=tab], .tools [data-filter], #panel-Search .status, #panel-Search .scroll").all()
+    assert len(parts) == 15
+    for part in parts:
+        box = part.bounding_box()
+        assert box["y"] + box["height"] <= 800
+    assert page.evaluate("scrollY") == 0
+
+
+def test_paused_stands_in_place_of_the_pace(page: Any) -> None:
+    expect(page.locator("header")).to_contain_text("paused")
+    page.wait_for_timeout(1500)  # the frames of a second were counted
+    expect(page.locator("header")).to_contain_text("paused")
+    page.keyboard.press("p")
+    expect(page.locator("header")).to_contain_text(re.compile(r"\d+ fps"))
+    expect(page.locator("header")).not_to_contain_text("paused")
+    page.keyboard.press("p")
+    expect(page.locator("header")).to_contain_text("paused", timeout=900)
+    expect(page.locator("header")).not_to_contain_text("fps")
+
+
+def test_fire_while_paused_says_so(page: Any) -> None:
+    notice = page.get_by_text("the game is paused; Play (P) goes on")
+    for key in (" ", "ArrowLeft"):
+        page.keyboard.press(key)
+        expect(notice).to_be_visible()
+        page.evaluate("document.querySelector('.toast').replaceChildren()")
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.locator(".touch .fire").click()
+    expect(notice).to_be_visible()
+    page.evaluate("document.querySelector('.toast').replaceChildren()")
+    page.keyboard.press("p")
+    wait_for(page, "shown.playing")
+    page.keyboard.press(" ")
+    at = frame(page)
+    wait_for(page, f"shown.at > {at + 20}")
+    expect(notice).to_have_count(0)
+
+
+def test_screen_stick_and_ram_fit_on_a_phone(page: Any) -> None:
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= 390
+    for part in (
+        *page.locator(".screen:visible, .touch .pad, .touch .fire, .play").all(),
+        cell(page, 0),
+        cell(page, 127),
+    ):
+        box = part.bounding_box()
+        assert box["x"] >= 0
+        assert box["y"] >= 0
+        assert box["x"] + box["width"] <= 390
+        assert box["y"] + box["height"] <= 844
+    cut = page.evaluate("[...document.querySelectorAll('.cell b')].filter((b) => b.scrollWidth > b.clientWidth).length")
+    assert cut == 0
+    cell(page, PADDLE).click()
+    expect(page.locator(".tip")).to_have_text("byte 72, address $C8: player_x")
+    assert page.evaluate("document.scrollingElement.scrollWidth") <= 390
+
+
 @pytest.mark.parametrize("width", [390, 1280])
 def test_nothing_is_wider_than_the_page(page: Any, width: int) -> None:
     page.set_viewport_size({"width": width, "height": 844})
@@ -252,10 +418,7 @@ def test_a_second_tab_is_told(page: Any, url: str) -> None:
 
 def test_the_touch_stick_of_a_phone(page: Any) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
-    page.evaluate(
-        """() => { const { atariLab } = document.querySelector('main'), { send } = atariLab; window.sent = [];
-        atariLab.send = (message) => { sent.push(message); send(message); }; }"""
-    )
+    record_commands(page)
     pad, fire = page.locator(".touch .pad"), page.locator(".touch .fire")
     expect(pad).to_be_visible()
     pad.scroll_into_view_if_needed()
@@ -272,7 +435,7 @@ def test_the_touch_stick_of_a_phone(page: Any) -> None:
     fire.hover()
     page.mouse.down()
     page.mouse.up()
-    sent = page.evaluate("sent.filter((message) => message.do === 'hold')")
+    sent = holds(page)
     moves = [(message["horizontal"], message["vertical"]) for message in sent]
     assert moves == [*around, (1, 0), (0, 0), (0, 0), (0, 0)]
     assert [message["fire"] for message in sent] == [False] * 10 + [True, False]
@@ -330,5 +493,9 @@ def test_the_widget_in_a_page(browser: Any) -> None:
     answer()
     expect(page.locator(".cell").nth(LIVES).locator("b")).to_have_text("02")
     assert shown.session.ram()[LIVES] == 2
+    page.get_by_role("button", name="New game").click()
+    page.keyboard.press(" ")
+    page.wait_for_timeout(50)
+    assert [message.get("fire", message["do"]) for message in received] == ["new_game", True, False]
     assert faults == []
     context.close()

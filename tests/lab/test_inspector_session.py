@@ -67,6 +67,22 @@ def test_a_key_takes_over_what_was_recorded() -> None:
     assert session.ram()[PADDLE] > before
 
 
+def test_a_press_while_paused_says_so() -> None:
+    session = new_session()
+    session.hold(0, 0, False)
+    assert session.notice == ""
+    session.hold(0, 0, True)
+    assert session.notice == "the game is paused; Play (P) goes on"
+    play(session, 100)
+    session.seek(40)
+    session.hold(0, 0, True)
+    assert session.notice.endswith("; the 60 frames recorded after this one were dropped")
+    session.notice = ""
+    session.play()
+    session.hold(0, 1, False)
+    assert session.notice == ""
+
+
 def test_the_oldest_frames_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(timeline, "MOST_FRAMES", 900)
     session = new_session("pong")

@@ -18,6 +18,7 @@ def test_without_anywidget_it_is_a_picture(monkeypatch: pytest.MonkeyPatch) -> N
     shown = show(env)
     html = shown._repr_html_()
     assert html.count("<td") == 128
+    assert re.findall(r"<th[^>]*>([^<]*)</th>", html) == ["", *"0123456789ABCDEF", *(f"{row}0" for row in "89ABCDEF")]
     assert 'src="data:image/png;base64,' in html
     assert 'title="byte 57: lives"' in html
     assert "<script" not in html

@@ -27,14 +27,21 @@ def load_tables() -> ModuleType:
     return module
 
 
-def test_tables_are_those_of_the_data() -> None:
-    tables = load_tables()
-    found = []
-    for name in tables.DOCUMENTS:
-        text = (TOP / "docs" / name).read_text(encoding="utf-8")
-        found += re.findall(r"<!-- table: ([\w.]+) -->", text)
-        assert tables.filled(text) == text, f"{name} is old: run scripts/generate/tables.py"
-    assert sorted(found) == sorted(tables.TABLES)
+TABLES = load_tables()
+
+
+@pytest.mark.parametrize("name", TABLES.DOCUMENTS)
+def test_tables_are_those_of_the_data(name: str) -> None:
+    if name == "learning.md":
+        pytest.importorskip("torch")
+    text = (TOP / "docs" / name).read_text(encoding="utf-8")
+    assert TABLES.filled(text) == text, f"{name} is old: run scripts/generate/tables.py"
+
+
+def test_every_table_has_a_place() -> None:
+    texts = [(TOP / "docs" / name).read_text(encoding="utf-8") for name in TABLES.DOCUMENTS]
+    found = [table for text in texts for table in re.findall(r"<!-- table: ([\w.]+) -->", text)]
+    assert sorted(found) == sorted(TABLES.TABLES)
 
 
 def links(text: str) -> Iterator[str]:

@@ -26,6 +26,8 @@ HISTORY = 240
 """Frames of a byte's history that the page shows: four seconds."""
 _ROUNDING = 1e-6
 _MOST_LAG = 0.25  # seconds; after a longer delay the lost time is dropped
+_GAME_OVER = "the game is over; begin a new one (R), or go back in time"
+_PAUSED = "the game is paused; Play (P) goes on"
 _ACTIONS = {(action.vertical, action.horizontal, action.fire): action for action in PLAYER_ACTIONS}
 
 
@@ -190,7 +192,7 @@ class Session:
     def play(self) -> None:
         """Play on: the recorded frames after the present one, then new frames."""
         if self.over and self.at == self.main.end and not self.by_agent:
-            raise ValueError("the game is over; begin a new one (R), or go back in time")
+            raise ValueError(_GAME_OVER)
         self.playing = True
 
     def pause(self) -> None:
@@ -241,7 +243,8 @@ class Session:
     def hold(self, vertical: int, horizontal: int, fire: bool) -> None:
         """Set the position of the stick: 1 is up and right. An illegal position becomes the nearest legal one.
 
-        The first press drops the recorded frames after the present one.
+        The first press drops the recorded frames after the present one. A press plays no frame of a paused game; the
+        page says so.
         """
         vertical = check_integer("vertical", vertical, -1, 1)
         horizontal = check_integer("horizontal", horizontal, -1, 1)
@@ -251,9 +254,13 @@ class Session:
         found = (_ACTIONS[motion] for motion in wanted if _ACTIONS[motion] in legal)
         self.action = next(found, Action.NOOP)
         if self.action != Action.NOOP:
-            if self.main.at < self.main.end:
+            dropped = self.main.end - self.main.at
+            if dropped:
                 self.take_over()
             self.by_agent = False
+            if not self.playing:
+                self.notice = _GAME_OVER if self.over else _PAUSED
+                self.notice += f"; the {dropped} frames recorded after this one were dropped" if dropped else ""
 
     def let_agent_play(self, on: bool) -> None:
         """Let the agent play, or the keyboard.
@@ -462,7 +469,7 @@ class Session:
                 self.new_game()
                 return
             self.pause()
-            self.notice = "the game is over; begin a new one (R), or go back in time"
+            self.notice = _GAME_OVER
             return
         action = int(self.action)
         if self.by_agent and self.agent is not None:

@@ -3,6 +3,7 @@
 import { button, h, hex, setText } from "./dom.js";
 import { drawHistory } from "./screen.js";
 
+const ACROSS = 16; // bytes of a row
 const LEVELS = 6; // of heat
 const MILLISECONDS_A_LEVEL = 130;
 
@@ -17,11 +18,20 @@ export class Grid {
     this.marks = Array.from({ length: 128 }, () => "");
     this.current = 0;
     this.cells = Array.from({ length: 128 }, (_, index) => this.#cell(index));
-    this.element = h("div", { class: "grid", role: "grid", "aria-label": "The 128 bytes of RAM" });
-    for (let row = 0; row < 8; row++) {
-      this.element.append(h("div", { class: "row", role: "row" }, ...this.cells.slice(16 * row, 16 * row + 16)));
-    }
-    this.element.addEventListener("keydown", (event) => this.#key(event));
+    const head = (role, text, label) => h("span", { class: "address", role, "aria-label": label }, text);
+    const columns = Array.from({ length: ACROSS }, (_, column) => head("columnheader", hex(column).slice(1), `column ${hex(column).slice(1)}`));
+    const rows = Array.from({ length: 128 / ACROSS }, (_, row) =>
+      h("div", { class: "row", role: "row" }, head("rowheader", hex(128 + ACROSS * row), `addresses from $${hex(128 + ACROSS * row)}`),
+        ...this.cells.slice(ACROSS * row, ACROSS * row + ACROSS)));
+    const grid = h("div", { class: "grid", role: "grid", "aria-label": "The 128 bytes of RAM" },
+      h("div", { class: "row", role: "row" }, head("columnheader", "", "address"), ...columns), ...rows);
+    this.tip = h("div", { class: "tip", hidden: true, "aria-hidden": "true" }); // cells have its text as their label
+    this.element = h("div", { class: "memory" }, grid, this.tip);
+    grid.addEventListener("keydown", (event) => this.#key(event));
+    grid.addEventListener("focusin", () => this.#tipOfFocus());
+    grid.addEventListener("focusout", () => this.hideTip());
+    // A finger leaves the cell when it is lifted; `hideTip` is called at its next touch.
+    grid.addEventListener("pointerleave", (event) => event.pointerType !== "touch" && this.#tipOfFocus());
     this.name();
   }
 
@@ -29,16 +39,45 @@ export class Grid {
     const value = h("b");
     const name = h("i");
     const cell = h("button", { type: "button", class: "cell", role: "gridcell", tabIndex: index ? -1 : 0 }, value, name);
-    cell.onclick = () => this.select(index, true);
+    cell.addEventListener("pointerenter", () => this.#showTip(index));
+    cell.onclick = () => {
+      this.select(index, true);
+      this.#showTip(index);
+    };
     return cell;
+  }
+
+  #text(index) {
+    const names = this.names(index);
+    return `byte ${index}, address $${hex(128 + index)}${names.length ? `: ${names.join(", ")}` : ""}`;
+  }
+
+  // A cell cuts a long name short. Its tip has all names in full, at the pointer and at the focus.
+  #showTip(index) {
+    const { tip, element } = this;
+    const cell = this.cells[index];
+    setText(tip, this.#text(index));
+    tip.hidden = false;
+    const middle = cell.offsetLeft + (cell.offsetWidth - tip.offsetWidth) / 2;
+    tip.style.left = `${Math.max(0, Math.min(middle, element.clientWidth - tip.offsetWidth))}px`;
+    tip.style.top = `${cell.offsetTop - tip.offsetHeight - 5}px`;
+  }
+
+  #tipOfFocus() {
+    const index = this.cells.findIndex((cell) => cell.matches(":focus-visible"));
+    if (index < 0) this.hideTip();
+    else this.#showTip(index);
+  }
+
+  hideTip() {
+    this.tip.hidden = true;
   }
 
   name() {
     this.cells.forEach((cell, index) => {
       const names = this.names(index);
       setText(cell.lastChild, names[0] ?? "");
-      cell.title = `byte ${index}, address $${hex(128 + index)}${names.length ? `: ${names.join(", ")}` : ""}`;
-      cell.setAttribute("aria-label", `byte ${index}${names.length ? ` ${names[0]}` : ""}`);
+      cell.setAttribute("aria-label", this.#text(index));
       cell.classList.toggle("named", names.length > 0);
     });
   }
@@ -53,11 +92,10 @@ export class Grid {
   }
 
   #key(event) {
-    const across = getComputedStyle(this.element).getPropertyValue("--columns").trim() === "8" ? 8 : 16;
-    const moves = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: -across, ArrowDown: across, PageUp: -32, PageDown: 32 };
+    const moves = { ArrowLeft: -1, ArrowRight: 1, ArrowUp: -ACROSS, ArrowDown: ACROSS, PageUp: -32, PageDown: 32 };
     let next = this.current + (moves[event.key] ?? 0);
-    if (event.key === "Home") next = this.current - (this.current % across);
-    else if (event.key === "End") next = this.current - (this.current % across) + across - 1;
+    if (event.key === "Home") next = this.current - (this.current % ACROSS);
+    else if (event.key === "End") next = this.current - (this.current % ACROSS) + ACROSS - 1;
     else if (!(event.key in moves)) return;
     event.preventDefault();
     event.stopPropagation();

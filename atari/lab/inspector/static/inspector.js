@@ -33,12 +33,15 @@ class Inspector {
     const { signal } = this.stop;
     keys.addEventListener("keydown", (event) => this.#keyDown(event), { signal });
     keys.addEventListener("keyup", (event) => this.#keyUp(event), { signal });
+    keys.addEventListener("keydown", () => { this.byPointer = false; }, { signal, capture: true });
+    root.addEventListener("pointerdown", () => this.#pointerDown(), { signal, capture: true });
+    root.addEventListener("mousedown", (event) => this.#mouseDown(event), { signal });
+    root.addEventListener("change", (event) => this.#changed(event), { signal });
     window.addEventListener("blur", () => this.#releaseKeys(), { signal });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#readColours(), { signal });
     this.resized = new ResizeObserver(() => this.#resize());
     this.resized.observe(this.stage);
     root.atariLab = this; // for tests and for the console
-    this.fpsSince = performance.now();
     const loop = (now) => {
       if (signal.aborted) return;
       requestAnimationFrame(loop);
@@ -90,7 +93,7 @@ class Inspector {
     }
     this.score = h("b");
     this.lives = h("b");
-    this.fps = h("span", { class: "dim fps", title: "frames drawn a second" });
+    this.pace = h("span", { class: "dim pace", title: "frames drawn a second" });
     this.previews = [0, 1].map(() => h("span", { class: "badge", hidden: true, title: "the next frame without input: RAM was changed, and nothing was played since" }, "preview"));
     this.mainFigure = h("figure", {}, this.main.element, h("figcaption", {}, h("span", { class: "which" }), this.previews[0]));
     this.forkFigure = h("figure", { hidden: true }, this.fork.element, h("figcaption", {}, h("span", { class: "which" }, "what if"), this.previews[1]));
@@ -106,7 +109,7 @@ class Inspector {
     this.speed.value = 1;
     this.zoom = h("select", { "aria-label": "zoom", onchange: () => this.#setZoom(Number(this.zoom.value)) },
       ...["fit", "1×", "2×", "3×", "4×"].map((text, value) => h("option", { value }, text)));
-    this.takeButton = button("Take over", "drop what was recorded after this frame, and play on (T)", () => send({ do: "take_over" }), { hidden: true });
+    this.takeButton = button("Take over", "drop what was recorded after this frame, and play on (T)", () => send({ do: "take_over" }), { disabled: true });
     this.objectsButton = button("Objects", "show the objects that labels know (O)", () => this.#toggleObjects(), { "aria-pressed": "false" });
     this.agentButton = button(hello.agent ?? "", "let the agent play, or the keyboard (M)", () => send({ do: "agent", on: !this.shown?.byAgent }), { hidden: !hello.agent, "aria-pressed": "false" });
     this.forkButton = button("What if …", "fork: play on in two copies; changes go to the second (V)", () => this.#toggleFork());
@@ -114,11 +117,11 @@ class Inspector {
     this.differ = h("span", { class: "dim" });
     this.touch = new TouchStick(() => this.#stick());
     this.playCard = h("section", { class: "card play-card", "aria-label": "Screen" }, this.stage, this.touch.element,
-      h("div", { class: "timeline" }, this.slider, this.position),
+      h("div", { class: "timeline" }, this.slider, this.position, this.speed),
       h("div", { class: "line transport" },
         step(-60, "◀◀", "a second back ([)"), step(-1, "❙◀", "a frame back (,)"), this.playButton, step(1, "▶❙", "a frame on (.)"), step(60, "▶▶", "a second on (])"),
-        this.speed, this.takeButton, button("New game", "R", () => send({ do: "new_game" }))),
-      h("div", { class: "line" }, this.forkButton, this.keepButton, this.objectsButton, this.agentButton, h("label", { class: "dim" }, "zoom ", this.zoom), this.differ));
+        this.takeButton, button("New game", "begin a new game (R)", () => send({ do: "new_game" })),
+        this.forkButton, this.objectsButton, this.agentButton, this.keepButton, this.differ));
 
     const choose = (index) => this.#choose(index);
     this.grid = new Grid(this.names, choose);
@@ -132,12 +135,13 @@ class Inspector {
     this.help = helpDialog();
     this.toast = h("div", { class: "toast", role: "status", "aria-live": "polite" });
     const header = h("header", {}, h("h1", {}, hello.title), h("span", { class: "dim tag" }, "atari lab"),
-      h("span", { class: "stat" }, "score ", this.score), h("span", { class: "stat" }, "lives ", this.lives), this.fps,
+      h("label", { class: "dim zoom" }, "zoom ", this.zoom),
+      h("span", { class: "stat" }, "score ", this.score), h("span", { class: "stat" }, "lives ", this.lives), this.pace,
       button("?", "keyboard shortcuts (?)", () => this.help.showModal(), { class: "round", "aria-label": "keyboard shortcuts" }));
     this.root.replaceChildren(header,
       h("div", { class: "columns" },
-        h("div", { class: "column" }, this.playCard, this.tabs.element),
-        h("div", { class: "column" }, h("section", { class: "card ram", "aria-label": "RAM" }, this.grid.element), this.byte.element, this.watch.element)),
+        h("div", { class: "column" }, this.playCard, this.byte.element),
+        h("div", { class: "column" }, h("section", { class: "card ram", "aria-label": "RAM" }, this.grid.element), this.tabs.element, this.watch.element)),
       this.help, this.toast);
     this.#readColours();
   }
@@ -261,11 +265,18 @@ class Inspector {
     const objects = this.showObjects ? this.objects : [];
     this.main.drawOverlay(frame.fork ? [] : objects, this.mark, now);
     if (frame.fork) this.fork.drawOverlay(objects, this.mark, now);
-    if (now - this.fpsSince > 1000) {
-      setText(this.fps, `${Math.round((this.drawn - (this.drawnBefore ?? 0)) * 1000 / (now - this.fpsSince))} fps`);
-      this.fpsSince = now;
-      this.drawnBefore = this.drawn;
-    }
+    this.#showPace(now, before);
+  }
+
+  // Show the frames drawn a second, or that the game is paused.
+  #showPace(now, before) {
+    const { playing } = this.shown;
+    const switched = playing !== before?.playing;
+    if (switched) setText(this.pace, playing ? "" : "paused");
+    else if (now - this.paceSince <= 1000) return;
+    else if (playing) setText(this.pace, `${Math.round((this.drawn - this.drawnBefore) * 1000 / (now - this.paceSince))} fps`);
+    this.paceSince = now;
+    this.drawnBefore = this.drawn;
   }
 
   #texts(frame, before) {
@@ -280,7 +291,7 @@ class Inspector {
     setText(this.position, `${frame.at.toLocaleString("en")} / ${frame.end.toLocaleString("en")}  ${seconds(frame.at)}`);
     this.exports.at = frame.at;
     this.exports.first = frame.first;
-    this.takeButton.hidden = frame.at === frame.end;
+    this.takeButton.disabled = frame.at === frame.end;
     this.agentButton.setAttribute("aria-pressed", frame.byAgent);
     this.previews[0].hidden = !frame.preview;
     this.previews[1].hidden = !fork?.preview;
@@ -300,6 +311,27 @@ class Inspector {
       this.differing = differing;
       this.#marks();
     }
+  }
+
+  #focusGame() {
+    this.main.element.focus({ preventScroll: true });
+  }
+
+  #pointerDown() {
+    this.byPointer = true;
+    this.grid.hideTip();
+  }
+
+  // A button that is clicked does not take the focus: the next key is the game's, and Space is fire.
+  #mouseDown(event) {
+    if (!event.target.closest("button") || this.help.open) return;
+    event.preventDefault();
+    this.#focusGame();
+  }
+
+  // A list or a slider that was set by the pointer gives the focus back.
+  #changed({ target }) {
+    if (this.byPointer && target.matches("select, input[type=range]")) this.#focusGame();
   }
 
   #stick() {
@@ -327,10 +359,10 @@ class Inspector {
     const { target } = event;
     if (event.ctrlKey || event.metaKey || event.altKey || this.help.open) return;
     const typing = target.matches?.("input:not([type=range]), textarea, select");
-    if (event.key === "Escape" && typing) target.blur();
+    const control = target.matches?.("button, input, select");
+    if (event.key === "Escape" && control) this.#focusGame();
     if (typing) return;
     const key = event.key.toLowerCase();
-    const control = target.matches?.("button, a, input, [role=gridcell]");
     const sticks = ["w", "a", "s", "d", "f", ...(control ? [] : ["arrowup", "arrowdown", "arrowleft", "arrowright", " "])];
     if (sticks.includes(key)) {
       event.preventDefault();

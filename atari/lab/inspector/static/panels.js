@@ -191,7 +191,8 @@ export function helpDialog() {
   const rows = HELP.map(([keys, text]) => h("tr", {}, h("th", { scope: "row" }, h("kbd", {}, keys)), h("td", {}, text)));
   const dialog = h("dialog", { class: "help", "aria-label": "Keyboard shortcuts" },
     h("h2", {}, "Keyboard"), h("table", {}, h("tbody", {}, ...rows)),
-    h("p", { class: "dim" }, "Arrows and space play the game unless a control has the focus. Addresses are in hexadecimal: byte 49 is $" + hex(128 + 49) + "."));
+    h("p", { class: "dim" }, "After a click, the keys play the game. Tab moves the focus to the controls: Enter or Space presses a button there, and arrows move in lists, sliders and the grid. Escape returns to the game."),
+    h("p", { class: "dim" }, `Addresses are in hexadecimal, a row's and a column's together: byte 49 is $${hex(128 + 49)}, in row B0 and column 1.`));
   dialog.append(button("Close", "Escape", () => dialog.close(), { class: "primary" }));
   return dialog;
 }
