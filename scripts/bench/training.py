@@ -93,7 +93,7 @@ def train(side: str, obs: str, game: str, steps: int, workers: int) -> tuple[flo
     while agent.steps < steps:
         agent.update()
         for part in agent.environments:
-            scores += [score for score, _ in part.take_games()]
+            scores += [score for _, score, _ in part.take_games()]
     seconds = time.perf_counter() - start
     agent.close()
     return seconds, sum(envs.seconds for envs in made) / workers, scores, agent.network.state_dict()

@@ -208,5 +208,5 @@ def test_wrong_features(data: ProbeData, torch: Any) -> None:
 
 def test_without_torch_the_error_names_the_extra(data: ProbeData, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "torch", None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"atari-envs\[learn\]"):
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'torch>=2\.2'"):
         probe(lambda seen: seen, data)

@@ -88,7 +88,7 @@ def digest(options: TrainingOptions, stacked: bool, steps: int = 400) -> str:
                 others = ~(terminations | truncations)
                 final[others, :-1] = before[others, 1:]
             total.update(np.ascontiguousarray(final).tobytes())
-    total.update(json.dumps([[score, length] for score, length in envs.take_games()]).encode())
+    total.update(json.dumps([[score, length] for _, score, length in envs.take_games()]).encode())
     envs.close()
     return total.hexdigest()[:16]
 

@@ -132,5 +132,5 @@ def test_without_pettingzoo_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) 
     import sys
 
     monkeypatch.setitem(sys.modules, "pettingzoo", None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"atari-envs\[multiplayer\]"):
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'pettingzoo>=1\.25'"):
         parallel_env("pong")

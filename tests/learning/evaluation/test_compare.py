@@ -239,5 +239,5 @@ def test_profile():
 def test_no_matplotlib(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     monkeypatch.delitem(sys.modules, "atari.learning.evaluation.plot", raising=False)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"atari-envs\[learn\]"):
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'torch>=2\.2'"):
         compare(result()).plot(tmp_path / "a.svg")
