@@ -3,6 +3,7 @@
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import needs_gymnasium_1
 
 from atari import Action, AtariEnv
 from atari.cores.ale_random import AleRandom
@@ -62,6 +63,7 @@ def test_a_continuous_action_has_a_strength() -> None:
         driver.ale_action(2)
 
 
+@needs_gymnasium_1
 def test_the_generator_draws_for_the_environment() -> None:
     env = made()
     env.np_random = np.random.default_rng(5)

@@ -15,7 +15,7 @@ from atari.wrappers import DqnPreprocessing
 
 pytestmark = needs_new_ale_py
 
-KINDS = (AtariEnv, ale_py.env.AtariEnv)
+KINDS = (AtariEnv, getattr(ale_py.env, "AtariEnv", AtariEnv))  # of old ale-py, whose tests are skipped, there is none
 
 
 def overriding(kind: type, method: str, calls: list[str]) -> type:

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 import pytest
+from env_tools import needs_new_ale_py
 
 from atari.cores import AleCore, Core, NativeCore, PlainCore
 from atari.testing import check_core
@@ -35,6 +36,7 @@ def test_our_cores(core_type: type[NativeCore], game: str) -> None:
 
 
 @pytest.mark.parametrize("game", ["breakout", "adventure"])
+@needs_new_ale_py
 def test_the_core_of_ale_py(game: str) -> None:
     """Every core that is made reads the ROM again, which takes a tenth of a second, so these are few games."""
     check_core(partial(AleCore, game), reference=partial(NativeCore, game))

@@ -18,13 +18,13 @@ import pytest
 
 import atari
 import atari.classic as gym
-from atari import cores
+from atari import cores, multiplayer
 from atari.integrations import envpool
 from atari.lab import causes
 from atari.lab.probes import play_episodes
 from atari.learning import PROTOCOLS, ReplayMemory, compare, evaluate, record_games
 from atari.learning.frame_agent import FrameAgent
-from atari.multiplayer import MultiplayerCore, MultiplayerEnv
+from atari.multiplayer import MultiplayerCore
 from atari.play import Session
 from atari.recording import RecordReplay
 
@@ -90,7 +90,7 @@ def classic(seed: int) -> Any:
 def several(seed: int) -> Any:
     rams = []
     for given in ({"seed": seed}, {}):
-        env = MultiplayerEnv("pong", obs_type="ram", **STICKY, **given)
+        env = multiplayer.MultiplayerEnv("pong", obs_type="ram", **STICKY, **given)
         env.reset(seed=None if given else seed)
         rams.append(
             [env.step({"first_0": 2 + step % 2, "second_0": 3})[0] for step in range(80)][-1]["first_0"].tolist()

@@ -175,6 +175,7 @@ def test_names_of_atari_ari():
     assert envs.reset(seed=0)[1]["labels"]["player_x"].tolist() == envs.ram()[:, 70].tolist()
 
 
+@needs_gymnasium_1
 def test_what_cannot_be_labelled_is_refused():
     unnamed = replace(atari.games["pong"], ram_labels=FrozenDict())
     for make in (lambda game: AtariEnv(game), lambda game: AtariVectorEnv(game, num_envs=2)):

@@ -6,6 +6,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import needs_gymnasium_1
 from gymnasium.vector import SyncVectorEnv
 
 import atari
@@ -132,6 +133,7 @@ def test_wrong_arguments(what: Any, options: Any, error: type[Exception], text: 
     assert not env.driver.observers
 
 
+@needs_gymnasium_1
 def test_only_environments_of_this_package_are_logged() -> None:
     with pytest.raises(TypeError, match="Watch logs the RAM of an AtariEnv or an AtariVectorEnv, got <CartPole"):
         Watch(gymnasium.make("CartPole-v1").unwrapped, 1)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from env_tools import needs_gymnasium_1
 
 import atari
 from atari._gymnasium import AutoresetMode, VectorWrapper
@@ -229,6 +230,7 @@ def make(envs_type: Any, mode: str) -> Any:
 
 
 @pytest.mark.parametrize("envs_type", FAULTS, ids=lambda each: each.__name__)
+@needs_gymnasium_1
 def test_a_vector_with_a_fault_gets_its_sentence(envs_type: Any) -> None:
     mode, sentence = FAULTS[envs_type]
     copies, one = envs_type is NoPlace, None if envs_type is ResetsEverything else single
@@ -238,6 +240,7 @@ def test_a_vector_with_a_fault_gets_its_sentence(envs_type: Any) -> None:
 
 
 @pytest.mark.parametrize("mode", [mode.value for mode in AutoresetMode])
+@needs_gymnasium_1
 def test_a_wrapper_without_a_fault_passes(mode: str) -> None:
     check_vector(lambda: Faulty(vector(mode)), single=single, copies=False)
 

@@ -16,6 +16,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import needs_gymnasium_1
 from gymnasium.utils.env_checker import data_equivalence
 
 import atari
@@ -64,6 +65,7 @@ def test_close_while_environments_are_stepped() -> None:
         envs.recv()
 
 
+@needs_gymnasium_1
 def test_garbage_collection() -> None:
     gc.collect()
     before = threading_count()

@@ -1,6 +1,7 @@
 """`Result`: the scores of an evaluation, with everything that they depend on, as a table and as JSON."""
 
 import json
+import math
 import platform
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -46,7 +47,10 @@ class GameResult:
     @property
     def std(self) -> float:
         """The standard deviation of the scores (of the population)."""
-        return pstdev(self.scores)
+        try:
+            return pstdev(self.scores)
+        except OverflowError:  # of scores near the greatest float, with Python 3.10
+            return math.inf
 
     @property
     def truncations(self) -> int:
