@@ -1,5 +1,6 @@
 """The fixtures and settings of all tests."""
 
+import os
 import signal
 import traceback
 from collections.abc import Iterator
@@ -20,24 +21,25 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
-    """The options of a run in two parts: the second has packages that the first lacks."""
-    parser.addoption("--note-passed", type=Path, metavar="FILE", help="write the names of passed tests to FILE")
-    parser.addoption("--leave-out", type=Path, metavar="FILE", help="leave out the tests that FILE names")
+# CI runs the tests in two parts; the second has packages that the first lacks. Each process reads these variables.
+NOTE_PASSED = os.environ.get("NOTE_PASSED")
+"""A file for the names of the tests that pass."""
+LEAVE_OUT = os.environ.get("LEAVE_OUT")
+"""A file with the names of tests that are left out. A test that needs the packages was skipped, and has no name here."""
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out tests that have passed without the packages of this run. A test that needs them was skipped there."""
-    if file := config.getoption("leave_out"):
-        passed = set(file.read_text(encoding="utf-8").splitlines())
+    """Leave out the tests that `LEAVE_OUT` names."""
+    if LEAVE_OUT:
+        passed = set(Path(LEAVE_OUT).read_text(encoding="utf-8").splitlines())
         config.hook.pytest_deselected(items=[item for item in items if item.nodeid in passed])
         items[:] = [item for item in items if item.nodeid not in passed]
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """Note passed tests in the process that collects the results of all."""
-    if (file := config.getoption("note_passed")) and not hasattr(config, "workerinput"):
-        config.pluginmanager.register(_Passed(file))
+    if NOTE_PASSED and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(_Passed(Path(NOTE_PASSED)))
 
 
 class _Passed:
