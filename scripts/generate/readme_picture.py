@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from PIL import Image
 
 import atari
 from atari.observations.frames import FrameObservations
@@ -45,6 +44,8 @@ def pictures() -> list[npt.NDArray[np.uint8]]:
 def main() -> None:
     """Write the picture."""
     argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0]).parse_args()
+    from PIL import Image  # --help does not need it
+
     images = [Image.fromarray(picture).quantize(64, dither=Image.Dither.NONE) for picture in pictures()]
     milliseconds = round(1000 * SKIP / 60)
     path = TOP / "docs" / "assets" / "qbert.gif"
