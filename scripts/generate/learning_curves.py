@@ -75,7 +75,7 @@ def read_rows(name: str) -> list[dict[str, float]]:
 
 
 def suffix(name: str) -> str:
-    """What is said after the agent of a run with sticky actions."""
+    """The words after the agent of a run with sticky actions; "" without them."""
     return ", sticky actions" if "-sticky-" in name else ""
 
 

@@ -75,11 +75,12 @@ def test_a_snapshot_of_an_ended_episode_has_how_it_ended(options: dict[str, Any]
         *_, terminations, truncations, _ = envs.step(np.zeros(1, int))
         ended = bool(terminations[0] or truncations[0])
     assert (terminations[0], truncations[0]) == expected
-    snapshot = envs.snapshot()
-    envs.reset(seed=1)
-    envs.restore(None, snapshot)
-    *_, terminations, truncations, _ = envs.step(np.zeros(1, int))
-    assert (terminations[0], truncations[0]) == expected
+    snapshots = envs.snapshot()
+    for taken in (snapshots, pickle.loads(pickle.dumps(snapshots))):  # in memory, and as bytes
+        envs.reset(seed=1)
+        envs.restore(None, taken)
+        *_, terminations, truncations, _ = envs.step(np.zeros(1, int))
+        assert (terminations[0], truncations[0]) == expected
 
 
 def test_a_snapshot_of_one_continues_in_another() -> None:

@@ -16,7 +16,7 @@ Array = Callable[[tuple[int, ...], Any], Any]
 
 
 class _Rows:
-    """What batches of steps have in common: the environments of the rows, and copies.
+    """The common part of batches of steps: the environments of the rows, and copies.
 
     A copy has no target of the extension module, which writes to the arrays of the original.
     """
