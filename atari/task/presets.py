@@ -205,5 +205,5 @@ def find_preset(name: Any) -> Preset:
     near = [known] if known else difflib.get_close_matches(wanted, PRESETS, n=1)
     hint = f"did you mean {near[0]!r}?" if near else "see the list"
     if wanted == "dqn":
-        hint += " That of several players is 'multiplayer_dqn'"
+        hint += " Several players have 'multiplayer_dqn'"
     raise ValueError(f"there is no preset {name!r}; {hint} ({', '.join(PRESETS)})")

@@ -159,7 +159,7 @@ def test_a_versioned_name_is_a_task() -> None:
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
-        ({"preset": "dqn"}, ValueError, "That of several players is 'multiplayer_dqn'"),
+        ({"preset": "dqn"}, ValueError, "Several players have 'multiplayer_dqn'"),
         ({"preset": "dqn2015"}, ValueError, "preset 'dqn2015' is for one player; use 'multiplayer_dqn'"),
         ({"preset": DQN, "stack_num": 0}, ValueError, "stack_num"),
         ({"preset": DQN, "shape": 84}, TypeError, "did you mean 'img_height'"),
