@@ -1,6 +1,7 @@
 """`Encoder`: the layers that the networks of the agents have in common, from observations of bytes to features."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import gymnasium
@@ -117,7 +118,8 @@ class Encoder(nn.Module):
         dtype = torch.bfloat16 if self.bfloat16 else torch.float32
         if not self.images:
             return values.to(dtype)
-        return values.to(dtype, memory_format=torch.channels_last).permute(0, 2, 3, 1)
+        # First the type, then the order: both at once take twice as long.
+        return values.to(dtype).contiguous(memory_format=torch.channels_last).permute(0, 2, 3, 1)
 
     def observe(self, observations: Tensor) -> None:
         """Add observations to the statistics of `normalize`."""
@@ -187,7 +189,19 @@ def _convolutions(channels: int, table: Sequence[tuple[int, int, int]], layer_no
         layers.append(orthogonal(nn.Conv2d(channels, out, kernel, stride)))
         layers += [nn.GroupNorm(1, out), nn.ReLU(inplace=True)] if layer_norm else [nn.ReLU(inplace=True)]
         channels = out
-    return [*layers, nn.Flatten()]
+    return [*layers, _Flatten()]
+
+
+class _Flatten(nn.Flatten):
+    """Flattens images, and gives the gradient back in the order of the images in memory, with the channels last.
+
+    The backward pass of the ReLU before it takes 25 times as long from one order to the other.
+    """
+
+    def forward(self, images: Tensor) -> Tensor:
+        if images.requires_grad:
+            images.register_hook(partial(Tensor.contiguous, memory_format=torch.channels_last))
+        return super().forward(images)
 
 
 def orthogonal(layer: nn.Linear | nn.Conv2d, gain: float = 2**0.5) -> nn.Module:

@@ -23,10 +23,13 @@ from atari.learning.sweep.plan import plan  # noqa: E402
 from atari.learning.sweep.processes import Settings, do_runs  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
 
-TINY = "--total-steps 1024 --num-envs 8 --horizon 32 --minibatch 256 --checkpoint-minutes 0".split()
+TINY = (
+    "--total-steps 1024 --num-envs 8 --horizon 32 --minibatch 256 --checkpoint-minutes 0 "
+    "--network small --img-height 42 --img-width 42"
+).split()
 SWEEP = "--jobs 2 -o runs --games 0 --episodes 1 --protocol dopamine".split()
-WORDS = ["train", "ppo", "pong,breakout", "--seeds", "0,3", *SWEEP, *TINY]
-NAMES = ["pong-seed0", "pong-seed3", "breakout-seed0", "breakout-seed3"]
+WORDS = ["train", "ppo", "pong,qbert", "--seeds", "0,3", *SWEEP, *TINY]
+NAMES = ["pong-seed0", "pong-seed3", "qbert-seed0", "qbert-seed3"]
 
 
 def resolve(game: str, seed: int) -> Any:
@@ -46,7 +49,7 @@ def test_a_sweep_that_is_killed_ends_as_one_that_was_not(
 ) -> None:
     """The sweep is killed in its first trainings, then a process of its other ones; the same command goes on."""
     monkeypatch.chdir(tmp_path)
-    runs = plan(["pong", "breakout"], [0, 3], Path("runs"), resolve)
+    runs = plan(["pong", "qbert"], [0, 3], Path("runs"), resolve)
     assert [run.name for run in runs] == NAMES
     sweep = subprocess.Popen([sys.executable, "-m", "atari", *WORDS], stderr=subprocess.PIPE)
     wait_for(lambda: read_last_row(runs[0].path / "log.csv"))
@@ -98,7 +101,7 @@ def test_a_sweep_that_is_killed_ends_as_one_that_was_not(
     assert [Path(one["run"]).name for one in printed["runs"]] == NAMES
     assert printed["comparison"]["rows"][0]["runs"] == 2
     assert main([*WORDS, "--gamma", "0.9"]) == 1
-    assert "runs/breakout-seed0 has gamma=0.99, and this sweep 0.9" in capsys.readouterr().err
+    assert "runs/pong-seed0 has gamma=0.99, and this sweep 0.9" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
