@@ -1,9 +1,11 @@
 """GAME and the options of a `Task` on a command line: flags made from the fields of the class and its docstring."""
 
 import argparse
+import inspect
 import json
 import re
 import typing
+from collections import defaultdict
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 from functools import cache
@@ -212,11 +214,15 @@ def option_of(name: str, text: str) -> Any:
 
 
 def descriptions(owner: type) -> dict[str, str]:
-    """The text about each option in the docstrings of a class of options and of its bases, by name."""
-    found: dict[str, str] = {}
+    """The text about each option in the docstrings of a class of options and of its bases, by name.
+
+    Options have no text where Python leaves docstrings out (`python -OO`).
+    """
+    found: dict[str, str] = defaultdict(str)
     for base in reversed(owner.__mro__):
-        section = (base.__doc__ or "").partition("Attributes:\n")[2]
-        for name, text in re.findall(r"^ {8}(\w+): (.*(?:\n {12}.*)*)", section, re.MULTILINE):
+        # Python 3.13 takes the indentation off docstrings when it compiles them; cleandoc does so for older ones.
+        section = inspect.cleandoc(base.__doc__ or "").partition("Attributes:\n")[2]
+        for name, text in re.findall(r"^ {4}(\w+): (.*(?:\n {8}.*)*)", section, re.MULTILINE):
             found[name] = re.sub(r"\s+", " ", text).rstrip(".")
     return found
 

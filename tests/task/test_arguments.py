@@ -249,3 +249,16 @@ def test_seeds() -> None:
     ):
         with pytest.raises(argparse.ArgumentTypeError, match=re.escape(message)):
             seed(text)
+
+
+def test_texts_do_not_depend_on_the_indentation_of_docstrings() -> None:
+    """Python 3.13 takes it off, and `python -OO` leaves docstrings out."""
+    indented = type(
+        "Indented",
+        (),
+        {"__doc__": "One.\n\n    Attributes:\n        a: first,\n            more.\n        b: second.\n    "},
+    )
+    even = type("Even", (), {"__doc__": "One.\n\nAttributes:\n    a: first,\n        more.\n    b: second.\n"})
+    bare = type("Bare", (), {})
+    assert descriptions(indented) == descriptions(even) == {"a": "first, more", "b": "second"}
+    assert descriptions(bare)["a"] == ""

@@ -17,6 +17,7 @@ import atari
 from atari.actions import Action
 from atari.games.catalog import games
 from atari.task import PRESETS, Task
+from atari.task.arguments import descriptions
 from atari.task.fields import GROUPS
 from atari.task.options import AddedOptions, MakeOptions, TaskOptions, VectorTaskOptions
 from atari.task.resolution import ALIASES, OPTIONS
@@ -33,11 +34,7 @@ def test_groups_have_every_field_once() -> None:
 
 
 def test_the_docstring_describes_every_field() -> None:
-    section = str(Task.__doc__).partition("Attributes:\n")[2]
-    described = [
-        line.split(":")[0].strip() for line in section.splitlines() if line.startswith(" " * 8 + line.strip()[:1])
-    ]
-    assert [name for name in described if name in FIELDS] == list(FIELDS)
+    assert [name for name in descriptions(Task) if name in FIELDS] == list(FIELDS)
 
 
 @given(tasks(GAMES))
