@@ -6,10 +6,12 @@ value out of range; the message has the argument's name, what is accepted, and t
 """
 
 import difflib
+import inspect
 import math
 import operator
 import stat
 from collections.abc import Iterable
+from enum import Enum
 from pathlib import Path
 from typing import Any
 
@@ -83,6 +85,7 @@ def check_action(action: Any) -> int:
 
 def check_action_index(action: Any, count: int, game: str) -> int:
     """`action` as an index 0..`count`-1 into the action set of an environment of `game`."""
+    check_no_name(action, count)
     try:
         index = operator.index(action)
     except TypeError:
@@ -90,6 +93,16 @@ def check_action_index(action: Any, count: int, game: str) -> int:
     if not 0 <= index < count:
         raise ValueError(f"action {index} is not within 0..{count - 1} ({game})")
     return index
+
+
+def check_no_name(action: Any, count: int) -> None:
+    """Refuse a member of `Action`, whose number is an index only in a set of all 18 actions."""
+    if isinstance(action, Enum) and count < 18:
+        raise TypeError(
+            f"an action is an index 0..{count - 1} of this environment's actions, and "
+            f"{type(action).__name__}.{action.name} is an ALE action; pass "
+            f"env.unwrapped.get_action_meanings().index({action.name!r})"
+        )
 
 
 def check_strength(strength: Any) -> float:
@@ -201,6 +214,12 @@ def check_known(owner: str, wrong: Iterable[str], known: Iterable[str]) -> None:
         else:
             hint = f"AtariVectorEnv, which plays many environments, has {near[0]!r}"
         raise TypeError(f"{owner} has no option {name!r}; {hint}")
+
+
+def check_arguments(owner: str, kind: type, given: Iterable[str]) -> None:
+    """Refuse names of arguments that `kind`, which users make as `owner`, does not have; see `check_known`."""
+    _, *known = inspect.signature(kind.__init__).parameters  # type: ignore[misc]
+    check_known(owner, [name for name in given if name not in known], known)
 
 
 def _sorted_words(name: str) -> str:

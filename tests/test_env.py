@@ -278,6 +278,11 @@ def test_there_are_no_keys_for_continuous_actions() -> None:
         ([1], TypeError, "an action is an integer within 0..3, got [1]"),
         (np.array([1]), TypeError, "an action is an integer within 0..3"),
         (float("nan"), TypeError, "an action is an integer within 0..3, got nan"),
+        (
+            Action.RIGHT,
+            TypeError,
+            "Action.RIGHT is an ALE action; pass env.unwrapped.get_action_meanings().index('RIGHT')",
+        ),
     ],
 )
 def test_what_is_no_action_is_refused(action: Any, error: type[Exception], text: str) -> None:

@@ -42,10 +42,11 @@ def preset(
     "clip" says whether the reward is clipped to -1..1.
 
     baselines, gymnasium, dopamine, envpool and ale_vector give the same bytes as these implementations, from the same
-    start (`reset(options={"noops": n})` chooses one) and with the same seeds of sticky actions. There are two
-    exceptions. If FIRE at the start ends an episode, Stable-Baselines3 returns that end, this preset the start of the
-    next. EnvPool calls a game over in the last step of its limit a truncation. The other three are protocols: no one
-    program defines them, and they follow the publications (`PRESETS[name].source`).
+    start (`reset(options={"noops": n})` chooses one) and with the same seeds of sticky actions. Tests compare each in
+    six or seven games, EnvPool in games of 210 lines, as its screens have. There are two exceptions. If FIRE at the
+    start ends an episode, Stable-Baselines3 returns that end, this preset the start of the next. EnvPool calls a game
+    over in the last step of its limit a truncation. The other three are protocols: no one program defines them, and
+    they follow the publications (`PRESETS[name].source`).
 
     `info` has the items of `AtariEnv`, and the following about the whole game, despite lost lives:
 

@@ -138,6 +138,9 @@ def replay_of(args: argparse.Namespace, path: str) -> Replay:
     replay = Replay.load(path, game=game if game.file else None, rom=getattr(args, "rom", None))
     if replay.game != game:
         raise ValueError(f"{path} is a replay of {replay.game.id}, not of {game.id}")
-    if is_id(args.game) or args.game.endswith(".json") or given_options(args) or args.preset is not None:
+    if is_id(args.game) or args.game.endswith(".json"):
         raise ValueError(f"what was played is in the replay {path}; name the game alone, {game.id!r}")
+    options = [*given_options(args), *(["preset"] if args.preset is not None else [])]
+    if options:
+        raise ValueError(f"what was played is in the replay {path}; leave {', '.join(options)} out")
     return replay

@@ -66,7 +66,10 @@ def add_recording(parser: argparse.ArgumentParser) -> Any:
     add_rom(parser)
     length = parser.add_mutually_exclusive_group()
     length.add_argument(
-        "--seconds", type=number(float, 0.1), metavar="S", help="seconds of play at the console's speed"
+        "--seconds",
+        type=number(float, 0.1),
+        metavar="S",
+        help="seconds of play at the console's speed, all games together",
     )
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of game and policy (default: 0)")
     endings = ", ".join((*FORMATS, SUFFIX))
@@ -117,7 +120,7 @@ def record(args: argparse.Namespace) -> int:
         **({"players": task.players, "mode": task.mode, "policies": policies} if match else {"policy": policies[0]}),
         **({} if recorded else {"seed": args.seed}),
         "frames": filmed if recorded else replay.frames_total,
-        "scores": [episode.scores or episode.score for episode in replay.episodes],
+        "scores": _scores(replay, filmed if recorded and args.seconds is not None else None),
         "elapsed_seconds": time.perf_counter() - start,
         "files": [file.resolve() for file in files],
     }
@@ -126,6 +129,16 @@ def record(args: argparse.Namespace) -> int:
         raise KeyboardInterrupt(f"after {result['frames']:,} frames{kept}")
     print_json(result) if args.json else print(_summary(" and ".join(policies), result))
     return 0
+
+
+def _scores(replay: Replay, stop: int | None) -> list[Any]:
+    """The scores of the games of a replay, up to frame `stop`; None is the end."""
+    if stop is None:
+        return [episode.scores or episode.score for episode in replay.episodes]
+    games: dict[int, list[int]] = {}
+    for frame in replay.frames(0, stop):
+        games[frame.episode] = [a + b for a, b in zip(games.get(frame.episode, [0] * 9), frame.rewards, strict=False)]
+    return [game if len(game) > 1 else game[0] for game in games.values()]
 
 
 def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:

@@ -1,6 +1,7 @@
 """`atari replay`: show, verify and render replays."""
 
 import argparse
+import math
 import warnings
 from dataclasses import asdict
 from pathlib import Path
@@ -47,13 +48,21 @@ def register(commands: Commands) -> None:
         help=f"the video ({', '.join(FORMATS)}), or a picture (.png), replaced if there (default: FILE with the ending "
         ".mp4)",
     )
-    parser.add_argument("--start", type=number(int, 0), default=0, metavar="FRAME", help="the first frame (default: 0)")
-    parser.add_argument("--stop", type=number(int, 1), metavar="FRAME", help="the frame after the last (default: all)")
+    parser.add_argument(
+        "--start",
+        type=best_or_number,
+        default=0,
+        metavar="FRAME",
+        help="the first frame (default: 0), or best, the --seconds with the most points",
+    )
+    last = parser.add_mutually_exclusive_group()
+    last.add_argument("--stop", type=number(int, 1), metavar="FRAME", help="the frame after the last (default: all)")
+    last.add_argument("--seconds", type=number(float, 0.1), metavar="S", help="the length at the console's speed")
     parser.add_argument(
         "--episode",
         type=best_or_number,
         metavar="N",
-        help="show one episode alone: its number, as `atari replay show` prints it, or best; without --start, --stop",
+        help="show one episode alone: its number, as `atari replay show` prints it, or best; without the options above",
     )
     add_looks(parser)
 
@@ -112,17 +121,7 @@ def _render(args: argparse.Namespace) -> int:
     replay = _load(args.file)
     output = args.output or args.file.with_suffix(".mp4")
     options = Looks(args, [output]).options(output)
-    part: dict[str, Any]
-    if args.episode is not None:
-        if args.start or args.stop is not None:
-            raise ValueError("--episode shows a whole episode; leave --start and --stop out")
-        most = len(replay.episodes) - 1
-        best = args.episode == "best"
-        number = replay.best_episode if best else check_integer("--episode", args.episode, 0, most)
-        part, frames = {"episode": number}, replay.episodes[number].frames
-    else:
-        part = {"start": args.start, "stop": args.stop}
-        frames = max(min(args.stop or replay.frames_total, replay.frames_total) - args.start, 0)
+    part, frames = _part(args, replay)
     if not frames:
         raise ValueError(f"there are no frames to render: the replay has {replay.frames_total:,} frames")
     picture = is_picture(output)
@@ -136,6 +135,25 @@ def _render(args: argparse.Namespace) -> int:
     shown = "a picture" if picture else f"{frames:,} frames"
     print_json(result) if args.json else print(f"{shown} in {output.resolve()}")
     return 0
+
+
+def _part(args: argparse.Namespace, replay: Replay) -> tuple[dict[str, int], int]:
+    """The part of a replay that the arguments name, as `Replay.render` takes it, and the number of its frames."""
+    if args.episode is not None:
+        if args.start or args.stop is not None or args.seconds is not None:
+            raise ValueError("--episode shows a whole episode; leave --start, --stop and --seconds out")
+        most = len(replay.episodes) - 1
+        best = args.episode == "best"
+        number = replay.best_episode if best else check_integer("--episode", args.episode, 0, most)
+        return {"episode": number}, replay.episodes[number].frames
+    length = None if args.seconds is None else math.ceil(args.seconds * frame_rate(replay.game))
+    start = args.start
+    if start == "best":
+        if length is None:
+            raise ValueError("--start best needs --seconds, the length of the part")
+        start = replay.best_start(max(min(length, replay.frames_total), 1))
+    stop = min(start + length if length else args.stop or replay.frames_total, replay.frames_total)
+    return {"start": start, "stop": stop}, max(stop - start, 0)
 
 
 def _load(file: Path) -> Replay:

@@ -2,7 +2,7 @@
 
 ale-py ends the process on a missing or foreign ROM, crashes on a call before loading, and hangs or fails obscurely on
 wrong values. So `AleCore` checks every argument first. ale-py's states are incomplete. So a snapshot is a journal
-of calls, which `restore` replays; this is exact for every game.
+of calls, which `restore` replays; tests compare the restored core with the saved one in thirteen games.
 """
 
 import hashlib

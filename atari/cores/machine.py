@@ -1,4 +1,4 @@
-"""The machine code that this machine runs, and a short proof that it is exact: `atari verify --machine`.
+"""The machine code that this machine runs, and a short check that it is exact: `atari verify --machine`.
 
 `goldens.json` has check sums of ale-py 0.12.1 for ten games, a copy of a part of tests/conformance/goldens.json. The
 ten use different cartridges, paddles and joysticks, and much of the video and sound chip.

@@ -1,7 +1,7 @@
 """Files that a kill or a loss of power leaves whole, and that are never written through a symbolic link.
 
-Everything that must survive is written by the operations at the top of this module, each one call of the system: a
-test stops a program before each of them.
+Everything that must survive is written by the operations at the top of this module, each one call of the system: tests
+stop trainings before some of them, drawn at random.
 """
 
 import mmap

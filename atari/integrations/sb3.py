@@ -50,7 +50,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
     `Monitor`, `r` includes the rewards during the no-ops and the FIRE of a reset, which no step returns.
 
     With `channels_last=True` images are contiguous, (num_envs, img_height, img_width, stack_num), and
-    Stable-Baselines3 transposes them like the images of its own environments. A training then ends with the same
+    Stable-Baselines3 transposes them like the images of its own environments. PPO and DQN then end with the same
     weights, to the bit. With channels first, convolutions add in another order, and weights differ by rounding.
 
     `vector` is the `AtariVectorEnv`; `get_attr`, `set_attr` and `env_method` apply to its `lanes`. `RecordVideo` and

@@ -1,5 +1,6 @@
 """`access`: reads and writes the RAM of a core, of an environment, or of the lanes of a vector."""
 
+import reprlib
 from typing import Any
 
 import gymnasium
@@ -31,9 +32,12 @@ def access(target: Any, index: int | None = None) -> "_Single | _Vector":
         raise TypeError(f"index is the number of a lane of an AtariVectorEnv, but this is {target!r}; leave it out")
     if isinstance(inner, AtariEnv) or (isinstance(getattr(inner, "game", None), Game) and hasattr(inner, "set_ram")):
         return _Single(inner)
+    advice = "for a replay or its frames, take Ram(replay.seek(number of frames))"
+    if isinstance(inner, gymnasium.vector.VectorEnv):
+        advice = "take one environment of another vector"
     raise TypeError(
-        f"RAM is read from an AtariEnv (or a wrapper around one), a core, or an AtariVectorEnv, got {target!r}; "
-        "take one environment of another vector"
+        "RAM is read from an AtariEnv (or a wrapper around one), a core, or an AtariVectorEnv, got "
+        f"{reprlib.repr(target)}; {advice}"
     )
 
 

@@ -1,7 +1,7 @@
 """AtariARI's names of RAM bytes and their categories.
 
 AtariARI is from Anand et al. 2019, "Unsupervised State Representation Learning in Atari". Its `AtariARIWrapper` returns
-`info["labels"]`, raw bytes by these names; `RamLabels(env, names="atari_ari")` returns the same. The source of the
+`info["labels"]`, raw bytes by these names, and so does `RamLabels(env, names="atari_ari")`. The source of the
 facts is https://github.com/mila-iqia/atari-representation-learning (MIT licence). The game files say which were
 confirmed; the labels have names of this package there.
 """

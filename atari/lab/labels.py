@@ -34,7 +34,8 @@ def byte_index(place: Any) -> int:
     try:
         number = check_integer("place", place, 0, 255)
     except TypeError:
-        raise TypeError(f"a place in RAM is an index 0..127 or an address 0x80..0xFF, got {place!r}") from None
+        whole = "; core.ram() and envs.ram() have all bytes" if isinstance(place, slice) else ""
+        raise TypeError(f"a place in RAM is an index 0..127 or an address 0x80..0xFF, got {place!r}{whole}") from None
     except ValueError:
         raise ValueError(f"a place in RAM is an index 0..127 or an address 0x80..0xFF, got {place}") from None
     return number & 127

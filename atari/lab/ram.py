@@ -21,7 +21,7 @@ class Ram:
     `ram["ball_x"]` is the value of a label: its transform, in integers. It is None while the label's `visible` is
     false. A place is an integer: an index 0..127, or an address 0x80..0xFF; `ram[49]` and `ram[0xB1]` are the same
     byte. Assigning to a label writes the byte that has the value, and assigning to a place writes the byte itself. The
-    next frame shows it, unless the game writes the byte again.
+    next frame shows it, or the one after it, unless the game writes the byte again.
 
     The values of a whole vector are `numpy.ma.MaskedArray` int32 (num_envs,), masked where they are not visible or
     where the game has no such label; bytes are uint8 (num_envs,). One value is written to all lanes, or an array

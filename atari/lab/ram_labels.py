@@ -16,7 +16,7 @@ from atari.lab import atari_ari
 from atari.lab.labels import Labels, unknown_label
 from atari.recording.vectors import is_vector
 from atari.restorable import Restorable
-from atari.validation import check_name
+from atari.validation import check_arguments, check_name
 from atari.vector import AtariVectorEnv
 
 Names = Literal["game", "atari_ari"]
@@ -225,4 +225,6 @@ class RamLabels(EnvRamLabels):
 
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
         """A `VectorRamLabels` for a vector; copying and pickling call this without arguments."""
-        return VectorRamLabels(env, *args, **kwargs) if is_vector(env) else super().__new__(cls)
+        kind: type = VectorRamLabels if is_vector(env) else RamLabels
+        check_arguments("RamLabels", kind, kwargs)
+        return VectorRamLabels(env, *args, **kwargs) if kind is VectorRamLabels else super().__new__(cls)

@@ -12,7 +12,7 @@ from atari.env import AtariEnv
 from atari.lab.ram import Ram
 from atari.recording.vectors import is_vector
 from atari.restorable import Restorable
-from atari.validation import check_name
+from atari.validation import check_arguments, check_name
 from atari.vector import AtariVectorEnv
 
 Each: TypeAlias = Literal["step", "frame"]
@@ -207,7 +207,9 @@ class Watch(EnvWatch):
 
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
         """A `VectorWatch` for a vector; copying and pickling call this without arguments."""
-        return VectorWatch(env, *args, **kwargs) if is_vector(env) else super().__new__(cls)
+        kind: type = VectorWatch if is_vector(env) else Watch
+        check_arguments("Watch", kind, kwargs)
+        return VectorWatch(env, *args, **kwargs) if kind is VectorWatch else super().__new__(cls)
 
 
 class _FrameLogger:

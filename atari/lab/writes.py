@@ -156,7 +156,7 @@ class Poke(_Held):
     """Write bytes of RAM once, after the first emulated frame that fits.
 
     Args:
-        env, values, index, paid: as in `Freeze`.
+        env, values, index, paid, labels: as in `Freeze`.
         frame: the number of that frame in its episode; the first after a reset has the number 1.
         when: a condition over labels, `ram[...]`, `old` and `frame`, which is read after each frame.
 
@@ -179,18 +179,21 @@ class Poke(_Held):
     def __init__(
         self,
         env: Any,
-        values: Mapping[str | int, Any],
+        values: Mapping[str | int, Any] | None = None,
         /,
         *,
         frame: int | None = None,
         when: str | None = None,
         index: int | None = None,
         paid: bool = True,
+        **labels: Any,
     ) -> None:
         if when is not None and not isinstance(when, str):
             raise TypeError(f"when must be a condition such as 'ball_x > 100', got {when!r}")
         at: Any = "frame" if frame is None else (check_integer("frame", frame, 1, LATEST_FRAME),)
-        super().__init__(env, values, index, False, when=at, condition=when, once=True, paid=bool(paid))
+        super().__init__(
+            env, {**(values or {}), **labels}, index, False, when=at, condition=when, once=True, paid=bool(paid)
+        )
 
 
 def _targets(env: Any, index: int | None) -> list[_Target]:

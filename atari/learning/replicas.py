@@ -14,7 +14,7 @@ Network = TypeVar("Network", bound=nn.Module)
 class Replicas(Generic[Network]):
     """One network in several threads: copies that share the weights, each with gradients of its own.
 
-    PyTorch's own threads wait for each other in every layer, and take many times as long when another process is busy.
+    PyTorch's own threads wait for each other in every layer, so that a busy process beside them slows all.
     Here each thread computes its share of a minibatch, and the threads wait once.
 
     Args:

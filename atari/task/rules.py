@@ -1,7 +1,7 @@
 """The rules for fields of a `Task` that have an effect only together.
 
 A field without effect beside another one is an error if a user gave it, and takes its default if it comes from a
-preset, an ID or another task. So two tasks that play the same are equal.
+preset, an ID or another task. So tasks that differ in such fields alone are equal.
 """
 
 from collections.abc import Callable, Collection, Mapping

@@ -35,7 +35,8 @@ class Task:
 
     `Task.of` makes one from an environment ID, the name of a game or a game file, with options. Every function, class
     and command of this package that plays a game takes a task, or the same options by the same names. The defaults are
-    those of ALE's v5 environments. Tasks that play the same are equal; they can be hashed, pickled and stored as JSON.
+    those of ALE's v5 environments. Fields without effect have their defaults, and tasks with equal fields are equal.
+    Tasks can be hashed, pickled and stored as JSON.
 
     Attributes:
         game: id of the game ("breakout"). The constructor also takes a game file of your own, or a `Game`.

@@ -29,7 +29,7 @@ from atari.task import Task
 from atari.task.fields import NO_LIMIT, check_bool
 from atari.task.resolution import ALIASES, OPTIONS, is_id, is_versioned, resolve_task
 from atari.task.storage import identity
-from atari.validation import check_integer, check_known
+from atari.validation import check_integer, check_known, check_no_name
 from atari.vector import ale_names
 
 _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # looked up once, because every step uses them
@@ -246,6 +246,9 @@ class VectorOptions:
             and actions.shape == self._index_shape
         ):
             return actions, None  # the usual kind needs no checks, which would slow each step
+        if isinstance(actions, (list, tuple)):
+            for action in actions:
+                check_no_name(action, len(self.actions[0]))
         array = np.asarray(actions)
         rows = self.batch_size if rows is None else rows
         shape = (rows, 3) if self.continuous else (rows,) if self.players == 1 else (rows, self.players)

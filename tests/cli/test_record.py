@@ -181,7 +181,11 @@ def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) 
         (["seaquest", "--policy", "seaquest.a26", "-o", "b.a26"], "a replay of a replay is its copy"),
         (["pong", "-o", "a.avi"], "-o is a file that ends in one of .mp4, .mkv, .webm, .gif, .png, .a26, got 'a.avi'"),
         (["backgammon", "--policy", "noop"], "(--actions full) adds it"),
-        (["pong", "--policy", "a.a26", "--sticky", "0"], "what was played is in the replay a.a26; name the game alone"),
+        (["ALE/Pong-v5", "--policy", "a.a26"], "what was played is in the replay a.a26; name the game alone, 'pong'"),
+        (
+            ["pong", "--policy", "a.a26", "--sticky", "0", "--preset", "dqn2015"],
+            "in the replay a.a26; leave repeat_action_probability, preset out",
+        ),
         (["pong", "--policy", "noop", "--policy", "noop"], "a second --policy needs --players"),
     ],
 )
@@ -195,6 +199,15 @@ def test_what_cannot_be_done_is_one_line(
     assert err.startswith("atari: error: ")
     assert text in err
     assert err.count("\n") == 1
+
+
+def test_the_scores_of_a_part_of_a_replay_are_those_of_the_part(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    record(folder / "a.a26", "pong", 300)
+    result = record_json(capsys, "pong", "--policy", "a.a26", "--seconds", "2", "-o", "a.gif", "--scale", "1")
+    *_, last = Replay.load("a.a26").frames(0, result["frames"])
+    assert result["scores"] == [last.score] != [Replay.load("a.a26").episodes[0].score]
 
 
 def test_without_pyav_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

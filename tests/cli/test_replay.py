@@ -151,11 +151,27 @@ def test_an_episode_alone(capsys: pytest.CaptureFixture[str]) -> None:
     assert frames[0].shape == ((210 + CURVE_ROWS) * 2 + 16, 640, 3)
 
 
+@pytest.mark.parametrize(("start", "first"), [("best", None), ("30", 30)])
+def test_seconds_from_a_start(capsys: pytest.CaptureFixture[str], start: str, first: int | None) -> None:
+    replay = Replay.load("a.a26")
+    first = replay.best_start(60) if first is None else first
+    assert (
+        main(["replay", "render", "a.a26", "-o", "part.mkv", "--start", start, "--seconds", "1", "--scale", "1"]) == 0
+    )
+    assert capsys.readouterr().out.startswith("60 frames in ")
+    assert np.array_equal(video_frames(Path("part.mkv"))[0][:, ::2], next(replay.frames(first)).screen)
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (["--episode", "2"], "--episode must be within 0..1, got 2"),
-        (["--episode", "best", "--stop", "3"], "--episode shows a whole episode; leave --start and --stop out"),
+        (
+            ["--episode", "best", "--stop", "3"],
+            "--episode shows a whole episode; leave --start, --stop and --seconds out",
+        ),
+        (["--episode", "best", "--seconds", "3"], "--episode shows a whole episode; leave --start, --stop"),
+        (["--start", "best"], "--start best needs --seconds, the length of the part"),
     ],
 )
 def test_a_wrong_part(capsys: pytest.CaptureFixture[str], words: list[str], message: str) -> None:

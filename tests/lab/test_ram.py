@@ -225,6 +225,8 @@ def test_a_vector_of_several_games():
 def test_what_has_no_ram_is_refused(pong):
     with pytest.raises(TypeError, match="RAM is read from an AtariEnv"):
         Ram(3)
+    with pytest.raises(TypeError, match=r"for a replay or its frames, take Ram\(replay.seek\(number of frames\)\)"):
+        Ram(np.zeros(128, np.uint8))
     with pytest.raises(TypeError, match="index is the number of a lane of an AtariVectorEnv"):
         Ram(pong, index=0)
 

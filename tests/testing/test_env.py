@@ -10,11 +10,11 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import needs_gymnasium_1
 from gymnasium import spaces
 
 import atari
 from atari.testing import ContractError, check_env
-from tests.support.env_tools import needs_gymnasium_1
 
 Step = tuple[Any, Any, bool, bool, dict[str, Any]]
 

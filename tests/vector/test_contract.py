@@ -5,12 +5,12 @@ from typing import Any
 
 import gymnasium
 import pytest
+from env_tools import needs_gymnasium_1
 
 import atari
 from atari._gymnasium import AutoresetMode
 from atari.lab import RamLabels
 from atari.testing import check_vector
-from tests.support.env_tools import needs_gymnasium_1
 
 SHORT: dict[str, Any] = {"max_episode_steps": 18}
 

@@ -8,6 +8,7 @@ import pytest
 
 import atari
 from atari._gymnasium import AutoresetMode
+from atari.actions import Action
 
 
 def play(envs: atari.AtariVectorEnv, steps: int, seed: int = 5) -> list[bytes]:
@@ -359,6 +360,7 @@ class TestBadInput:
             (np.array([0.0, 1.0, np.nan]), TypeError, "must be integers"),
             (np.array([True, False, True]), TypeError, "must be integers"),
             (np.array([0, 1, 2**63], np.uint64), ValueError, "not within"),
+            ([0, Action.FIRE, 0], TypeError, "Action.FIRE is an ALE action; pass env.unwrapped.get_action_meanings"),
             ("abc", TypeError, "must be integers"),
             (None, TypeError, "must be integers"),
         ],

@@ -145,6 +145,8 @@ def _resolve(game: Game, item: Any) -> Intervention:
     path, separator, name = item.rpartition("#")
     known = load(game, path if separator else None)
     if name not in known:
+        if name.endswith(".toml"):
+            raise ValueError(f"{name} is a file: name the intervention too, {name}#name")
         raise ValueError(unknown(name, "intervention", known, path or game.id))
     return known[name]
 

@@ -94,7 +94,7 @@ class EpisodeVectorEnv(VectorWrapper):
     `info` is empty: RLlib would make a dict of each environment's values in each step, and keep them with the
     episodes. `finished` has the scores of whole games, which `GameScores` reports. With one seed, `reset` gives
     environment i the seed `seed * num_envs + i`. Env runners get consecutive seeds, so no two of their environments
-    play the same game.
+    have the same seed.
     """
 
     def __init__(self, envs: AtariVectorEnv) -> None:

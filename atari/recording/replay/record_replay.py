@@ -18,7 +18,7 @@ from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, header
 from atari.recording.replay.vector_shadow import make_shadow
 from atari.recording.vectors import is_vector, not_recorded, recorded_vector
 from atari.restorable import Restorable
-from atari.validation import check_integer
+from atari.validation import check_arguments, check_integer
 from atari.vector.seeds import seed_values
 
 
@@ -233,6 +233,7 @@ class RecordReplay(RecordEnvReplay):
 
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
         """The recorder of this kind of environment; copying calls this without arguments."""
-        if is_vector(env):
-            return RecordVectorReplay(env, *args, **kwargs)
-        return RecordMatch(env, *args, **kwargs) if isinstance(env, MultiplayerCore) else super().__new__(cls)
+        match = isinstance(env, MultiplayerCore)
+        kind: Any = RecordVectorReplay if is_vector(env) else RecordMatch if match else RecordEnvReplay
+        check_arguments("RecordReplay", kind, kwargs)
+        return super().__new__(cls) if kind is RecordEnvReplay else kind(env, *args, **kwargs)

@@ -42,10 +42,19 @@ def add_caption(image: ByteArray, text: str, lines: int, scale: int) -> ByteArra
 
 @lru_cache(maxsize=16)
 def _glyphs(scale: int) -> ByteArray:
-    """Return the glyphs of ASCII's characters, (128, rows, columns)."""
-    glyphs = np.zeros((128, line_height(scale), 5 * scale), np.uint8)
+    """Return the glyphs of ASCII's characters, (128, rows, columns).
+
+    OpenCV's font has glyphs of different widths; each is centred in its cell.
+    """
+    rows, columns = line_height(scale), 5 * scale
+    glyphs = np.zeros((128, rows, columns), np.uint8)
     for code in range(33, 127):
-        cv2.putText(glyphs[code], chr(code), (0, 6 * scale), cv2.FONT_HERSHEY_PLAIN, scale / 2, (255,), 1, cv2.LINE_AA)
+        drawn = np.zeros((rows, 3 * columns), np.uint8)
+        place = (columns, 6 * scale)
+        cv2.putText(drawn, chr(code), place, cv2.FONT_HERSHEY_PLAIN, scale / 2, (255,), 1, cv2.LINE_AA)
+        inked = np.flatnonzero(drawn.any(0))
+        left = (inked[0] + inked[-1] + 1 - columns) // 2
+        glyphs[code] = drawn[:, left : left + columns]
     return glyphs
 
 

@@ -16,6 +16,7 @@ from atari.recording.video.recorder import VideoRecorder, VideoSettings
 from atari.recording.video.schedule import Schedule, Trigger
 from atari.recording.video.writer import shown_rate
 from atari.restorable import Restorable
+from atari.validation import check_arguments
 
 
 class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -164,7 +165,9 @@ class RecordVideo(RecordEnvVideo):
 
     def __new__(cls, env: Any = None, *args: Any, **kwargs: Any) -> Any:
         """A `RecordVectorVideo` of a vector; copying calls this without arguments."""
-        return RecordVectorVideo(env, *args, **kwargs) if is_vector(env) else super().__new__(cls)
+        kind: type = RecordVectorVideo if is_vector(env) else RecordEnvVideo
+        check_arguments("RecordVideo", kind, kwargs)
+        return RecordVectorVideo(env, *args, **kwargs) if kind is RecordVectorVideo else super().__new__(cls)
 
 
 class FrameObserver:

@@ -43,8 +43,7 @@ LINES_PER_FRAME = MappingProxyType({"NTSC": 262, "PAL": 312, "SECAM": 312})
 def frame_rate(game: Game) -> Fraction:
     """The console's frames a second for `game`: 59.92 with NTSC, 49.86 with PAL.
 
-    It is exact for a game that draws the lines of its TV format (262 or 312 of 228 colour clocks each), as nearly all
-    games do.
+    It is exact for a game that draws the lines of its TV format (262 or 312 of 228 colour clocks each).
     """
     tv = game.screen.format
     return COLOUR_CLOCK_HZ[tv] / (COLOUR_CLOCKS_PER_LINE * LINES_PER_FRAME[tv])

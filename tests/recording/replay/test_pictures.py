@@ -71,6 +71,15 @@ def test_a_picture_has_the_overlay_of_its_frame_in_a_video(replay: Replay, tmp_p
     assert np.array_equal(image, alone[300])
 
 
+@pytest.mark.parametrize("count", [1, 100, 700])
+def test_the_part_with_the_most_points(replay: Replay, frames: list[Frame], count: int) -> None:
+    count = min(count, len(frames))
+    sums = [sum(frame.reward for frame in frames[i : i + count]) for i in range(len(frames) - count + 1)]
+    assert sums[replay.best_start(count)] == max(sums)
+    with pytest.raises(ValueError, match=f"frames must be within 1..{len(frames)}, got 0"):
+        replay.best_start(0)
+
+
 def test_the_best_episode_by_name(replay: Replay, tmp_path: Path) -> None:
     named = replay.render(tmp_path / "named.gif", scale=1, episode="best")
     numbered = replay.render(tmp_path / "numbered.gif", scale=1, episode=replay.best_episode)

@@ -19,7 +19,8 @@ from env_tools import data_equivalence, needs_gymnasium_1
 from video_reader import NTSC, Screen, sound, video_frames
 
 import atari
-from atari.recording import RecordVideo, VideoWriter
+from atari.lab import RamLabels, Watch
+from atari.recording import RecordReplay, RecordVideo, VideoWriter
 from atari.recording.video.audio import to_16_bit
 from atari.recording.video.overlay import CURVE_ROWS, Overlay
 from atari.wrappers import DqnPreprocessing, EpisodicLife
@@ -51,6 +52,13 @@ def files(folder: Path) -> list[str]:
 
 
 # What the environment does.
+
+
+@pytest.mark.parametrize("make", [lambda: atari.make("pong"), lambda: atari.AtariVectorEnv("pong", 2)])
+@pytest.mark.parametrize("kind", [RecordVideo, RecordReplay, RamLabels, Watch])
+def test_an_argument_that_a_recorder_or_a_wrapper_lacks_is_named(make: Any, kind: Any) -> None:
+    with pytest.raises(TypeError, match=f"^{kind.__name__} has no option 'bset'; "):
+        kind(make(), "ball_x", bset=True)
 
 
 @pytest.mark.parametrize("core", ["native", "ale"])
