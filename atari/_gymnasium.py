@@ -49,6 +49,19 @@ if not TYPE_CHECKING and hasattr(VectorWrapper, "__del__"):
             """Do nothing."""
 
 
+def autoreset_mode(mode: Any) -> AutoresetMode:
+    """The mode that a user gives: a member of `AutoresetMode`, its value, or its name in upper or lower case.
+
+    Raises:
+        ValueError: there is no such mode.
+    """
+    for member in AutoresetMode:
+        if mode in (member, member.value, member.name, member.name.lower()):
+            return member
+    modes = ", ".join(repr(member.value) for member in AutoresetMode)
+    raise ValueError(f"autoreset_mode must be an AutoresetMode or one of {modes}, got {mode!r}")
+
+
 _RECORDERS = (wrappers, getattr(wrappers, "vector", wrappers))
 _RECORDING = {module.RecordEpisodeStatistics.step.__code__ for module in _RECORDERS}
 

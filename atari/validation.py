@@ -176,6 +176,8 @@ _OTHER_NAMES = {
     "n_stack": "stack_num",
     "stack_size": "stack_num",
     "screen_size": "img_height",
+    "image_size": "img_height",
+    "size": "img_height",
     "gray_scale": "obs_type",
     "grayscale": "obs_type",
     "grayscale_obs": "obs_type",

@@ -66,7 +66,7 @@ def kept_agent(run: RunFolder) -> AgentCode:
     if name not in AGENTS:
         raise ValueError(
             f"agent must be one of {', '.join(AGENTS)}, got {name!r} in {run.path / 'config.json'}; "
-            "RunFolder.load_weights has the weights of another loop"
+            "a policy of a loop of your own is named MODULE:NAME, such as my_policy:policy, see docs/runs.md"
         )
     return AgentCode(name, find_agent(name))
 

@@ -82,6 +82,8 @@ def import_named(name: str, owner: str) -> Any:
         ValueError: the object does not exist. The error begins with `owner`.
     """
     module, _, attribute = name.partition(":")
+    if module.endswith(".py"):
+        raise ValueError(f"{owner} is named by its module: {Path(module).stem}:{attribute}, from the module's folder")
     sys.path.insert(0, "")  # modules of this folder, as with `python -m`
     try:
         return getattr(import_module(module), attribute)

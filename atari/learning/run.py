@@ -94,9 +94,12 @@ class RunFolder:
             FileNotFoundError: there is no such file.
             FileExistsError: the folder has files.
             BlockingIOError: another training has just begun in it.
+            TypeError: `task` is no `Task`.
             ValueError: the task has a game without a file, or an option is not of JSON's types.
         """
         path = Path(path)
+        if not isinstance(task, Task):
+            raise TypeError(f"task must be an atari.Task, such as Task.of('pong') or envs.task, got {task!r}")
         config = {
             "format": FORMAT,
             "agent": agent,
@@ -146,7 +149,9 @@ class RunFolder:
         path = Path(path)
         file = path / "config.json"
         if not file.is_file():
-            raise FileNotFoundError(f"{path} is no run folder: it has no config.json; `atari train` makes one")
+            raise FileNotFoundError(
+                f"{path} is no run folder: it has no config.json; `atari train` and RunFolder.begin make one"
+            )
         config = json_text.read(file)
         version = config.get("format", 1) if isinstance(config, dict) else None
         if type(version) is not int or version not in range(1, FORMAT + 1):
@@ -241,8 +246,9 @@ class RunFolder:
             row: numbers by the name of their column, `step` among them. All rows have the columns of the first.
 
         Raises:
-            ValueError: the row has no `step`, or other columns than the first row.
+            ValueError: the row has no `step`, or other columns than the first row; or the folder is open for reading.
         """
+        self._check_locked()
         if "step" not in row:
             raise ValueError(f"a row of the log needs the column step, got {', '.join(row)}")
         self._log.add(row)
@@ -270,6 +276,8 @@ class RunFolder:
             OSError: the disk is full, for example. The last checkpoint and the memory's flush that it names stay valid.
         """
         self._check_locked()
+        if not isinstance(weights, Mapping):
+            raise TypeError(f"weights must be tensors by name, as network.state_dict(), got {type(weights).__name__}")
         flush = None if memory is None else memory.flushes + 1
         content = {"step": step, "state": dict(state), "weights": dict(weights), "flush": flush}
         file = self.path / "checkpoint.pt"
@@ -421,7 +429,7 @@ class RunFolder:
             if not memory.exists():
                 raise ValueError(
                     f"{memory} is missing, and {file.name} goes on from its flush {flush}; put it there again. A "
-                    "completed training keeps it with --keep-memory alone"
+                    "completed training keeps it with --keep-memory alone, in Python with end(..., keep_memory=True)"
                 )
             self.memory = ReplayMemory.open(memory, flush=flush, num_threads=num_threads, autoflush=False)
         self.state = content["state"]
@@ -451,7 +459,9 @@ def _check_empty(path: Path, sources: Mapping[str, bytes]) -> None:
         return file.name in ("lock", "config.json.part") or file.name.removesuffix(".part") in sources
 
     if path.exists() and not all(map(is_left, path.iterdir())):
-        raise FileExistsError(f"{path} is not empty; give another folder, or continue with --resume {path}")
+        raise FileExistsError(
+            f"{path} is not empty; give another folder, or go on with it: --resume {path}, RunFolder.resume"
+        )
 
 
 def _locked(path: Path) -> BinaryIO:

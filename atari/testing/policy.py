@@ -1,6 +1,7 @@
 """`check_policy`: the contract of `atari.learning.Policy`, for authors of policies."""
 
 import pickle
+import reprlib
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -89,8 +90,11 @@ def check_policy(
 def _loaded(policy: Any) -> LoadedPolicy:
     if isinstance(policy, LoadedPolicy):
         return policy
-    if not callable(policy):
-        raise TypeError(f"check_policy takes a function of observations and lanes, got {policy!r}")
+    if not callable(policy) or hasattr(policy, "state_dict"):
+        raise TypeError(
+            f"check_policy takes a function of observations and lanes, got {reprlib.repr(policy)}; for a network, a "
+            "file or a name, pass atari.learning.load_policy(...)"
+        )
     try:
         loaded = LoadedPolicy(policy() if makes_policy(policy) else policy)
     except TypeError as error:

@@ -14,7 +14,7 @@ from gymnasium import spaces
 from gymnasium.vector.utils import batch_space
 
 from atari import _emulator
-from atari._gymnasium import AutoresetMode
+from atari._gymnasium import AutoresetMode, autoreset_mode
 from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.cores.native import compiled
 from atari.cores.players import compiled_for_players
@@ -88,7 +88,7 @@ class VectorOptions:
             batch_size=batch_size,
             num_threads=min(threads if threads > 0 else _cores(), len(tasks)),
             thread_affinity_offset=check_integer("thread_affinity_offset", given["thread_affinity_offset"], -1, 10_000),
-            autoreset_mode=_check_autoreset(given["autoreset_mode"]),
+            autoreset_mode=autoreset_mode(given["autoreset_mode"]),
             layout=Layout.check(first, given["channels_last"], given["dtype"]),
         )
 
@@ -389,14 +389,6 @@ def _spread(name: str, value: Any, count: int) -> tuple[int | None, ...]:
         return tuple(None if one is None else operator.index(one) for one in values)
     except TypeError:
         raise TypeError(f"{name} must be an integer, None, or a sequence of these, got {value!r}") from None
-
-
-def _check_autoreset(mode: Any) -> AutoresetMode:
-    try:
-        return AutoresetMode(mode)
-    except ValueError:
-        modes = ", ".join(repr(one.value) for one in AutoresetMode)
-        raise ValueError(f"autoreset_mode must be an AutoresetMode or one of {modes}, got {mode!r}") from None
 
 
 def _cores() -> int:

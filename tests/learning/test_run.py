@@ -314,9 +314,24 @@ def test_a_folder_has_one_training_at_a_time(tmp_path: Path) -> None:
             with pytest.raises(BlockingIOError, match=r"a training writes into .*run; wait for its end, or stop it"):
                 call(tmp_path / "run")
         assert RunFolder.open(tmp_path / "run").config["agent"] == "mine"
-    with pytest.raises(ValueError, match="is open for reading"):
-        RunFolder.open(tmp_path / "run").checkpoint(1, {}, {})
+    reading = RunFolder.open(tmp_path / "run")
+    for write in (
+        lambda: reading.checkpoint(1, {}, {}),
+        lambda: reading.log({"step": 1}),
+        lambda: reading.end("steps"),
+    ):
+        with pytest.raises(ValueError, match="is open for reading"):
+            write()
     RunFolder.resume(tmp_path / "run").close()
+
+
+def test_arguments_of_the_wrong_type(tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match=r"task must be an atari.Task, such as .*, got 'pong'"):
+        RunFolder.begin(tmp_path / "run", "mine", "pong", {})  # type: ignore[arg-type]
+    with begin(tmp_path / "run") as folder, pytest.raises(TypeError, match=r"as network.state_dict\(\), got Linear"):
+        folder.checkpoint(0, {}, torch.nn.Linear(1, 1))  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"policy my_policy.py:policy is named by its module: my_policy:policy"):
+        load_policy("my_policy.py:policy")
 
 
 def test_a_flipped_bit_is_found(run: RunFolder, tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """`check_policy`: policies with one fault each, and the sentence that each gets, and the policies of this package."""
 
 import os
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -176,6 +177,9 @@ def test_functions_classes_and_objects_pass() -> None:
 def test_what_cannot_be_checked_is_refused() -> None:
     with pytest.raises(TypeError, match="check_policy takes a function of observations and lanes, got 3"):
         check_policy(3, "pong")
+    network = SimpleNamespace(state_dict=dict)
+    with pytest.raises(TypeError, match=r"for a network, a file or a name, pass atari.learning.load_policy\(...\)"):
+        check_policy(network, "pong")
     with pytest.raises(TypeError, match="check_policy needs a game, for a policy without the attributes game and task"):
         check_policy(Drawing)
     policy = ScoresPolicy(bright, task=atari.Task.of("pong", preset="dqn2015"))

@@ -349,6 +349,11 @@ class TestSeeds:
         assert len(frames) > 1
 
 
+@pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, "SameStep", "SAME_STEP", "same_step"])
+def test_a_mode_has_its_value_and_its_name(mode: Any) -> None:
+    assert make("pong", 2, autoreset_mode=mode).metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
+
+
 class TestBadInput:
     @pytest.mark.parametrize(
         ("actions", "error", "text"),

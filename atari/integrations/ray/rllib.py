@@ -14,7 +14,7 @@ import ray
 from ray.rllib.callbacks.callbacks import RLlibCallback
 from ray.tune.registry import register_env
 
-from atari._gymnasium import AutoresetMode, VectorWrapper
+from atari._gymnasium import AutoresetMode, VectorWrapper, autoreset_mode
 from atari.cores.options import SEED_LIMIT
 from atari.task.resolution import resolve_for_agent
 from atari.validation import check_name
@@ -65,7 +65,7 @@ def env_creator(env_config: Mapping[str, Any]) -> "EpisodeVectorEnv":
     num_envs = int(options.pop("num_envs", 1))
     if "game" not in options:
         raise TypeError("env_config needs 'game': a game ('pong'), an ID ('ALE/Pong-v5') or a list of them")
-    mode = AutoresetMode(options.pop("autoreset_mode", AutoresetMode.NEXT_STEP))
+    mode = autoreset_mode(options.pop("autoreset_mode", AutoresetMode.NEXT_STEP))
     if mode is not AutoresetMode.NEXT_STEP:
         raise ValueError(
             f"RLlib's env runner loses a transition of each episode with autoreset_mode={mode.value!r}; leave it out"

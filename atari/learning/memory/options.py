@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from atari import _emulator
 from atari._gymnasium import AutoresetMode
+from atari._gymnasium import autoreset_mode as known_mode
 from atari.files import json_text
 from atari.validation import check_integer
 
@@ -100,7 +101,7 @@ class MemoryOptions:
         capacity = check_integer("capacity", capacity, 1, _MOST)
         shapes = _check_shapes(observation_shape)
         stacks = _check_stacks(stack_num, shapes)
-        mode = check_mode(autoreset_mode)
+        mode = known_mode(autoreset_mode)
         if padding not in _PADDINGS:
             raise ValueError(f"padding must be one of {', '.join(map(repr, _PADDINGS))}, got {padding!r}")
         dtype = np.dtype(action_dtype)
@@ -169,15 +170,6 @@ class MemoryOptions:
             saved=self.saved,
             packed_bytes=packed_bytes,
         )
-
-
-def check_mode(mode: Any) -> AutoresetMode:
-    """The autoreset mode that a user gives: a member of `AutoresetMode`, its value, or its name in lower case."""
-    for member in AutoresetMode:
-        if mode in (member, member.value, member.name, member.name.lower()):
-            return member
-    names = ", ".join(repr(member.name.lower()) for member in AutoresetMode)
-    raise ValueError(f"autoreset_mode must be a gymnasium.vector.AutoresetMode, or one of {names}; got {mode!r}")
 
 
 def check_stack(part: Part, stack: Any) -> int:

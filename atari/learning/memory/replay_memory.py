@@ -12,14 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from atari import _emulator
-from atari._gymnasium import AutoresetMode
+from atari._gymnasium import AutoresetMode, autoreset_mode
 from atari.cores.options import SEED_LIMIT
 from atari.learning.memory import storage
 from atari.learning.memory.atomic import atomic
 from atari.learning.memory.batch_pool import BatchPool
 from atari.learning.memory.batches import Batch, Sequences, array_maker, check_size, check_stacks, make_batch, target_of
 from atari.learning.memory.final_frames import final_observations
-from atari.learning.memory.options import MemoryOptions, Part, as_numpy, check_mode
+from atari.learning.memory.options import MemoryOptions, Part, as_numpy
 from atari.learning.memory.step_arrays import StepArrays
 from atari.task.fields import check_bool
 from atari.validation import check_integer
@@ -165,8 +165,9 @@ class ReplayMemory:
         self._named = [part.name for part in self._parts] != [""]
         self._lanes, self._arrays = options.num_envs, StepArrays(options)
         self._usual_actions = not options.action_shape and options.action_dtype == np.dtype(np.int64).str
+        self._framed = False  # whether `frames` was called after the last `add`
         self._started = False  # whether an `add` has found that a reset came first
-        self._mode = check_mode(options.autoreset_mode)
+        self._mode = autoreset_mode(options.autoreset_mode)
         self._use(_emulator.ReplayMemory(options.geometry(), block), block)
 
     def _use(self, core: _emulator.ReplayMemory, block: storage.Block) -> None:
@@ -257,6 +258,7 @@ class ReplayMemory:
         core = self._core
         self._make_space(core)
         place = core.next_place()
+        self._framed = True
         if not self._named:
             return self._rings[""][place]
         return {name: ring[place] for name, ring in self._rings.items()}
@@ -282,6 +284,7 @@ class ReplayMemory:
         if mask is None:
             self._write_frames(arrays)
             self._core.reset(None, [])
+            self._framed = False
             return
         chosen = self._arrays.flags("mask", mask)
         core = self._core
@@ -312,13 +315,20 @@ class ReplayMemory:
         Raises:
             gymnasium.error.ResetNeeded: before the first `reset`.
             TypeError, ValueError: an array does not fit, an action or a stored reward is not finite, or a final
-                observation is missing; nothing has changed.
+                observation is missing, or those of the step: `observations` is None, and `frames` was not called.
+                Nothing has changed.
             BufferError: with autoflush=False, the state of the last flush would be overwritten; nothing has changed.
         """
         core = self._core
         if observations is not None:  # nothing reads them before the step is complete
             self._write_frames(self._arrays.frames("observations", observations))
+        elif not self._framed and self._begun(core):
+            raise ValueError(
+                "the observations of this step are missing: pass add(..., observations=observations), or let the step "
+                "write them, by envs.step(actions, out=memory.frames())"
+            )
         if self._usual_actions and core.try_add(actions, rewards, terminations, truncations):
+            self._framed = False
             return
         terminations = self._arrays.flags("terminations", terminations)
         truncations = self._arrays.flags("truncations", truncations)
@@ -327,11 +337,16 @@ class ReplayMemory:
         finals: list[Any] = []
         if self._mode == AutoresetMode.SAME_STEP and (terminations.any() or truncations.any()):
             finals = final_observations(info, terminations | truncations, self._parts, self._named)
-        if not self._started and not core.numbers[0]:
+        if not self._begun(core):
             raise gymnasium.error.ResetNeeded("call reset(observations) before the first add")
         self._started = True
         self._make_space(core)
         core.add(actions, rewards, terminations, truncations, finals)
+        self._framed = False
+
+    def _begun(self, core: _emulator.ReplayMemory) -> bool:
+        """Whether there was a `reset`."""
+        return self._started or bool(core.numbers[0])
 
     def _write_frames(self, arrays: list[npt.NDArray[np.uint8]]) -> None:
         to = self.frames()

@@ -152,6 +152,19 @@ def test_order_of_calls() -> None:
     with pytest.raises(ValueError, match="without a mask"):
         memory.reset(FRAMES, ~NO)
     memory.reset(FRAMES)
+    for _ in range(2):
+        with pytest.raises(
+            ValueError, match=r"the observations of this step are missing: pass add\(..., observations="
+        ):
+            memory.add(np.array([1, 2]), np.zeros(2), NO, NO)
+        assert len(memory) == 0
+        np.copyto(memory.frames(), FRAMES)
+        memory.add(np.array([1, 2]), np.zeros(2), NO, NO)
+        memory.reset(FRAMES)
+        with pytest.raises(ValueError, match="the observations of this step are missing"):
+            memory.add(np.array([1, 2]), np.zeros(2), NO, NO)
+        memory = make()
+        memory.reset(FRAMES)
     with pytest.raises(ValueError, match="autoreset_mode"):
         memory.reset(FRAMES, ~NO)
     with pytest.raises(ValueError, match="mask"):
@@ -214,7 +227,7 @@ def test_arrays_of_your_own() -> None:
 def test_a_batch_of_another_memory() -> None:
     small, large = filled(), ReplayMemory(20, 2, (30, 40), seed=0)
     large.reset(np.zeros((2, 30, 40), np.uint8))
-    large.add(np.array([1, 2]), np.zeros(2), NO, NO)
+    large.add(np.array([1, 2]), np.zeros(2), NO, NO, observations=np.zeros((2, 30, 40), np.uint8))
     batch = small.make_batch(4)
     small.sample(4, out=batch)
     with pytest.raises(ValueError, match="observations"):
