@@ -137,7 +137,7 @@ def _render(args: argparse.Namespace) -> int:
     return 0
 
 
-def _part(args: argparse.Namespace, replay: Replay) -> tuple[dict[str, int], int]:
+def _part(args: argparse.Namespace, replay: Replay) -> tuple[dict[str, Any], int]:
     """The part of a replay that the arguments name, as `Replay.render` takes it, and the number of its frames."""
     if args.episode is not None:
         if args.start or args.stop is not None or args.seconds is not None:
@@ -152,8 +152,8 @@ def _part(args: argparse.Namespace, replay: Replay) -> tuple[dict[str, int], int
         if length is None:
             raise ValueError("--start best needs --seconds, the length of the part")
         start = replay.best_start(max(min(length, replay.frames_total), 1))
-    stop = min(start + length if length else args.stop or replay.frames_total, replay.frames_total)
-    return {"start": start, "stop": stop}, max(stop - start, 0)
+    stop = start + length if length else args.stop
+    return {"start": start, "stop": stop}, max(min(stop or replay.frames_total, replay.frames_total) - start, 0)
 
 
 def _load(file: Path) -> Replay:

@@ -8,6 +8,8 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
+from gymnasium.error import DependencyNotInstalled
+
 from atari.files import durable
 from atari.learning.evaluation.evaluate import evaluate, record_games
 from atari.learning.evaluation.published import Published
@@ -39,7 +41,7 @@ def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int],
     replay = Replay.load(folder.path / "best.a26")
     try:
         replay.render(folder.path / "best.mp4")
-    except ImportError:  # PyAV is not installed: the replay is enough
+    except DependencyNotInstalled:  # PyAV is not installed: the replay is enough
         (folder.path / "best.mp4").unlink(missing_ok=True)
     write_report(folder, result)
     return result

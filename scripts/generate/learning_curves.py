@@ -131,7 +131,11 @@ def _beside(name: str, game: str, frames: int) -> str:
     source = Published(name)
     if game not in source.games:
         return "–"
-    scores = source.at(game, frames) if source.has_curves else source.final(game)
+    if not source.has_curves:
+        return f"{source.final(game).mean():,.1f}"
+    if frames < 1.01 * source.final_frames:  # 200 million frames are shown beside 199
+        frames = min(frames, source.final_frames)
+    scores = source.at(game, frames)
     return f"{scores.mean():,.1f}"
 
 

@@ -196,7 +196,7 @@ def test_label_expressions_have_a_value_for_any_ram(game: str) -> None:
 def test_a_label_has_index_and_transform() -> None:
     label = atari.games["breakout"].ram_labels["ball_x"]
     assert (label.name, label.index, label.kind) == ("ball_x", 99, "position_x")
-    assert (label.transform, label.visible) == ("v - 49", "ram[101] != 0")
+    assert (label.transform, label.visible) == ("v - 49", "ram[101] != 0 and ram[101] <= 185")
     assert "measured" in atari.games["berzerk"].ram_labels["lives"].sources
 
 

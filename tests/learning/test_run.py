@@ -139,6 +139,16 @@ def test_report(run: RunFolder) -> None:
     assert json.loads((run.path / "evaluation.json").read_text())
 
 
+def test_a_report_without_pyav_has_no_video(run: RunFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(run.path, copy)
+    (copy / "best.mp4").unlink(missing_ok=True)
+    monkeypatch.setitem(sys.modules, "av", None)
+    finish(RunFolder.open(copy), episodes=1)
+    assert (copy / "report.html").exists()
+    assert not (copy / "best.mp4").exists()
+
+
 @pytest.mark.parametrize(
     ("file", "content", "text"),
     [
