@@ -315,8 +315,8 @@ class ReplayMemory:
         Raises:
             gymnasium.error.ResetNeeded: before the first `reset`.
             TypeError, ValueError: an array does not fit, an action or a stored reward is not finite, or a final
-                observation is missing, or those of the step: `observations` is None, and `frames` was not called.
-                Nothing has changed.
+                observation is missing; or `observations` is None, and `frames` was not called before the step. Nothing
+                has changed.
             BufferError: with autoflush=False, the state of the last flush would be overwritten; nothing has changed.
         """
         core = self._core
