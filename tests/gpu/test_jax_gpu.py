@@ -12,11 +12,15 @@ if jax.default_backend() != "gpu":
 
 @pytest.mark.parametrize("obs_type", ["grayscale", "ram", "dict"])
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
-def test_a_scan_is_as_many_steps(mode: str, obs_type: str) -> None:
+@pytest.mark.parametrize("apart", [False, True], ids=["step", "send and recv"])
+@pytest.mark.parametrize("num_envs", [8, 128])  # XLA fuses slices with other functions if they are aligned
+def test_a_scan_is_as_many_steps(num_envs: int, apart: bool, mode: str, obs_type: str) -> None:
     options = {"obs_type": obs_type, "autoreset_mode": mode, "max_num_frames_per_episode": 60}
-    envs, twin = (atari.AtariVectorEnv("breakout", 8, **options) for _ in range(2))
-    handle, _, _, step = envs.xla()
-    actions = np.random.default_rng(0).integers(4, size=(200, 8))
+    envs, twin = (atari.AtariVectorEnv("breakout", num_envs, **options) for _ in range(2))
+    handle, recv, send, step = envs.xla()
+    if apart:
+        step = lambda handle, action: recv(send(handle, action))  # noqa: E731
+    actions = np.random.default_rng(0).integers(4, size=(100, num_envs))
     for env in (envs, twin):
         env.reset(seed=0)
     _, results = jax.jit(lambda handle, actions: jax.lax.scan(step, handle, actions))(handle, actions)

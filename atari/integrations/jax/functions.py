@@ -36,7 +36,7 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
 
     Args:
         envs: the environments; `envs.xla()` is the same call.
-        callback: False plays by calls from XLA to the emulator without Python, on the CPU. True plays by ordered
+        callback: False plays by calls from XLA to the emulator without Python, on the CPU. True plays by
             callbacks in Python, on any device. None means False if JAX's default device is a CPU, otherwise True.
 
     Returns:
@@ -49,8 +49,6 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
         ValueError: the environments have `continuous` or `agent_indicator`, which compiled functions do not support.
 
     Example:
-        >>> import atari, numpy
-        >>> envs = atari.AtariVectorEnv("pong", 2)
         >>> import atari
         >>> envs = atari.AtariVectorEnv("pong", 2)
         >>> handle, recv, send, step = envs.xla()
@@ -74,8 +72,7 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
     if callback:
         from atari.integrations.jax.callback import callbacks
 
-        send, recv = callbacks(envs, parts)
-        step = None
+        send, recv, step = callbacks(envs, parts)
     else:
         send, recv, step = _foreign_functions(jax, parts)
     return XlaFunctions(handle, recv, *_checked(jax, shape, send, recv, step))
@@ -131,7 +128,7 @@ def _checked(
 
     def checked_step(handle: Any, action: Any, env_id: Any = None) -> tuple[Any, Any]:
         arrays = check(action, env_id)
-        if step is None or env_id is not None:
+        if env_id is not None:
             return recv(send(handle, *arrays))  # type: ignore[no-any-return]
         return step(handle, *arrays)  # type: ignore[no-any-return]
 
