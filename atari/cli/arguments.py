@@ -61,7 +61,7 @@ class Parser(argparse.ArgumentParser):
         elif chosen:
             near = difflib.get_close_matches(chosen[1], re.findall(r"[\w.-]+", chosen[2]), n=1)
         elif unknown:
-            near = difflib.get_close_matches(unknown[1], self._option_string_actions, n=1)
+            near = difflib.get_close_matches(unknown[1], self._option_string_actions, n=1, cutoff=0.7)
         super().error(f"{message}; did you mean {near[0]!r}?" if near else message)
 
 

@@ -1,6 +1,7 @@
 """Policies that play games to a replay, for `record`, `demo`, `collect`, `watch` and `evaluate`."""
 
 import argparse
+import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -117,6 +118,8 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
 def games_of(policy: Any, entry: Entry, protocol: str | None = None) -> tuple[Task, RecordGames]:
     """The task that a policy plays in a game, and the function that records games of it.
 
+    A note on stderr says if the policy was trained on other games.
+
     Args:
         policy, entry: see `record_games`.
         protocol: name of a protocol; None means the policy's usual one.
@@ -125,6 +128,9 @@ def games_of(policy: Any, entry: Entry, protocol: str | None = None) -> tuple[Ta
         TypeError, ValueError: see `record_games`.
     """
     found = find_protocol(protocol) if protocol else usual_protocol(policy, entry)
+    trained = getattr(policy, "games", None) or (entry.id,)
+    if entry.id not in trained:
+        print(f"note: {policy.name} was trained on {', '.join(trained)}, and plays {entry.id}", file=sys.stderr)
     return Player(policy, found, entry).task, partial(record_games, policy, entry, found)
 
 

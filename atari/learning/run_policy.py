@@ -56,6 +56,7 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
         "task": task,
         "sample": sample or agent.sample,
         "game": task.game,
+        "games": [one.game for one in options.tasks],
         "protocol": training_protocol(folder),
     }
 

@@ -28,6 +28,7 @@ class Policy(Protocol):
       another frame skip than the protocol, or with another mode, difficulty or interventions than the game to
       evaluate, and policies of several players or with continuous actions.
     - `game`: the id of the game of its training.
+    - `games`: the ids of all games of its training; commands say so if it plays another one.
     - `protocol`: the `EvaluationProtocol` of its training, which commands play unless --protocol names another one.
     - `training_frames`: emulator frames of its training, an int.
     - `begin(game, actions, lanes, seeds)`: called when games begin in some lanes, before their first observations.
@@ -192,7 +193,7 @@ class ScoresPolicy:
         scores: a function of observations (n, ...) uint8 that returns scores (n, actions), or actions (n,), integers.
         sample: whether actions are drawn with the probabilities softmax(scores), with a generator for each game;
             otherwise the action with the highest score is taken.
-        name, task, environment, training_frames, game, protocol: see `Policy`.
+        name, task, environment, training_frames, game, games, protocol: see `Policy`.
 
     Example:
         >>> import numpy as np
@@ -212,6 +213,7 @@ class ScoresPolicy:
         environment: Mapping[str, Any] | None = None,
         training_frames: int | None = None,
         game: str | None = None,
+        games: Sequence[str] = (),
         protocol: Any = None,
     ) -> None:
         self._scores = scores
@@ -223,6 +225,7 @@ class ScoresPolicy:
         self.environment = dict(environment or {})
         self.training_frames = training_frames
         self.game = game
+        self.games = tuple(games)
         self.protocol = protocol
 
     def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:

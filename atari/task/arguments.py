@@ -3,6 +3,7 @@
 import argparse
 import inspect
 import json
+import os
 import re
 import typing
 from collections import defaultdict
@@ -127,10 +128,16 @@ def game_of(text: str) -> GameLike:
     The path is absolute, so that a stored task stays valid.
 
     Raises:
-        FileNotFoundError, TypeError, ValueError: there is no such file, or it holds no task.
+        FileNotFoundError, TypeError, ValueError: there is no such file, or it holds no task; or it is another file or
+            folder, as a policy or a replay.
     """
     if text.endswith(".json"):
         return read_task(Path(text))
+    if os.sep in text and not text.endswith(".toml") and Path(text).exists():
+        raise ValueError(
+            f"GAME is a game, a task (.json) or a definition (.toml), and {text} is another file or folder; name the "
+            f"game, and give a policy or a replay by the option for it, as `atari record breakout --policy {text}`"
+        )
     return Path(text).absolute() if text.endswith(".toml") else text
 
 

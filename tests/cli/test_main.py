@@ -70,6 +70,7 @@ def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture
         (["replay", "verfy"], "usage: atari replay [-h]"),
         (["replay", "verify", "a.a26", "--core", "plian"], "did you mean 'plain'?"),
         (["record", "pong", "--secnds", "2"], "did you mean '--seconds'?"),
+        (["record", "pong", "--protocol", "dopamine"], "unrecognized arguments: --protocol dopamine\n"),
         (["completion", "bsh"], "did you mean 'bash'?"),
         (["play"], "arguments are required: GAME"),
         (["record"], "arguments are required: GAME"),

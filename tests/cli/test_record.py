@@ -177,6 +177,10 @@ def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) 
         (["pong", "--policy", "policies_of_a_test:of_ram", "--steps", "9"], "plays whole games, with the ROM that is"),
         (["pong", "--continuous"], "continuous=True has no numbered actions, and a policy chooses one; leave it out"),
         (["pong", "--policy", "none.a26"], "there is no file none.a26"),
+        (
+            ["./seaquest.a26"],
+            "./seaquest.a26 is another file or folder; name the game, and give a policy or a replay by",
+        ),
         (["pong", "--policy", "seaquest.a26"], "seaquest.a26 is a replay of seaquest, not of pong"),
         (["seaquest", "--policy", "seaquest.a26", "-o", "b.a26"], "a replay of a replay is its copy"),
         (["pong", "-o", "a.avi"], "-o is a file that ends in one of .mp4, .mkv, .webm, .gif, .png, .a26, got 'a.avi'"),

@@ -6,6 +6,7 @@ import pytest
 
 pytest.importorskip("torch")
 
+from atari.cli import main
 from atari.learning import RunFolder, evaluate, load_policy
 
 FOLDER = Path(__file__).parents[2] / "examples" / "breakout-pqn"
@@ -19,3 +20,11 @@ def test_it_plays_as_the_page_says() -> None:
 
 def test_it_is_small() -> None:
     assert (FOLDER / "policy.pt").stat().st_size < 1_000_000
+
+
+def test_it_plays_another_game_with_a_note(capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["evaluate", str(FOLDER), "--protocol", "dopamine", "--print-task"]
+    assert main([*command, "pong"]) == 0
+    assert capsys.readouterr().err.endswith("breakout-pqn) was trained on breakout, and plays pong\n")
+    assert main([*command, "breakout"]) == 0
+    assert capsys.readouterr().err == ""

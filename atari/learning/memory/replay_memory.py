@@ -25,6 +25,8 @@ from atari.task.fields import check_bool
 from atari.validation import check_integer
 
 _SEQUENCE_MOST = 2**20
+_UNWRITTEN = np.frombuffer(bytes.fromhex("9e3779b97f4a7c15f39cc0605cedc834"), np.uint8)
+"""The first bytes of the array that `frames` returns, until a step writes there."""
 
 
 class ReplayMemory:
@@ -165,7 +167,7 @@ class ReplayMemory:
         self._named = [part.name for part in self._parts] != [""]
         self._lanes, self._arrays = options.num_envs, StepArrays(options)
         self._usual_actions = not options.action_shape and options.action_dtype == np.dtype(np.int64).str
-        self._framed = False  # whether `frames` was called after the last `add`
+        self._mark: npt.NDArray[np.uint8] | None = None  # the first bytes of `frames`, called after the last `add`
         self._started = False  # whether an `add` has found that a reset came first
         self._mode = autoreset_mode(options.autoreset_mode)
         self._use(_emulator.ReplayMemory(options.geometry(), block), block)
@@ -258,10 +260,10 @@ class ReplayMemory:
         core = self._core
         self._make_space(core)
         place = core.next_place()
-        self._framed = True
-        if not self._named:
-            return self._rings[""][place]
-        return {name: ring[place] for name, ring in self._rings.items()}
+        frames = {name: ring[place] for name, ring in self._rings.items()}
+        self._mark = next(iter(frames.values())).reshape(-1)[: len(_UNWRITTEN)]
+        self._mark[:] = _UNWRITTEN[: len(self._mark)]
+        return frames if self._named else frames[""]
 
     def _make_space(self, core: _emulator.ReplayMemory) -> None:
         if self._autoflush and core.must_save:
@@ -284,7 +286,7 @@ class ReplayMemory:
         if mask is None:
             self._write_frames(arrays)
             self._core.reset(None, [])
-            self._framed = False
+            self._mark = None
             return
         chosen = self._arrays.flags("mask", mask)
         core = self._core
@@ -315,20 +317,20 @@ class ReplayMemory:
         Raises:
             gymnasium.error.ResetNeeded: before the first `reset`.
             TypeError, ValueError: an array does not fit, an action or a stored reward is not finite, or a final
-                observation is missing; or `observations` is None, and `frames` was not called before the step. Nothing
-                has changed.
+                observation is missing; or `observations` is None, and the step has not written to `frames`. Nothing has
+                changed.
             BufferError: with autoflush=False, the state of the last flush would be overwritten; nothing has changed.
         """
         core = self._core
         if observations is not None:  # nothing reads them before the step is complete
             self._write_frames(self._arrays.frames("observations", observations))
-        elif not self._framed and self._begun(core):
+        elif not self._are_written() and self._begun(core):
             raise ValueError(
                 "the observations of this step are missing: pass add(..., observations=observations), or let the step "
                 "write them, by envs.step(actions, out=memory.frames())"
             )
         if self._usual_actions and core.try_add(actions, rewards, terminations, truncations):
-            self._framed = False
+            self._mark = None
             return
         terminations = self._arrays.flags("terminations", terminations)
         truncations = self._arrays.flags("truncations", truncations)
@@ -342,7 +344,12 @@ class ReplayMemory:
         self._started = True
         self._make_space(core)
         core.add(actions, rewards, terminations, truncations, finals)
-        self._framed = False
+        self._mark = None
+
+    def _are_written(self) -> bool:
+        """Whether the step has written frames to the array of `frames`; shorter ones than the mark are not checked."""
+        mark = self._mark
+        return mark is not None and (len(mark) < len(_UNWRITTEN) or mark.tobytes() != _UNWRITTEN.tobytes())
 
     def _begun(self, core: _emulator.ReplayMemory) -> bool:
         """Whether there was a `reset`."""

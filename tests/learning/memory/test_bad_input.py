@@ -157,6 +157,9 @@ def test_order_of_calls() -> None:
             ValueError, match=r"the observations of this step are missing: pass add\(..., observations="
         ):
             memory.add(np.array([1, 2]), np.zeros(2), NO, NO)
+        memory.frames()  # and nothing is written there, as by envs.step(actions) without out=
+        with pytest.raises(ValueError, match="the observations of this step are missing"):
+            memory.add(np.array([1, 2]), np.zeros(2), NO, NO)
         assert len(memory) == 0
         np.copyto(memory.frames(), FRAMES)
         memory.add(np.array([1, 2]), np.zeros(2), NO, NO)
