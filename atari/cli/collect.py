@@ -9,9 +9,10 @@ from typing import Any
 from tqdm import tqdm
 
 from atari.cli.arguments import GAME_HELP, Commands, add_command, number
-from atari.cli.policies import ALONE, find_played, games_of, replay_of
+from atari.cli.policies import ALONE, UNCLIPPED, find_played, games_of, replay_of
 from atari.cli.printing import print_json
 from atari.lab.collect import check_output, write_dataset
+from atari.lab.labels import Labels, UnknownLabelError
 from atari.learning import load_policy
 from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.recording import Replay
@@ -56,11 +57,11 @@ def register(commands: Commands) -> None:
         help="let the workers of a Ray cluster play: auto, HOST:PORT, or local, which starts one on this machine. A "
         ".parquet output is a folder then. The same command again goes on where one was stopped",
     )
-    add_task(parser, leave_out=ALONE)
+    add_task(parser, leave_out=ALONE, fixed=UNCLIPPED)
 
 
 def _collect(args: argparse.Namespace) -> int:
-    labels = None if args.labels is None else [name for name in args.labels.split(",") if name]
+    labels = None if args.labels is None else [name.strip() for name in args.labels.split(",") if name.strip()]
     options: dict[str, Any] = {"format": args.format, "frames": args.frames, "labels": labels}
     seeds = range(args.seed, args.seed + args.episodes)
     if seeds[-1] >= SEEDS:
@@ -75,6 +76,10 @@ def _collect(args: argparse.Namespace) -> int:
         policy = load_policy(args.policy)
         (entry,) = find_played(args, [args.game], policy)
         task, record = games_of(policy, entry)
+    try:
+        Labels(task.definition, labels)  # before the games are played
+    except UnknownLabelError as error:
+        raise ValueError(str(error)) from None
     if show_task(args, task):
         return 0
     if args.ray is not None:

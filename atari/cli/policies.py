@@ -31,6 +31,9 @@ ALONE = (
 )
 """Fields that recorded games of policies do not honour: their scores are the game's own."""
 
+UNCLIPPED = {"reward_clipping": False}
+"""The field that presets have and that does not matter for recorded games: what is recorded is never clipped."""
+
 RecordGames = Callable[[Sequence[int], Path], list[tuple[float, int]]]
 """Records games of seeds in a replay, and returns the score and the frames of each."""
 
@@ -110,7 +113,11 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
             return find_entries(games, given)
         if not says_nothing(policy):
             raise ValueError(f"the policy says how games are played; leave --{others[0].replace('_', '-')} out")
-        return find_entries([task_of(args, game=name) for name in names])
+        if args.preset is None and not any(is_id(name) or name.endswith(".json") for name in names):
+            args.preset = "baselines"  # as without fields, see `usual_protocol`
+        entries = find_entries([task_of(args, game=name) for name in names])
+        args.without = {}  # of `UNCLIPPED`; the task shows it
+        return entries
     except TypeError as error:
         raise ValueError(str(error)) from None
 

@@ -5,7 +5,7 @@ import tempfile
 from pathlib import Path
 
 from atari.cli.arguments import GAME_HELP, Commands, add_command, number
-from atari.cli.policies import ALONE, find_played, games_of, replay_of
+from atari.cli.policies import ALONE, UNCLIPPED, find_played, games_of, replay_of
 from atari.learning import load_policy
 from atari.learning.evaluation.protocols import PROTOCOLS
 from atari.play.viewer import show_replay
@@ -36,7 +36,7 @@ def register(commands: Commands) -> None:
         "--scale", type=number(int, 1, 16), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
     )
     parser.add_argument("--no-sound", action="store_true", help="play no sound")
-    add_task(parser, leave_out=ALONE)
+    add_task(parser, leave_out=ALONE, fixed=UNCLIPPED)
 
 
 def _watch(args: argparse.Namespace) -> int:

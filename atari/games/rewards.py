@@ -13,7 +13,7 @@ from typing import NoReturn
 from atari.games.compiler import compile_expressions
 from atari.games.game import Game
 from atari.games.labels import value_source
-from atari.games.rules import HELPERS, MEMORIES, parse_expression, problems
+from atari.games.rules import ANY_ADDRESSES, HELPERS, MEMORIES, parse_expression, problems
 
 OWN_NAMES = ("reward", "lives", "lives_lost")
 """The names that every game has, in the order of the first inputs of `RewardFormula`."""
@@ -223,7 +223,7 @@ class _Compiler:
         for part in ast.walk(plain):
             if isinstance(part, ast.Name) and part.id in ("xram", "rng"):
                 self._refuse(part, "a reward reads the console's 128 bytes alone, without xram and rng(); use ram[...]")
-        for part, problem in problems(plain, frozenset()):
+        for part, problem in problems(plain, frozenset(), ANY_ADDRESSES):
             if isinstance(part, ast.Name):
                 problem = f"an argument of {helper}() is a number or ram[...]"
             self._refuse(part, problem)
@@ -243,7 +243,8 @@ class _Compiler:
         if name in _CALLS or name in MEMORIES:
             self._refuse(node, f"accepted are {_SYNTAX}")
         near = difflib.get_close_matches(name, [*OWN_NAMES, *labels], n=1)
-        hint = f"did you mean {near[0]!r}? Accepted" if near else "accepted"
+        before = f"{BEFORE}." if isinstance(node, ast.Attribute) else ""
+        hint = f"did you mean {before + near[0]!r}? Accepted" if near else "accepted"
         known = f"{', '.join(OWN_NAMES)} and the RAM labels of {self._game.id}"
         some = f", such as {', '.join(labels[:5])}" if labels else ", which has none"
         self._refuse(node, f"there is no such name; {hint} are {known}{some}")

@@ -42,6 +42,9 @@ _LONGEST, _DEEPEST = 2000, 100
 LABEL_ADDRESSES = range(128)
 """Addresses of the bytes of RAM: rules use addresses on the console's bus, RAM labels indices into `ram()`."""
 
+ANY_ADDRESSES = range(256)
+"""Either of them: rewards and interventions take both, as `atari.lab.Ram` does."""
+
 _OPERATORS = (
     ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp,
     ast.Add, ast.Sub, ast.Mult, ast.FloorDiv, ast.Mod, ast.BitAnd, ast.BitOr, ast.BitXor, ast.LShift, ast.RShift,
@@ -235,7 +238,9 @@ def _problem(node: ast.AST, scope: AbstractSet[str], addresses: range, helpers: 
         return _address_problem([node.slice], addresses)
     if isinstance(node, ast.Call):
         if not isinstance(node.func, ast.Name) or node.func.id not in helpers or node.keywords:
-            return f"{ast.unparse(node.func)}() is not one of the helpers {', '.join(helpers)}"
+            called = ast.unparse(node.func)
+            instead = {"min": "; write `a if a < b else b`", "max": "; write `a if a > b else b`"}.get(called, "")
+            return f"{called}() is not one of the helpers {', '.join(helpers)}{instead}"
         helper = helpers[node.func.id]
         if not helper.fewest <= len(node.args) <= helper.most:
             return f"{node.func.id}() has {len(node.args)} arguments"

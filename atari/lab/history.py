@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.cores import ByteArray
+from atari.games.catalog import games
 from atari.recording import Replay
 
 RAM_BYTES = 128
@@ -23,6 +24,11 @@ def recorded(source: Any) -> ByteArray | None:
         FileNotFoundError: there is no such file.
     """
     if isinstance(source, (str, PathLike)):
+        if isinstance(source, str) and source in games:
+            raise TypeError(
+                f"RAM is read from a game that is played, so take an environment, such as atari.make({source!r}), or a "
+                "recorded game: the path of a replay (.a26)"
+            )
         source = Replay.load(source)
     if isinstance(source, Replay):
         return _replayed(source)

@@ -57,7 +57,10 @@ def unknown_label(name: str, games: Sequence[Game]) -> UnknownLabelError:
             f"there are no labels of {which}, so no {name!r}; give an index 0..127 or an address 0x80..0xFF"
         )
     near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+    parts = [label for label in known if label.startswith(f"{name}_")]
     hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(known[:_MOST_LISTED])}"
+    if len(parts) > 1:
+        return UnknownLabelError(f"{which} has no label {name!r}; it has {', '.join(parts)}")
     more = ", ..." if not near and len(known) > _MOST_LISTED else ""
     return UnknownLabelError(f"{which} has no label {name!r}; {hint}{more}")
 

@@ -103,9 +103,13 @@ class VectorState:
         """Continue some environments from the state of another one of the same task, its generators included.
 
         Raises:
-            RuntimeError, IndexError, ValueError: see `restore`.
+            RuntimeError, IndexError, TypeError, ValueError: see `restore`.
         """
         chosen = self._indices(targets)
+        try:
+            source = operator.index(source)
+        except TypeError:
+            raise TypeError(f"source is the index of an environment, such as 0, got {source!r}") from None
         with self._lock:
             engine = self._started()
             if 0 <= source < self.num_envs:
@@ -129,7 +133,12 @@ class VectorState:
         return engine
 
     def _indices(self, indices: Iterable[int] | None) -> list[int]:
-        return list(range(self.num_envs)) if indices is None else [operator.index(index) for index in indices]
+        if indices is None:
+            return list(range(self.num_envs))
+        try:
+            return [operator.index(index) for index in indices]
+        except TypeError:
+            raise TypeError(f"environments are chosen by a list of indices, such as [1, 2], got {indices!r}") from None
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in all games, and the writes of `Freeze` and `Poke`.

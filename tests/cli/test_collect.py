@@ -75,6 +75,14 @@ def test_mode_and_interventions(capsys: pytest.CaptureFixture[str]) -> None:
     assert facts["task"]["fire"] == "after_noops"  # all else is as without the options
 
 
+@pytest.mark.parametrize("preset", ["baselines", "dqn2015"])
+def test_a_field_changes_the_preset_and_nothing_is_clipped(preset: str, capsys: pytest.CaptureFixture[str]) -> None:
+    named = [] if preset == "baselines" else ["--preset", preset]
+    _, facts = collected(capsys, "pong", "--max-episode-steps", "20", *named)
+    task = Task.of("pong", preset=preset, max_episode_steps=20, reward_clipping=False)
+    assert Task.from_json(json.dumps(facts["task"])) == task
+
+
 def test_a_policy_plays_what_it_was_trained_for(capsys: pytest.CaptureFixture[str]) -> None:
     _, facts = collected(capsys, "ALE/Pong-v5", "--policy", "mine:Sticky")
     assert (facts["task"]["repeat_action_probability"], facts["task"]["stack_num"]) == (0.25, 4)
@@ -89,6 +97,8 @@ def test_a_policy_plays_what_it_was_trained_for(capsys: pytest.CaptureFixture[st
         ),
         (["Pong-ram-v4", "--policy", "mine:Images"], "Pong-ram-v4 shows RAM, and the policy sees obs_type='grayscale'"),
         (["ALE/Pog-v5"], "ALE/Pong-v5"),
+        (["pong", "--labels", "ball_x, bal_y"], "atari: error: pong has no label 'bal_y'; did you mean 'ball_y'?"),
+        (["pong", "--reward-clipping"], "atari collect has no place for --reward-clipping"),
         (["pong", "--seed", "4294967295", "--episodes", "2"], "seeds are below 4294967296"),
         (["pong", "--seed", "4294967296"], "a seed must be within 0..4294967295, got 4294967296"),
         (["ALE/Pong-v5", "--policy", "a.a26"], "what was played is in the replay a.a26; name the game alone, 'pong'"),

@@ -348,6 +348,11 @@ def test_wrong_files(tmp_path: Path, before: str, after: str, text: str) -> None
     ("make", "error", "text"),
     [
         (lambda: atari.AtariEnv("pong", interventions=["lasy_enemy"]), ValueError, "did you mean 'lazy_enemy'"),
+        (
+            lambda: atari.AtariEnv("seaquest", interventions=["infinite_oxygen"]),
+            ValueError,
+            r"did you mean 'infinite_lives'\? It has endless_oxygen, fast_submarine",
+        ),
         (lambda: atari.AtariEnv("pong", interventions="lazy_enemy"), TypeError, "must be a list of names"),
         (lambda: atari.AtariEnv("pong", interventions=[3]), TypeError, "an intervention is a name"),
         (lambda: atari.AtariEnv("pong", interventions=["x.toml#y"]), FileNotFoundError, "x.toml"),

@@ -148,6 +148,8 @@ def test_a_wrong_name_suggests_the_nearest():
     assert str(error.value) == "pong has no label 'bal_x'; did you mean 'ball_x'?"
     with pytest.raises(KeyError, match=r"breakout has no label 'zzz'; it has player_x, ball_x, .*, \.\.\.$"):
         Labels(atari.games["breakout"], ["zzz"])
+    with pytest.raises(KeyError, match=r"seaquest has no label 'score'; it has score_10000, score_100, score_1$"):
+        Labels(atari.games["seaquest"], ["score"])
     with pytest.raises(KeyError, match="there are no labels of own, so no 'x'; give an index"):
         Labels(own_game(), ["x"])
 

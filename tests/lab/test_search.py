@@ -196,6 +196,8 @@ def test_what_is_refused_changes_nothing(use: object, error: type[Exception], te
 
 
 def test_a_source_without_ram_is_refused() -> None:
+    with pytest.raises(TypeError, match=r"take an environment, such as atari.make\('pong'\), or a recorded game"):
+        Search("pong")
     with pytest.raises(TypeError, match="AtariVectorEnv"):
         Search(5)
     with pytest.raises(TypeError, match="leave it out"):

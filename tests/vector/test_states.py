@@ -268,6 +268,10 @@ def test_what_does_not_fit_is_refused() -> None:
         envs.restore([0, 1], [pong])
     with pytest.raises(IndexError, match="no environment 2"):
         envs.snapshot([2])
+    with pytest.raises(TypeError, match=r"by a list of indices, such as \[1, 2\], got 1"):
+        envs.fork(0, 1)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"source is the index of an environment, such as 0, got \[0\]"):
+        envs.fork([0], [1])  # type: ignore[arg-type]
     with pytest.raises(IndexError, match=r"no environment -1"):
         envs.restore([-1], [breakout])
     for nothing in (None, b"", 3):

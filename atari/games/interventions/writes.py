@@ -13,15 +13,17 @@ from typing import Any, Literal, cast
 from atari.games.compiler import compile_expression
 from atari.games.game import Game, RamLabel
 from atari.games.labels import value_source
-from atari.games.rules import HELPERS, LABEL_ADDRESSES, Helper, check_expression
+from atari.games.rules import ANY_ADDRESSES, HELPERS, LABEL_ADDRESSES, Helper, check_expression
 from atari.validation import check_integer
 
 _HELPERS = {**HELPERS, "random": Helper(2, 2, 0)}
+_FEW = 12
+"""The most names that an error lists beside the nearest."""
+
 _VARIABLES = {"old": 1, "frame": 2, "v": 3}
 """The numbers of a write's variables, as in `WriteVariable` of `atari/emulator/ale/programs/writes.hpp`."""
 
 _RESULT = 0
-_ANY_PLACE = range(256)
 LATEST_FRAME = 2**31 - 1
 
 
@@ -118,7 +120,9 @@ def unknown(name: Any, kind: str, names: Iterable[str], game: str) -> str:
     """The error message for a name that does not exist, with the nearest known name."""
     names = tuple(names)
     near = difflib.get_close_matches(str(name), names, n=1, cutoff=0.4)
-    hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(names) or 'none'}"
+    hint = f"it has {', '.join(names) or 'none'}"
+    if near:
+        hint = f"did you mean {near[0]!r}?" + (f" It {hint[3:]}" if len(names) <= _FEW else "")
     return f"{game} has no {kind} {name!r}; {hint}"
 
 
@@ -129,7 +133,7 @@ def parse_expression(game: Game, source: str, names: Iterable[str], where: str) 
         ValueError: `source` is not such an expression; the message has the place and the fault.
     """
     names = set(names)
-    tree = check_expression(source, _AnyName(), where, _ANY_PLACE, _HELPERS)
+    tree = check_expression(source, _AnyName(), where, ANY_ADDRESSES, _HELPERS)
     called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
     called |= {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Subscript)}
     for node in ast.walk(tree):
