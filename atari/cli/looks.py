@@ -8,6 +8,7 @@ from typing import Any
 from atari.cli.arguments import number
 from atari.games.game import Game
 from atari.recording import VideoWriter
+from atari.recording.replay.file_format import SUFFIX
 from atari.recording.video.formats import FORMATS, has_sound, is_picture
 from atari.recording.video.overlay import OVERLAYS, Overlay
 from atari.recording.video.writer import SPEEDS
@@ -63,9 +64,10 @@ class Looks:
             "frame": ("a picture, such as -o game.png", [path for path in shown if is_picture(path)]),
             "no_sound": ("a video with sound", [path for path in shown if has_sound(path)]),
         }
+        known = all(path.suffix.lower() in (*FORMATS, SUFFIX) for path in files)  # else the ending is the error
         for name, (kind, affected) in kinds.items():
             value = getattr(args, name)
-            if value is not None and value is not False and not affected:
+            if value is not None and value is not False and not affected and known:
                 option = f"--{name.replace('_', '-')}"
                 written = ", ".join(map(str, files)) or "nothing"
                 raise ValueError(f"{option} is for {kind}, and the command writes {written}; leave it out")

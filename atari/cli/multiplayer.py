@@ -45,7 +45,10 @@ def match_task(args: argparse.Namespace) -> Task:
     task = task_of(args, game=name, base=BY_FRAME)
     fields = {field: getattr(task, field) for field in _OBEYED}
     for field, (value, _) in task.differences(Task.of(task.definition, **{**BY_FRAME, **fields})).items():
-        raise ValueError(f"{field}={value!r} is for one player; leave it or players={task.players} out")
+        raise ValueError(
+            f"games of several players are recorded and played without {field}, got {value!r}; leave it out "
+            f"(accepted: {', '.join(_OBEYED)})"
+        )
     return task
 
 

@@ -1,6 +1,7 @@
 """`atari replay`: show, verify and render replays."""
 
 import argparse
+import json
 import math
 import warnings
 from dataclasses import asdict
@@ -16,6 +17,7 @@ from atari.cores import CORES
 from atari.recording import Replay
 from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
+from atari.task.description import summary
 from atari.validation import check_integer
 
 
@@ -69,29 +71,35 @@ def register(commands: Commands) -> None:
 
 def _show(args: argparse.Namespace) -> int:
     replay = _load(args.file)
-    episodes = replay.episodes
-    rewound = replay.frames_total - sum(episode.frames for episode in episodes)
+    episodes, rewound = replay.episodes, replay.frames_rewound
     if args.json:
         facts = {
             "complete": replay.complete,
             "frames": replay.frames_total,
             "frames_rewound": rewound,
+            "steps": replay.steps,
+            "core_seeds": replay.seeds,
             "episodes": episodes,
         }
-        print_json({**replay.header, **facts})
+        task = {"task": json.loads(replay.header["task"])} if "task" in replay.header else {}
+        print_json({**replay.header, **task, **facts})
         return 0
     rate = float(frame_rate(replay.game))
     options = ", ".join(f"{name}={value!r}" for name, value in replay.options.items() if value is not None)
+    seeds = ", ".join(map(str, replay.seeds))
+    if seeds and replay.players == 1:
+        seeds += " (of the core, which a reset draws from its own seed)"
     print(f"{args.file}: {replay.game.title}")
     for name, fact in {
         "length": f"{replay.frames_total:,} frames, {_time(replay.frames_total / rate)}, "
-        f"{args.file.stat().st_size:,} bytes"
+        + (f"{replay.steps:,} steps, " if replay.steps else "")
+        + f"{args.file.stat().st_size:,} bytes"
         + (f", {rewound:,} frames of it played and then rewound" if rewound else "")
         + ("" if replay.complete else ", cut while it was recorded"),
         "recorded": f"{replay.header.get('source')} on core {replay.header.get('core')!r}, "
         f"atari-envs {replay.header.get('package')}",
-        "options": options,
-        "seeds": ", ".join(map(str, replay.seeds)) or "none: it begins with a snapshot",
+        **({"options": options} if replay.header.get("task") is None else {"task": summary(replay.task)}),
+        "seeds": seeds or "none: it begins with a snapshot",
         "ROM": f"MD5 {replay.header.get('rom')}",
     }.items():
         print(f"  {name:8}  {fact}")
@@ -125,14 +133,20 @@ def _render(args: argparse.Namespace) -> int:
     if not frames:
         raise ValueError(f"there are no frames to render: the replay has {replay.frames_total:,} frames")
     picture = is_picture(output)
+    if options.get("frame") == "best":
+        options["frame"], part = replay.best_frame(**part), {}
     with tqdm(total=frames, unit=" frames", disable=picture or None) as bar:
         replay.render(output, **options, **part, progress=bar.update)
-    result = (
-        {"file": args.file, "frames": 1, "picture": output.resolve()}
-        if picture
-        else {"file": args.file, "frames": frames, "video": output.resolve()}
-    )
-    shown = "a picture" if picture else f"{frames:,} frames"
+    result: dict[str, Any] = {"file": args.file, "frames": 1 if picture else frames}
+    if picture:
+        shown = "a picture" if options["frame"] is None else f"frame {options['frame']:,}"
+        result |= {"frame": options["frame"], "picture": output.resolve()}
+    else:
+        shown = f"{frames:,} frames" + " of the game" * (output.suffix.lower() == ".gif")  # a GIF drops some of them
+        result |= {"video": output.resolve()}
+        if args.start == "best":
+            shown += f", from frame {part['start']:,} on,"
+            result |= {"start": part["start"]}
     print_json(result) if args.json else print(f"{shown} in {output.resolve()}")
     return 0
 

@@ -159,7 +159,9 @@ def _file(file: Path, sample: bool) -> Policy:
         FileNotFoundError, ValueError, gymnasium.error.DependencyNotInstalled: see `load_policy`.
     """
     if not file.exists():
-        raise FileNotFoundError(f"there is no file {file}; a policy is random, noop, {_KINDS}")
+        raise FileNotFoundError(
+            f"there is no file {file}; a policy is random, noop, {_KINDS}; or, in commands, a replay"
+        )
     check_file(file)
     if file.suffix == ".onnx":
         return _onnx(file, sample)

@@ -133,10 +133,11 @@ def game_of(text: str) -> GameLike:
     """
     if text.endswith(".json"):
         return read_task(Path(text))
-    if os.sep in text and not text.endswith(".toml") and Path(text).exists():
+    if (os.sep in text or text.endswith(".a26")) and not text.endswith(".toml") and Path(text).exists():
         raise ValueError(
             f"GAME is a game, a task (.json) or a definition (.toml), and {text} is another file or folder; name the "
-            f"game, and give a policy or a replay by the option for it, as `atari record breakout --policy {text}`"
+            f"game, and give a policy or a replay by the option for it, as `atari record breakout --policy {text}`; "
+            "`atari replay show` has the facts of a replay"
         )
     return Path(text).absolute() if text.endswith(".toml") else text
 

@@ -17,6 +17,19 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
+def test_the_best_frame_and_part_are_named(capsys: pytest.CaptureFixture[str]) -> None:
+    record(Path("b.a26"), "breakout", 200)
+    rewards = [frame.reward for frame in Replay.load("b.a26").frames()]
+    best = rewards.index(max(rewards))
+    assert main(["replay", "render", "b.a26", "-o", "a.png", "--frame", "best"]) == 0
+    assert capsys.readouterr().out.startswith(f"frame {best} in ")
+    assert main(["replay", "render", "b.a26", "-o", "a.gif", "--start", "best", "--seconds", "0.5"]) == 0
+    start = Replay.load("b.a26").best_start(30)
+    assert capsys.readouterr().out.startswith(f"30 frames of the game, from frame {start} on, in ")
+    assert main(["replay", "render", "b.a26", "-o", "a.jpg", "--frame", "3"]) == 1
+    assert ".mp4" in capsys.readouterr().err  # the endings that there are
+
+
 @pytest.mark.parametrize(
     "words", [["record", "breakout", "--seconds", "1"], ["demo", "--steps", "12"], ["replay", "render", "b.a26"]]
 )
@@ -25,7 +38,7 @@ def test_slow_motion_and_a_picture(words: list[str], capsys: pytest.CaptureFixtu
         record(Path("b.a26"), "breakout", 12)
         assert main([*words, "-o", "a.mkv", "--speed", "0.25", "--scale", "1"]) == 0
         assert main([*words, "-o", "a.png", "--frame", "20", "--scale", "1"]) == 0
-        assert capsys.readouterr().out.endswith(f"a picture in {Path('a.png').resolve()}\n")
+        assert capsys.readouterr().out.endswith(f"frame 20 in {Path('a.png').resolve()}\n")
     else:
         outputs = ["-o", "a.mkv", "-o", "a.png", "-o", "b.a26", "-o", "%03d.png"]
         assert main([*words, *outputs, "--speed", "0.25", "--frame", "20", "--scale", "1"]) == 0

@@ -42,7 +42,8 @@ def test_show(capsys: pytest.CaptureFixture[str]) -> None:
     assert lines[1].startswith("  length    360 frames, 0:06.0, ")
     assert lines[2].startswith("  recorded  AtariEnv on core 'native', atari-envs ")
     assert "max_num_frames_per_episode=200" in lines[3]
-    assert lines[4] == f"  seeds     {', '.join(map(str, Replay.load('a.a26').seeds))}"
+    seeds = ", ".join(map(str, Replay.load("a.a26").seeds))
+    assert lines[4] == f"  seeds     {seeds} (of the core, which a reset draws from its own seed)"
     assert lines[-3].split() == ["episode", "frames", "time", "score", "end"]
     assert [line.split()[:3] + line.split()[4:] for line in lines[-2:]] == [
         ["0", "200", "0:03.3", "truncated"],
@@ -55,6 +56,9 @@ def test_show_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     shown = json.loads(capsys.readouterr().out)
     assert (shown["game"], shown["complete"], shown["frames"], shown["format"]) == ("pong", True, 360, 1)
     assert [episode["frames"] for episode in shown["episodes"]] == [200, 160]
+    replay = Replay.load("a.a26")
+    assert (shown["steps"], shown["core_seeds"]) == (replay.steps, list(replay.seeds))
+    assert shown["task"]["max_num_frames_per_episode"] == 200
 
 
 @pytest.mark.parametrize("core", ["native", "plain", "ale"])
@@ -158,7 +162,8 @@ def test_seconds_from_a_start(capsys: pytest.CaptureFixture[str], start: str, fi
     assert (
         main(["replay", "render", "a.a26", "-o", "part.mkv", "--start", start, "--seconds", "1", "--scale", "1"]) == 0
     )
-    assert capsys.readouterr().out.startswith("60 frames in ")
+    where = f", from frame {first} on," if start == "best" else ""
+    assert capsys.readouterr().out.startswith(f"60 frames{where} in ")
     assert np.array_equal(video_frames(Path("part.mkv"))[0][:, ::2], next(replay.frames(first)).screen)
 
 

@@ -436,8 +436,8 @@ def test_a_game_played_by_hand_is_recorded_with_its_rewinds(tmp_path: Path) -> N
     ("words", "text"),
     [
         (["pong", "--players", "2", "--preset", "dqn2015"], "preset 'dqn2015' is for one player"),
-        (["pong", "--players", "2", "--sticky", "0.25"], "repeat_action_probability=0.25 is for one player; leave it"),
-        (["pong", "--players", "2", "--noops", "1,30"], "noops=(1, 30) is for one player; leave it or players=2 out"),
+        (["pong", "--players", "2", "--sticky", "0.25"], "without repeat_action_probability, got 0.25; leave it out"),
+        (["pong", "--players", "2", "--noops", "1,30"], "without noops, got (1, 30); leave it out"),
         (
             ["pong_v3", "--players", "4", "--policy", "noop", "--policy", "noop"],
             "give --policy once, or 4 times, got 2",

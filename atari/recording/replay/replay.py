@@ -6,12 +6,12 @@ core and on ale-py's.
 """
 
 import json
-import math
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
-from itertools import chain
+from itertools import chain, takewhile
 from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
@@ -57,6 +57,7 @@ class Replay:
         seeds: the seeds of the core, in order.
         complete: whether the recording was closed. If not, the replay has the chunks that were written.
         frames_total: emulated frames.
+        steps: steps of the environment; 0 if a core was recorded.
         players: the number of players; replays of several run on core "native".
 
     Example:
@@ -83,6 +84,7 @@ class Replay:
         self.players = int(self.header.get("players", 1))
         self._content = content
         self.rom = rom
+        self.steps = 0
         self._uses: Counter[int] = Counter()  # by snapshot: the number of times that it is restored
         seeds = [self.header["options"]["seed"]] if self.players > 1 else []
         for event in chain.from_iterable(map(self._events, range(len(content.plays)))):  # raises now if one is damaged
@@ -90,6 +92,7 @@ class Replay:
                 self._uses[event.numbers[0]] += 1
             elif event.kind == Kind.SEED:
                 seeds.append(event.numbers[0])
+            self.steps += event.ends_step or event.kind == Kind.STEP
         self.seeds = tuple(seeds)
         self._checkpoints: dict[tuple[str, bool], list[Checkpoint]] = {}
 
@@ -167,6 +170,11 @@ class Replay:
             raise Corrupt(f"the replay is damaged: the end of {self.path} has no episodes") from None
 
     @property
+    def frames_rewound(self) -> int:
+        """The frames that were played and then taken back by restoring a snapshot of the recording."""
+        return max(self.frames_total - sum(episode.frames for episode in self.episodes), 0) if self._uses else 0
+
+    @property
     def best_episode(self) -> int:
         """The number of the episode with the highest score of the first player; of equal scores, the first.
 
@@ -216,8 +224,9 @@ class Replay:
         `strength` the paddle's; with sticky actions the core may have repeated the previous action. `reward`, `lives`,
         `terminated` and `truncated` are results of the frame, and `score` is the sum of the episode's rewards up to
         it. `ends_step` is True for the last frame of a step of the environment. `ram` is (128,) and `screen`
-        (height, 160, 3), uint8. `audio` is (512,) uint8 samples, all zero without sound=True. `actions`, `rewards` and
-        `all_lives` have a number for each player; `action`, `reward`, `score` and `lives` are the first player's.
+        (height, 160, 3), uint8. `audio` is (512,) uint8 samples, all zero without sound=True. `actions`, `rewards`,
+        `scores` and `all_lives` have a number for each player; `action`, `reward`, `score` and `lives` are the first
+        player's. A recording that begins in the middle of a game counts `score` from there.
 
         Args:
             start: the first frame, 0 or more.
@@ -229,17 +238,30 @@ class Replay:
             TypeError, ValueError: there is no such frame or core, or the replay cannot be played on this core.
         """
         start, stop = self._part(start, stop)
-        for runner, call in self._calls(core, sound=sound, start=start):
-            if runner.frame > stop or start >= stop:
-                break
-            if call.played and runner.frame > start:
-                yield _frame(runner, call)
+        if start < stop:
+            calls = self._calls(core, sound=sound, start=start)
+            part = ((runner, call) for runner, call in calls if runner.frame > start)
+            yield from _frames(takewhile(lambda pair: pair[0].frame <= stop, part))
 
     def _part(self, start: int, stop: int | None) -> tuple[int, int]:
         start = check_integer("start", start, 0, self.frames_total)
         return start, self.frames_total if stop is None else min(
             check_integer("stop", stop, 0, 2**62), self.frames_total
         )
+
+    def best_frame(
+        self, start: int = 0, stop: int | None = None, *, episode: int | Literal["best"] | None = None
+    ) -> int:
+        """Return the index of the first frame with the greatest reward, in all frames, a part, or an episode.
+
+        Raises:
+            TypeError, ValueError: see `render`; there is no frame.
+        """
+        frames = self.frames(start, stop) if episode is None else self._frames_of(episode, "native", False)
+        best = max(frames, key=lambda frame: frame.reward, default=None)
+        if best is None:
+            raise ValueError(f"there is no frame for a picture: the replay has {self.frames_total:,} frames")
+        return best.index
 
     def best_start(self, frames: int) -> int:
         """Return the first of `frames` frames in a row in which the first player makes the most points.
@@ -363,13 +385,11 @@ class Replay:
             raise ValueError("render takes episode, or start and stop, not both")
         if frame is not None:
             start, stop = self._part_of_frame(path, frame, start, stop, episode)
+            episode = None
         if episode is not None:
-            number = self.best_episode if episode == "best" else episode
-            frames = self._frames_of(
-                check_integer('an episode other than "best"', number, 0, len(self.episodes) - 1), core, audible
-            )
+            frames = self._frames_of(episode, core, audible)
         else:
-            if picture and frame != "best" and "curve" not in shown.parts:  # a curve has the frames before, too
+            if picture and "curve" not in shown.parts:  # a curve has the frames before, too
                 start, stop = self._part(start, stop)
                 start = max(start, stop - 1)
             frames = self.frames(start, stop, core=core, sound=audible)
@@ -377,29 +397,29 @@ class Replay:
         rate = shown_rate(self.game, Path(path).suffix, speed=speed)
         comment = json.dumps(self.facts)
         with VideoWriter(path, size, rate, scale=scale, sound=audible, caption_lines=lines, comment=comment) as video:
-            chosen, most, last = None, -math.inf, -1
+            last_drawn, last = None, -1
             for one in frames:
                 if one.episode != last:
                     shown.begin_game()
                     last = one.episode
                 shown.add(one.score - shown.score)  # also after a rewind
                 if not picture:
-                    video.write(shown.draw(one.screen), one.audio, shown.caption(one.action, one.ram))
-                elif frame != "best" or one.reward > most:
-                    chosen = shown.draw(one.screen), None, shown.caption(one.action, one.ram)
-                    most = one.reward
+                    video.write(shown.draw(one.screen), one.audio, shown.caption(one.actions, one.ram, one.scores))
+                else:
+                    last_drawn = one
                 if progress is not None:
                     progress(1)
-            if picture and chosen is None:
-                raise ValueError(f"there is no frame for a picture: the replay has {self.frames_total:,} frames")
-            if chosen is not None:
-                video.write(*chosen)
+            if picture:
+                if last_drawn is None:
+                    raise ValueError(f"there is no frame for a picture: the replay has {self.frames_total:,} frames")
+                one = last_drawn
+                video.write(shown.draw(one.screen), None, shown.caption(one.actions, one.ram, one.scores))
         return video.path
 
     def _part_of_frame(
         self, path: Any, frame: Any, start: int, stop: int | None, episode: Any
     ) -> tuple[int, int | None]:
-        """The part of the replay that ends with the frame of a picture; for the best one, `start` and `stop`.
+        """The part of the replay that ends with the frame of a picture.
 
         Raises:
             TypeError, ValueError: there is no such frame, it contradicts the part, or `path` is no picture.
@@ -409,18 +429,17 @@ class Replay:
                 f"frame={frame!r} chooses the frame of a picture, such as 'pong.png', got {str(path)!r}; leave it out"
             )
         if frame == "best":
-            return start, stop
+            return 0, 1 + self.best_frame(start, stop, episode=episode)
         if episode is not None or start or stop is not None:
             raise ValueError(f"frame={frame!r} is a frame of the whole replay; leave episode, start and stop out")
         return 0, 1 + check_integer('a frame other than "best"', frame, 0, self.frames_total - 1)
 
-    def _frames_of(self, episode: int, core: str, sound: bool) -> Iterator[Frame]:
+    def _frames_of(self, episode: int | Literal["best"], core: str, sound: bool) -> Iterator[Frame]:
         """The frames of one of `episodes`."""
-        for runner, call in self._calls(core, sound=sound):
-            if len(runner.episodes) > episode:
-                break
-            if call.played and len(runner.episodes) == episode:
-                yield _frame(runner, call)
+        number = self.best_episode if episode == "best" else episode
+        number = check_integer('an episode other than "best"', number, 0, len(self.episodes) - 1)
+        calls = takewhile(lambda pair: len(pair[0].episodes) <= number, self._calls(core, sound=sound))
+        return _frames((runner, call) for runner, call in calls if len(runner.episodes) == number)
 
     def make_env(self, *, core: str = "native", **options: Any) -> AtariEnv:
         """Return an environment with the options of the recorded environment; `options` override them.
@@ -442,7 +461,8 @@ class Replay:
         Raises:
             ValueError: several players played.
         """
-        self._require_one_player("a task")
+        if self.players > 1:
+            raise ValueError(f"{self.path} has {self.players} players, and no task; `options` has what was played")
         text = self.header.get("task")
         return emulator_task(self.options, self.game) if text is None else from_json(text, self.game)
 
@@ -575,6 +595,20 @@ def emulator_task(options: Mapping[str, Any], game: Game) -> Task:
     return Task(**fields)
 
 
+def _frames(calls: Iterable[tuple[ReplayRunner, Call]]) -> Iterator[Frame]:
+    """The frames of calls. Where a game ends within a step, a call that plays no frame ends the step."""
+    held: Frame | None = None
+    for runner, call in calls:
+        if call.played:
+            if held is not None:
+                yield held
+            held = _frame(runner, call)
+        elif held is not None and (call.event.ends_step or call.event.kind == Kind.STEP):
+            held = replace(held, ends_step=True)
+    if held is not None:
+        yield held
+
+
 def _frame(runner: ReplayRunner, call: Call) -> Frame:
     core, (kind, numbers, floats, ends_step) = runner.core, call.event
     several = kind == Kind.ACTIONS
@@ -589,6 +623,7 @@ def _frame(runner: ReplayRunner, call: Call) -> Frame:
         ends_step=ends_step,
         reward=rewards[0],
         score=runner.score[0] if several else runner.score,
+        scores=tuple(runner.score) if several else (runner.score,),
         lives=lives[0],
         terminated=core.game_over,
         truncated=core.truncated,

@@ -24,6 +24,7 @@ class Frame:
     audio: ByteArray
     actions: tuple[int, ...]
     rewards: tuple[int, ...]
+    scores: tuple[int, ...]
     all_lives: tuple[int, ...]
 
 

@@ -115,6 +115,6 @@ class PngEncoder:
         """Do nothing: each file is complete when it is written."""
 
 
-def import_av() -> Any:
+def import_av(doing: str = "writing") -> Any:
     """Return the module PyAV, or raise as `import_extra`."""
-    return import_extra("av", f"writing a video needs PyAV: {install_extra('video')}")
+    return import_extra("av", f"{doing} a video needs PyAV: {install_extra('video')}")

@@ -41,7 +41,7 @@ def video_facts(path: str | PathLike[str]) -> dict[str, Any]:
         >>> task["game"], task["frameskip"]
         ('pong', 3)
     """
-    av = import_av()
+    av = import_av("reading")
     try:
         with av.open(f"file:{check_file(Path(path))}") as container:
             tags = {name.lower(): text for name, text in container.metadata.items()}
@@ -49,5 +49,8 @@ def video_facts(path: str | PathLike[str]) -> dict[str, Any]:
     except (av.FFmpegError, ValueError) as error:
         raise ValueError(f"{path} has no facts of a video of atari-envs: {error}") from None
     if not isinstance(facts, dict) or not str(facts.get("package", "")).startswith("atari-envs "):
-        raise ValueError(f"{path} has no facts about the game; MP4, MKV and WebM of atari-envs have them")
+        raise ValueError(
+            f"{path} has no facts about the game; MP4, MKV and WebM of RecordVideo, Replay.render and the "
+            "commands have them"
+        )
     return facts

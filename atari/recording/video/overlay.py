@@ -47,13 +47,19 @@ class Overlay:
         if "curve" in self.parts:
             self._scores.append(self.score)
 
-    def caption(self, action: int | None, ram: ByteArray) -> str:
-        """The lines of text; `action` is ALE's number, `ram` (128,) uint8."""
+    def caption(self, actions: Sequence[int | None], ram: ByteArray, scores: Sequence[int] | None = None) -> str:
+        """The lines of text.
+
+        Args:
+            actions: ALE's number of each player's action.
+            ram: (128,) uint8.
+            scores: the score of each player; None is the sum of the rewards of one.
+        """
         words = []
         if "score" in self.parts:
-            words.append(f"score {self.score}")
+            words.append(f"score {', '.join(map(str, scores or (self.score,)))}")
         if "action" in self.parts:
-            words.append(f"action {'-' if action is None else Action(action).name}")
+            words.append(f"action {', '.join('-' if one is None else Action(one).name for one in actions)}")
         lines = ["   ".join(words)] if words else []
         if "ram" in self.parts:
             rows = ram.reshape(_RAM_LINES, 16)
@@ -67,8 +73,9 @@ class Overlay:
         columns = image.shape[1]
         scores = np.frombuffer(self._scores)
         shown = scores[np.linspace(0, len(scores) - 1, columns - 2).astype(int)]
-        low, high = min(scores.min(), 0.0), max(scores.max(), 0.0)
-        rows = np.rint((high - np.append(shown, 0.0)) / max(high - low, 1.0) * (CURVE_ROWS - 3)).astype(int) + 1
+        low = min(scores.min(), 0.0)
+        high = max(scores.max(), 0.0, low + 1.0)  # without points the curve is a line at the bottom
+        rows = np.rint((high - np.append(shown, 0.0)) / (high - low) * (CURVE_ROWS - 3)).astype(int) + 1
         whole = np.zeros((image.shape[0] + CURVE_ROWS, columns, 3), np.uint8)
         whole[: image.shape[0]] = image
         strip = whole[image.shape[0] :]

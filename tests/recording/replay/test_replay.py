@@ -142,6 +142,9 @@ def test_steps_after_the_end_are_kept_and_are_no_frames(tmp_path: Path) -> None:
     assert replay.episodes == (Episode(10, 0, "truncated"), Episode(4, 0, "open"))
     assert replay.frames_total == 14
     assert replay.verify("ale")
+    # The end of the game cut the third step short.
+    assert [frame.index for frame in replay.frames() if frame.ends_step] == [3, 7, 9, 13]
+    assert replay.steps == 9
 
 
 @pytest.mark.parametrize("name", ["dqn2015", "baselines", "envpool"])
@@ -226,7 +229,7 @@ def test_from_the_middle_on_it_plays_on_its_own_core_only(tmp_path: Path) -> Non
             recorded.step(3)
         recorded.close()
         replay = Replay.load(recorded.path)
-        assert replay.frames_total == 120
+        assert (replay.frames_total, replay.frames_rewound, replay.steps) == (120, 0, 30)
         assert replay.verify(core)
         assert any(frame.audio.any() for frame in replay.frames(sound=True, core=core)) == (core == "native")
         with pytest.raises(ValueError, match=r"cannot continue after frame 0 on core .* LOAD .*with core = "):

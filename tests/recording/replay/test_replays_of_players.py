@@ -12,7 +12,7 @@ import pytest
 import atari
 from atari.lab import Freeze
 from atari.multiplayer import MultiplayerCore
-from atari.recording import RecordReplay, Replay
+from atari.recording import RecordReplay, Replay, VideoWriter
 from atari.recording.replay import file_format
 from atari.recording.replay.events import ACTS_PER_CHUNK, Event, Kind, pack, unpack
 
@@ -51,6 +51,21 @@ def test_a_game_plays_again(game: str, tmp_path: Path) -> None:
     assert frames_of(replay) == played
     assert frames_of(replay, 650) == played[650:]
     assert (replay.players, replay.seeds, replay.game.id) == (len(played[0][1]), (7,), game)
+    assert (replay.steps, replay.frames_rewound) == (0, 0)
+
+
+def test_the_caption_has_all_players(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    captions = []
+    monkeypatch.setattr(VideoWriter, "write", lambda self, image, audio, caption: captions.append(caption))
+    record(tmp_path / "a.a26", frames=400)
+    replay = Replay.load(tmp_path / "a.a26")
+    replay.render(tmp_path / "a.gif", overlay=("score", "action"))
+    *_, last = replay.frames()
+    first, second = (atari.Action(action).name for action in last.actions)
+    assert list(last.scores) == replay.episodes[-1].scores
+    assert captions[-1] == f"score {last.scores[0]}, {last.scores[1]}   action {first}, {second}"
+    with pytest.raises(ValueError, match="has 2 players, and no task; `options` has what was played"):
+        replay.task  # noqa: B018
 
 
 @pytest.mark.parametrize("when", ["before", "during"])

@@ -527,7 +527,7 @@ def test_the_curve_is_the_score_from_the_first_frame_to_this_one() -> None:
     assert (rows[2:75] == CURVE_ROWS - 2).all()
     assert (rows[85:158] == 1).all()
     overlay.begin_game()
-    assert (overlay.draw(screen)[210:, 1:-1, 0].argmax(0) == 1).all()
+    assert (overlay.draw(screen)[210:, 1:-1, 0].argmax(0) == CURVE_ROWS - 2).all()
 
 
 def test_the_curve_goes_below_zero() -> None:
