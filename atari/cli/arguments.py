@@ -11,7 +11,7 @@ from typing import Any, NoReturn, TypeAlias
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.task import Task
-from atari.task.arguments import field_of_flag, game_of
+from atari.task.arguments import advised, field_of_flag, game_of
 from atari.task.resolution import is_id, spelled
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -60,8 +60,8 @@ class Parser(argparse.ArgumentParser):
             message = "--json stands after the command's name"
         elif chosen:
             near = difflib.get_close_matches(chosen[1], re.findall(r"[\w.-]+", chosen[2]), n=1)
-        elif unknown:
-            near = difflib.get_close_matches(unknown[1], self._option_string_actions, n=1, cutoff=0.7)
+        else:
+            message = advised(message, self._option_string_actions)
         super().error(f"{message}; did you mean {near[0]!r}?" if near else message)
 
 

@@ -9,7 +9,7 @@ from contextlib import closing
 from dataclasses import fields
 from datetime import timedelta
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import gymnasium
 from tqdm import tqdm
@@ -21,7 +21,7 @@ from atari.learning.options import FAST_RAM, TrainingOptions, is_switch, parse, 
 from atari.learning.run import RunFolder
 from atari.learning.training import Training
 from atari.task import Task
-from atari.task.arguments import add_former, add_task, descriptions, game_of, given_options, show_task, task_of
+from atari.task.arguments import add_former, add_task, advised, descriptions, game_of, given_options, show_task, task_of
 from atari.task.description import summary
 
 _ALONE = (
@@ -205,9 +205,9 @@ class Lines:
 
 def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | None) -> argparse.ArgumentParser:
     kind = agent.options_class
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog=prog,
-        usage=f"{prog} GAME [options]",
+        usage=f"{prog} GAME [options]; --help lists them",
         description=f"Train {agent.__name__}.",
         parents=[] if output is None else [output],
         allow_abbrev=False,
@@ -238,6 +238,12 @@ def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | Non
     return parser
 
 
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """Print the usage and the error with a suggestion, and exit with code 2."""
+        super().error(advised(message, self._option_string_actions))
+
+
 _OLD_FLAGS = {
     "--protocol": "the preset is named by --preset, as in `{prog} GAME --preset dqn2015`",
     "--obs": "RAM is learned from by an ID of RAM, as in `{prog} Pong-ram-v4`, or by `{prog} GAME --obs-type ram`",
@@ -254,7 +260,8 @@ def _option_type(options: type[TrainingOptions], name: str) -> Any:
         try:
             return parse(options, name, text)
         except ValueError as error:
-            raise argparse.ArgumentTypeError(str(error)) from None
+            words = f"{text!r} is no number" if "could not convert" in str(error) else str(error)
+            raise argparse.ArgumentTypeError(words) from None
 
     return convert
 

@@ -158,7 +158,13 @@ def _own_layers(shape: Sequence[int], make: Callable[[Any], Any]) -> tuple[nn.Mo
         ValueError: the module returns no features.
     """
     name = getattr(make, "__name__", repr(make))
-    layers = make(gymnasium.spaces.Box(0, 255, tuple(shape), np.uint8))
+    try:
+        layers = make(gymnasium.spaces.Box(0, 255, tuple(shape), np.uint8))
+    except TypeError as error:
+        raise TypeError(
+            f"network {name} is called with the observation space alone, and makes features; the agent adds the layer "
+            f"for the actions: {error}"
+        ) from error
     if not isinstance(layers, nn.Module):
         raise TypeError(f"network {name} must make a torch.nn.Module from the observation space, got {layers!r:.60}")
     two = torch.zeros(2, *shape)

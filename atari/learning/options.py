@@ -165,6 +165,10 @@ class TrainingOptions:
             if not callable(self.network):
                 raise TypeError(f"network must be a name, a class or a function, got {self.network!r:.60}")
             return
+        if ":" in self.network:
+            raise ValueError(
+                f"a network of your own is named by its file, FILE.py:NAME, such as my_net.py:Net, got {self.network!r}"
+            )
         check_choice("network", self.network, NETWORKS)
         if self.from_ram != (self.network in ("mlp", "bits")):
             raise ValueError(

@@ -427,9 +427,13 @@ class RunFolder:
         memory, flush = self.path / "memory.replay", content["flush"]
         if flush is not None:
             if not memory.exists():
+                if self.config.get("ended") is not None:
+                    raise ValueError(
+                        f"the training in {self.path} is complete, and its memory was removed, so it does not go on; "
+                        "end(..., keep_memory=True), or --keep-memory, keeps the memory for `extend`"
+                    )
                 raise ValueError(
-                    f"{memory} is missing, and {file.name} goes on from its flush {flush}; put it there again. A "
-                    "completed training keeps it with --keep-memory alone, in Python with end(..., keep_memory=True)"
+                    f"{memory} is missing, and {file.name} goes on from its flush {flush}; put it there again"
                 )
             self.memory = ReplayMemory.open(memory, flush=flush, num_threads=num_threads, autoflush=False)
         self.state = content["state"]

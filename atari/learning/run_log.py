@@ -27,11 +27,15 @@ class RunLog:
 
         Raises:
             ValueError: the row has other columns.
+            TypeError: a value is no number.
         """
         if not self._columns:
             self._columns = list((read_rows(self._file) or [dict(row)])[0])
         if set(row) != set(self._columns):
             raise ValueError(f"a row of the log must have the columns {', '.join(self._columns)}, got {', '.join(row)}")
+        for name, value in row.items():
+            if not isinstance(value, (int, float, np.number, np.bool_)):
+                raise TypeError(f"column {name!r} of the log takes a number, or math.nan for none, got {value!r}")
         self._rows.append(dict(row))
         try:
             empty = not self._file.exists() or not self._file.stat().st_size

@@ -1,13 +1,14 @@
 """GAME and the options of a `Task` on a command line: flags made from the fields of the class and its docstring."""
 
 import argparse
+import difflib
 import inspect
 import json
 import os
 import re
 import typing
 from collections import defaultdict
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -108,6 +109,19 @@ def _add_flag(group: Any, name: str, text: str) -> None:
 
 def _flags_of(name: str) -> tuple[str, ...]:
     return _NAMES.get(name, (f"--{name.replace('_', '-')}",))
+
+
+def advised(message: str, flags: Iterable[str]) -> str:
+    """An error of argparse with the nearest of the flags, or how a value that begins with a dash is given."""
+    if without := re.match(r"argument (?:-\w, )?(--[\w-]+)[^:]*: expected one argument", message):
+        return f"{message}; a value that begins with - is joined by =, as {without[1]}=-1"
+    unknown = re.match(r"unrecognized arguments: (--[\w-]+)", message)
+    if unknown is None:
+        return message
+    wanted, known = unknown[1].replace("_", "-"), [flag for flag in flags if flag.startswith("--")]
+    begins = [flag for flag in known if wanted.startswith(flag)]
+    near = max(begins, key=len, default="") or next(iter(difflib.get_close_matches(wanted, known, n=1, cutoff=0.7)), "")
+    return f"{message}; did you mean {near!r}?" if near else message
 
 
 def field_of_flag(flag: str) -> str | None:

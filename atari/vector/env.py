@@ -26,7 +26,7 @@ from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.task.options import VectorTaskOptions
 from atari.task.resolution import GameLike
-from atari.validation import FirstResetNeeded, check_name
+from atari.validation import FirstResetNeeded, check_known, check_name
 from atari.vector.lanes import AddedWrites, Lane
 from atari.vector.options import VectorOptions
 from atari.vector.results import Results, pick_rows
@@ -35,6 +35,7 @@ from atari.vector.state import VectorState
 from atari.vector.views import Views
 
 IntArray = npt.NDArray[np.int64]
+_RESET_OPTIONS = ("reset_mask", "new_game")
 _RAM_OF = {"now": _emulator.RamOf.NOW, "result": _emulator.RamOf.RESULT, "final": _emulator.RamOf.FINAL}
 
 
@@ -484,7 +485,9 @@ def _dict(options: Any) -> Mapping[str, Any]:
     """The options of a reset; {} if there are none."""
     if options is not None and not isinstance(options, Mapping):
         raise TypeError(f"the options of a reset are a dict, got {options!r}")
-    return options or {}
+    given = options or {}
+    check_known("reset", [str(name) for name in given if name not in _RESET_OPTIONS], _RESET_OPTIONS)
+    return given
 
 
 def _closed() -> gymnasium.error.ClosedEnvironmentError:

@@ -115,12 +115,13 @@ class Published:
     def interval(self, frames: int) -> tuple[int, int]:
         """The interval of training, (first frame, last frame), over whose games the score at `frames` is the mean.
 
-        Both are `frames` where the source has a score at exactly these frames.
+        Both are `frames` where the source has a score at exactly these frames. A training ends with a whole update, so
+        frames at most a thousandth beyond the last score stand for it.
 
         Raises:
             TypeError, ValueError: `frames` is no integer, or the source has no score there.
         """
-        frames = check_integer("frames", frames, 1, 10**15)
+        frames = self._reached(check_integer("frames", frames, 1, 10**15))
         points = self._entry.get("frames", [])
         if frames in self.budgets:
             return frames, frames
@@ -136,6 +137,10 @@ class Published:
             )
         last = int(np.searchsorted(points, frames))
         return points[last - 1] + 1, points[last]
+
+    def _reached(self, frames: int) -> int:
+        last = max(self.budgets, default=0)
+        return last if last < frames <= last + last // 1000 else frames
 
     def curve(self, game: str) -> Curve:
         """The learning curve of a game, with three arrays.
@@ -175,7 +180,7 @@ class Published:
         Raises:
             ValueError: no score of the game was published, or none at these frames.
         """
-        data = self._game(game)
+        data, frames = self._game(game), self._reached(frames)
         _, last = self.interval(frames)
         marks = self._entry.get("marks", [])
         if frames in marks and data.get("marks"):

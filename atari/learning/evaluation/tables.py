@@ -40,6 +40,9 @@ def check_known_name(
         wanted = name.lower()
         near = [known for known in names if wanted and known.startswith(wanted)]
         near = near or [known for word, known in others.items() if word in wanted and known in names]
+        family = [known for known in names if "/" in wanted and known.startswith(wanted.partition("/")[0] + "/")]
+        if family and not near:
+            raise ValueError(f"there is no {kind} {name!r}; {wanted.partition('/')[0]} has {', '.join(family)}")
         near = near or sorted((known for known in names if len(wanted) > 2 and wanted in known), key=len)
         near = near or difflib.get_close_matches(wanted, names, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""

@@ -125,7 +125,11 @@ def check_folder(folder: Path, code: AgentCode, runs: Sequence[Run], resolve: Re
         kept = {kind: entry["sha256"] for kind, entry in found.config.get("programs", {}).items()}
         if kept.get("agent") != (code.program and sha256(code.program.file.read_bytes())):
             whose = code.program.file if code.program else f"the agent {agent} of this package"
-            raise ValueError(f"{found.path} is a run of another program than {whose}; give another folder")
+            copy = found.path.parent / f"{code.name}.py"
+            raise ValueError(
+                f"{found.path} is a run of another program than {whose}; give another folder"
+                + (f", or go on with the sweep's copy: `atari train {copy} ...`" if copy.is_file() else "")
+            )
         theirs = read_options(found)
         run = planned.get(found.path)
         expected = run.options if run else resolve(theirs.task.game, theirs.seed)

@@ -100,6 +100,7 @@ def test_scores_at_frames():
     assert between == agent.curve("pong").mean[30]
     assert agent.interval(30_000_001) == (30_000_001, 31_000_000)
     assert agent.interval(10_000_000) == (10_000_000, 10_000_000)
+    assert agent.interval(199_000_064) == (199_000_000, 199_000_000)  # the end of a whole update
     with pytest.raises(ValueError, match="until 199,000,000 frames, not at 200,000,000"):
         agent.at("pong", 200_000_000)
     ppo = Published("cleanrl/ppo")
