@@ -449,7 +449,7 @@ def test_the_memory_is_as_large_as_the_training_and_goes_with_it(tmp_path: Path)
     assert training.run() == "steps"
     training.close()
     assert not memory.exists()
-    with pytest.raises(ValueError, match=r"memory.replay is missing, .* --keep-memory alone"):
+    with pytest.raises(ValueError, match=r"is complete, and its memory was removed, .* or --keep-memory, keeps"):
         RunFolder.resume(tmp_path / "run")
     kept = make_run(tmp_path / "kept", "dqn", steps=200, keep_memory=True)
     with RunFolder.resume(kept.path) as folder:

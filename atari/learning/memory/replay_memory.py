@@ -168,7 +168,6 @@ class ReplayMemory:
         self._lanes, self._arrays = options.num_envs, StepArrays(options)
         self._usual_actions = not options.action_shape and options.action_dtype == np.dtype(np.int64).str
         self._mark: npt.NDArray[np.uint8] | None = None  # the first bytes of `frames`, called after the last `add`
-        self._over = np.zeros(self._lanes, np.bool_)  # with DISABLED: ended, and not reset yet
         self._started = False  # whether an `add` has found that a reset came first
         self._mode = autoreset_mode(options.autoreset_mode)
         self._use(_emulator.ReplayMemory(options.geometry(), block), block)
@@ -288,13 +287,11 @@ class ReplayMemory:
             self._write_frames(arrays)
             self._core.reset(None, [])
             self._mark = None
-            self._over[:] = False
             return
         chosen = self._arrays.flags("mask", mask)
         core = self._core
         self._make_space(core)
         core.reset(chosen, [np.ascontiguousarray(array) for array in arrays])
-        self._over &= ~chosen
 
     @atomic
     def add(
@@ -320,8 +317,8 @@ class ReplayMemory:
         Raises:
             gymnasium.error.ResetNeeded: before the first `reset`.
             TypeError, ValueError: an array does not fit, an action or a stored reward is not finite, or a final
-                observation is missing; or `observations` is None, and the step has not written to `frames`; or, with
-                DISABLED, environments were reset and the memory was not. Nothing has changed.
+                observation is missing; or `observations` is None, and the step has not written to `frames`. Nothing has
+                changed.
             BufferError: with autoflush=False, the state of the last flush would be overwritten; nothing has changed.
         """
         core = self._core
@@ -332,10 +329,8 @@ class ReplayMemory:
                 "the observations of this step are missing: pass add(..., observations=observations), or let the step "
                 "write them, by envs.step(actions, out=memory.frames())"
             )
-        if self._mode == AutoresetMode.DISABLED:
-            self._check_reset(terminations, truncations)
         if self._usual_actions and core.try_add(actions, rewards, terminations, truncations):
-            self._end_step(terminations, truncations)
+            self._mark = None
             return
         terminations = self._arrays.flags("terminations", terminations)
         truncations = self._arrays.flags("truncations", truncations)
@@ -349,22 +344,7 @@ class ReplayMemory:
         self._started = True
         self._make_space(core)
         core.add(actions, rewards, terminations, truncations, finals)
-        self._end_step(terminations, truncations)
-
-    def _end_step(self, terminations: Any, truncations: Any) -> None:
         self._mark = None
-        if self._mode == AutoresetMode.DISABLED:
-            self._over |= np.asarray(terminations) | np.asarray(truncations)
-
-    def _check_reset(self, terminations: Any, truncations: Any) -> None:
-        """Refuse a step of environments that were reset while the memory was not: it would leave out all that follow."""
-        flags = self._arrays.flags
-        begun = self._over & ~(flags("terminations", terminations) | flags("truncations", truncations))
-        if begun.any():
-            raise ValueError(
-                f"environments {np.flatnonzero(begun).tolist()} have begun new episodes, and the memory lacks their first "
-                "observations; after envs.reset(options={'reset_mask': mask}) call memory.reset(observations, mask)"
-            )
 
     def _are_written(self) -> bool:
         """Whether the step has written frames to the array of `frames`; shorter ones than the mark are not checked."""
