@@ -6,7 +6,7 @@ from atari.recording.replay.record_replay import RecordReplay
 from atari.recording.replay.replay import Replay
 from atari.recording.video.facts import video_facts
 from atari.recording.video.record_video import RecordVideo
-from atari.recording.video.writer import VideoWriter, frame_rate
+from atari.recording.video.writer import VideoWriter
 
-__all__ = ["RecordReplay", "RecordVideo", "Replay", "VideoWriter", "frame_rate", "to_minari", "video_facts"]
+__all__ = ["RecordReplay", "RecordVideo", "Replay", "VideoWriter", "to_minari", "video_facts"]
 __getattr__ = old_names("atari.recording")

@@ -119,9 +119,10 @@ def advised(message: str, flags: Iterable[str]) -> str:
     if unknown is None:
         return message
     wanted, known = unknown[1].replace("_", "-"), [flag for flag in flags if flag.startswith("--")]
-    begins = [flag for flag in known if wanted.startswith(flag)]
-    near = max(begins, key=len, default="") or next(iter(difflib.get_close_matches(wanted, known, n=1, cutoff=0.7)), "")
-    return f"{message}; did you mean {near!r}?" if near else message
+    nearest = difflib.get_close_matches(wanted, known, n=1, cutoff=0.9)  # --frame-skip is no --frame
+    begins = sorted((flag for flag in known if wanted.startswith(f"{flag}-")), key=len, reverse=True)
+    near = [*nearest, *begins, *difflib.get_close_matches(wanted, known, n=1, cutoff=0.7)]
+    return f"{message}; did you mean {near[0]!r}?" if near else message
 
 
 def field_of_flag(flag: str) -> str | None:

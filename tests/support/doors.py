@@ -194,6 +194,7 @@ _OF_GAMES = ("mode", "difficulty", "interventions")
 _OF_PLAY = of_fields(
     ("continuous", "continuous_action_threshold", *GROUPS["observation"], *GROUPS["reward"]), _SEEN_BY_A_PERSON
 )
+_NOT_OF_BASELINES = of_fields(("fire_again", "seamless_lives"), "it contradicts preset baselines")
 _OF_POLICIES = of_fields(
     (
         *("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
@@ -246,9 +247,9 @@ DOORS: tuple[Door, ...] = (
     Door("atari lab", _command("lab"), all_but(_FRAMES, _BY_FRAME)),
     Door("atari causes", _command("causes"), all_but(("mode", "difficulty"), _BY_FRAME)),
     Door("atari verify", _command("verify"), all_but(_COMPARED, _BY_FRAME)),
-    Door("atari collect", _command("collect", "-o", "games.h5"), _OF_POLICIES),
+    Door("atari collect", _command("collect", "-o", "games.h5"), {**_OF_POLICIES, **_NOT_OF_BASELINES}),
     Door("atari evaluate", _command("evaluate", "random"), all_but(_OF_GAMES, "the protocol says it")),
-    Door("atari watch", _command("watch", "random"), _OF_POLICIES),
+    Door("atari watch", _command("watch", "random"), {**_OF_POLICIES, **_NOT_OF_BASELINES}),
 )
 
 TRAIN = Door(
@@ -259,7 +260,8 @@ TRAIN = Door(
             ("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
             "agents see images or RAM of one player, and choose one of the actions",
         ),
-        **of_fields(("fire_again", "seamless_lives", "life_loss_info"), "it contradicts preset baselines"),
+        **_NOT_OF_BASELINES,
+        **of_fields(("life_loss_info",), "it contradicts preset baselines"),
     },
 )
 """The door that needs PyTorch."""

@@ -44,12 +44,6 @@ def frame_rate(game: Game) -> Fraction:
     """The console's frames a second for `game`: 59.92 with NTSC, 49.86 with PAL.
 
     It is exact for a game that draws the lines of its TV format (262 or 312 of 228 colour clocks each).
-
-    Example:
-        >>> import atari
-        >>> from atari.recording import frame_rate
-        >>> float(frame_rate(atari.games["qbert"]))
-        59.92275101355053
     """
     tv = game.screen.format
     return COLOUR_CLOCK_HZ[tv] / (COLOUR_CLOCKS_PER_LINE * LINES_PER_FRAME[tv])
