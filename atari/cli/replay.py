@@ -81,7 +81,7 @@ def _show(args: argparse.Namespace) -> int:
             "core_seeds": replay.seeds,
             "episodes": episodes,
         }
-        task = {"task": json.loads(replay.header["task"])} if "task" in replay.header else {}
+        task = {"task": json.loads(replay.header["task"])} if replay.header.get("task") else {}
         print_json({**replay.header, **task, **facts})
         return 0
     rate = float(frame_rate(replay.game))

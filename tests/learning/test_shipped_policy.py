@@ -14,7 +14,7 @@ FOLDER = Path(__file__).parents[2] / "examples" / "breakout-pqn"
 
 @pytest.mark.parametrize(
     ("game", "least", "frames"),
-    [  # the means of 100 games are 166, 1,196 and 8,078; those of a random policy 1, 148 and 164
+    [  # the means of 100 games are 166, 1,196 and 8,078; a random policy has 1, 148 and 164
         ("breakout", 60, 200_015_872),
         ("space_invaders", 600, 199_000_064),
         ("qbert", 7_900, 199_000_064),
@@ -27,7 +27,7 @@ def test_they_play_as_the_page_says(game: str, least: float, frames: int) -> Non
     assert result.training_frames == RunFolder.open(folder).rows()[-1]["frames"] == frames
     assert (folder / "policy.pt").stat().st_size < 1_000_000
     if game != "breakout":  # its training goes beyond the last score of the published agent
-        assert compare(result, "dopamine/rainbow").rows[1].frames in (frames, 199_000_000)
+        assert compare(result, "dopamine/rainbow").rows[1].runs == 5  # the scores of seeds at the end
 
 
 def test_it_plays_another_game_with_a_note(capsys: pytest.CaptureFixture[str]) -> None:
