@@ -8,8 +8,7 @@ core and on ale-py's.
 import json
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from itertools import chain, takewhile
 from os import PathLike
@@ -19,17 +18,17 @@ from typing import Any, Literal
 import numpy as np
 
 from atari.cores import CORES, Core, snapshot
-from atari.env import ALE_OPTIONS, AtariEnv
+from atari.env import AtariEnv
 from atari.files import json_text
-from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.interventions import resolve
 from atari.notebook import animation, picture, pooled
 from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
-from atari.recording.replay.players import PlayersRunner, actions_of, make_core
-from atari.recording.replay.recorder import rom_md5
+from atari.recording.replay.frames import difference, frames_of
+from atari.recording.replay.header import emulator_task, game_of
+from atari.recording.replay.players import PlayersRunner, make_core
 from atari.recording.replay.results import Divergence, Episode, Frame, Verification
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
 from atari.recording.video.facts import PACKAGE
@@ -37,10 +36,7 @@ from atari.recording.video.formats import has_sound, is_picture
 from atari.recording.video.overlay import Overlay
 from atari.recording.video.writer import VideoWriter, frame_rate, shown_rate
 from atari.task import Task
-from atari.task.resolution import translate
-from atari.task.rules import settle
 from atari.task.storage import from_json
-from atari.task.task import DEFAULTS
 from atari.validation import check_integer, check_name
 
 _CHUNKS_PER_CHECKPOINT = 4
@@ -118,26 +114,7 @@ class Replay:
         """
         path = Path(path)
         content = file_format.read(path)
-        header = content.header
-        if not isinstance(header.get("game"), str) or not isinstance(header.get("options"), dict):
-            raise Corrupt("the replay is damaged: its header has no game, or no options")
-        if game is None and header["game"] not in games:  # never a path: a replay must not choose files to read
-            raise ValueError(f"{games.unknown(header['game'])}; pass the game file of a game of your own as game=")
-        find = games.resolve if "players" in header else games.find
-        found = find(header["game"] if game is None else game)
-        for name, value in header.items():
-            if name != "options" and not isinstance(value, (str, int, type(None))):
-                raise Corrupt(f"the replay is damaged: its header is wrong ({name} is a {type(value).__name__})")
-        if "players" not in header:
-            _check_options(header, found)
-        md5 = rom_md5(found, rom)
-        if md5 != header.get("rom"):
-            raise ValueError(
-                f"the replay was recorded with a ROM of MD5 {header.get('rom')}, but the ROM of {found.id} here has "
-                f"{md5}; pass the right one as rom="
-            )
-        if "players" in header:
-            make_core(header, found, rom)
+        found = game_of(content.header, game, rom)
         if content.end is None:
             warnings.warn(
                 f"{path} was cut while it was recorded; its first {content.frames:,} frames are whole", stacklevel=2
@@ -241,7 +218,7 @@ class Replay:
         if start < stop:
             calls = self._calls(core, sound=sound, start=start)
             part = ((runner, call) for runner, call in calls if runner.frame > start)
-            yield from _frames(takewhile(lambda pair: pair[0].frame <= stop, part))
+            yield from frames_of(takewhile(lambda pair: pair[0].frame <= stop, part))
 
     def _part(self, start: int, stop: int | None) -> tuple[int, int]:
         start = check_integer("start", start, 0, self.frames_total)
@@ -325,7 +302,7 @@ class Replay:
                 for call in chain.from_iterable(map(runner.run, self._events(number))):
                     if not call.played:
                         continue
-                    what = _difference(runner, play)
+                    what = difference(runner, play)
                     if what:
                         return Verification(core, runner.frame, Divergence(runner.frame - 1, since, what))
                     if runner.frame % FRAMES_PER_FULL_HASH == 0:
@@ -439,7 +416,7 @@ class Replay:
         number = self.best_episode if episode == "best" else episode
         number = check_integer('an episode other than "best"', number, 0, len(self.episodes) - 1)
         calls = takewhile(lambda pair: len(pair[0].episodes) <= number, self._calls(core, sound=sound))
-        return _frames((runner, call) for runner, call in calls if len(runner.episodes) == number)
+        return frames_of((runner, call) for runner, call in calls if len(runner.episodes) == number)
 
     def make_env(self, *, core: str = "native", **options: Any) -> AtariEnv:
         """Return an environment with the options of the recorded environment; `options` override them.
@@ -553,98 +530,3 @@ class Replay:
             pass
         runner.end_episode()
         return runner.episodes
-
-
-_MAY_BE_NONE = ("mode", "difficulty", "max_num_frames_per_episode", "interventions")
-"""The options that may be None in a header."""
-
-
-def _check_options(header: Mapping[str, Any], game: Game) -> None:
-    """Check the options and the task in the header of a replay of one player.
-
-    Raises:
-        Corrupt: a value is of the wrong kind or out of range, or an option is not one of `AtariEnv`'s.
-    """
-    options = header["options"]
-    try:
-        for name, value in options.items():
-            check_name("an option", name, ALE_OPTIONS)
-            if value is None and name not in _MAY_BE_NONE:
-                raise TypeError(f"{name} is null")
-        interventions = options.get("interventions")
-        # Names and paths are refused, because a replay must not choose files to read.
-        if not all(isinstance(definition, dict) for definition in interventions or ()):
-            raise TypeError("interventions must be a list of definitions")
-        resolve(game, interventions)
-        emulator_task(options, game)
-        if header.get("task") is not None:
-            from_json(header["task"], game)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise Corrupt(f"the replay is damaged: its header is wrong ({error})") from None
-
-
-def emulator_task(options: Mapping[str, Any], game: Game) -> Task:
-    """The task that an `AtariEnv` plays without wrappers, by the options in a header, which are ale-py's.
-
-    Raises:
-        TypeError, ValueError: an option is wrong.
-    """
-    given, _ = translate(options, "the replay")
-    fields = {**DEFAULTS, "max_num_frames_per_episode": None, **given, "game": game}
-    settle(fields, DEFAULTS, given=())  # older releases recorded options without effect, too
-    return Task(**fields)
-
-
-def _frames(calls: Iterable[tuple[ReplayRunner, Call]]) -> Iterator[Frame]:
-    """The frames of calls. Where a game ends within a step, a call that plays no frame ends the step."""
-    held: Frame | None = None
-    for runner, call in calls:
-        if call.played:
-            if held is not None:
-                yield held
-            held = _frame(runner, call)
-        elif held is not None and (call.event.ends_step or call.event.kind == Kind.STEP):
-            held = replace(held, ends_step=True)
-    if held is not None:
-        yield held
-
-
-def _frame(runner: ReplayRunner, call: Call) -> Frame:
-    core, (kind, numbers, floats, ends_step) = runner.core, call.event
-    several = kind == Kind.ACTIONS
-    actions = actions_of(numbers[0], core.players) if several else [numbers[0]]
-    rewards = call.reward if several else [call.reward]
-    lives = core.player_lives if several else [core.lives]
-    return Frame(
-        index=runner.frame - 1,
-        episode=runner.episode,
-        action=actions[0],
-        strength=floats[0] if floats else 1.0,
-        ends_step=ends_step,
-        reward=rewards[0],
-        score=runner.score[0] if several else runner.score,
-        scores=tuple(runner.score) if several else (runner.score,),
-        lives=lives[0],
-        terminated=core.game_over,
-        truncated=core.truncated,
-        ram=core.ram(),
-        screen=core.screen_rgb(),
-        audio=core.audio(),
-        actions=tuple(actions),
-        rewards=tuple(rewards),
-        all_lives=tuple(lives),
-    )
-
-
-def _difference(runner: ReplayRunner, play: file_format.PlayChunk) -> str:
-    """Return what differs between the last frame and the hashes in the file, or ""."""
-    place = runner.frame - play.first - 1
-    if place >= len(play.short_hashes):
-        return "that the game goes on"
-    if file_format.short_hash(runner.core) != play.short_hashes[place]:
-        return "RAM"
-    if runner.frame % FRAMES_PER_FULL_HASH == 0:
-        number = runner.frame // FRAMES_PER_FULL_HASH - play.first // FRAMES_PER_FULL_HASH - 1
-        if file_format.full_hash(runner.core, runner.score) != play.full_hashes[number]:
-            return "RAM, screen, reward, lives or end"
-    return ""
