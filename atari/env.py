@@ -5,7 +5,7 @@ Options, defaults, observations, rewards and random streams are those of ale-py'
 """
 
 import inspect
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -169,11 +169,18 @@ class AtariEnv(EnvState):
         self._ale = ale
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """Start a new episode; with `seed`, also restart all generators. `options` are ignored. Reopens after `close`.
+        """Start a new episode; with `seed`, also restart all generators. Reopens after `close`.
+
+        Args:
+            seed: an integer of 0 or more.
+            options: "new_game", which wrappers that continue a game take; a reset of `AtariEnv` always begins one.
+                `atari.wrappers.NoopReset` takes "noops", and `FireReset` "fire".
 
         Raises:
             gymnasium.error.Error: the seed is no integer of 0 or more.
+            TypeError: another option is given, which would have no effect; nothing is reset.
         """
+        _check_reset(options)
         super().reset(seed=seed)
         if self.driver.closed:
             self.driver.reopen()
@@ -393,6 +400,22 @@ ALE_OPTIONS = frozenset(inspect.signature(AtariEnv.__init__).parameters) - {
     "options",
 }
 """The options of an `AtariEnv` by ale-py's names, and `interventions`."""
+
+
+def _check_reset(options: Any) -> None:
+    """Refuse options of a reset that no wrapper has taken and that would have no effect.
+
+    Raises:
+        TypeError: there is such an option, or `options` is no dict.
+    """
+    if options is not None and not isinstance(options, Mapping):
+        raise TypeError(f"the options of a reset are a dict, got {options!r}")
+    for name, value in (options or {}).items():
+        if name != "new_game" and not (name == "fire" and not value):
+            raise TypeError(
+                f"reset has no option {name!r} here; it has 'new_game', with NoopReset 'noops', with FireReset 'fire', "
+                "and AtariVectorEnv has 'reset_mask'"
+            )
 
 
 def _require_plain(task: Task) -> None:

@@ -208,9 +208,17 @@ def test_a_wrong_seed_is_refused(seed: Any) -> None:
         env.reset(seed=seed)
 
 
-def test_options_of_reset_are_ignored() -> None:
+@pytest.mark.parametrize("options", [{"any": "thing"}, {"noops": 3}, {"fire": True}, {"reset_mask": [True]}, ["noops"]])
+def test_an_option_of_reset_without_effect_is_refused(options: Any) -> None:
+    env = started()
+    with unchanged(env), pytest.raises(TypeError, match="option"):
+        env.reset(options=options)
+
+
+@pytest.mark.parametrize("options", [{}, {"new_game": True}, {"fire": False}])
+def test_options_of_reset_that_are_true_of_each_reset(options: dict[str, Any]) -> None:
     first, second = AtariEnv("pong"), AtariEnv("pong")
-    assert np.array_equal(first.reset(seed=1, options={"any": "thing"})[0], second.reset(seed=1)[0])
+    assert np.array_equal(first.reset(seed=1, options=options)[0], second.reset(seed=1)[0])
 
 
 def test_a_frameskip_range_is_drawn_each_step() -> None:

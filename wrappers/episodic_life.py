@@ -91,17 +91,17 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
             options: "new_game" true starts a new game; all options are passed on.
         """
         new_game = seed is not None or self._on_reset == "new_game" or (options or {}).get("new_game", False)
-        self.same_game = self.life_lost and not new_game
-        self.life_lost = False
-        if self.same_game and self._on_reset == "continue":
+        same_game = self.life_lost and not new_game
+        if same_game and self._on_reset == "continue":
+            self.same_game, self.life_lost = True, False
             observation, info = self._last
             return observation, dict(info)
-        if self.same_game:
+        if same_game:
             observation, _, terminated, truncated, info = step_named(self.env, "NOOP")
-            self.same_game = not (terminated or truncated)
-        if not self.same_game:
+            same_game = not (terminated or truncated)
+        if not same_game:
             observation, info = self.env.reset(seed=seed, options=options)
-        self._lives = info["lives"]
+        self.same_game, self.life_lost, self._lives = same_game, False, info["lives"]
         return observation, info
 
     def _save_state(self) -> State:

@@ -55,12 +55,14 @@ class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
 
         Args:
             seed: the seed of the environment.
-            options: "fire" false omits FIRE; all options are passed on.
+            options: "fire" false omits FIRE; the other options are passed on.
         """
-        observation, info = self.env.reset(seed=seed, options=options)
-        for action in self._actions if (options or {}).get("fire", True) else ():
+        inner = {**(options or {})}
+        fires = inner.pop("fire", True)
+        observation, info = self.env.reset(seed=seed, options=inner or None)
+        for action in self._actions if fires else ():
             observation, _, terminated, truncated, step_info = step_named(self.env, action)
             info.update(step_info)
             if terminated or truncated:
-                observation, info = self.env.reset(seed=seed, options=options)
+                observation, info = self.env.reset(seed=seed, options=inner or None)
         return observation, info

@@ -69,16 +69,17 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
 
         Args:
             seed: the seed of the environment, also for the number of no-ops.
-            options: "noops" is the number of no-ops, 0 or more; all options are passed on.
+            options: "noops" is the number of no-ops, 0 or more; the other options are passed on.
 
         Raises:
             TypeError, ValueError: "noops" is not such a number; nothing is reset.
         """
-        forced = (options or {}).get("noops")
+        inner = {**(options or {})}
+        forced = inner.pop("noops", None)
         if forced is not None:
             forced = check_integer("noops", forced, 0, 1_000_000)
-        observation, info = self.env.reset(seed=seed, options=options)
-        again = options if self._fire_again else {**(options or {}), "fire": False}
+        observation, info = self.env.reset(seed=seed, options=inner or None)
+        again = (inner or None) if self._fire_again else {**inner, "fire": False}
         for _ in range(self._draw() if forced is None else forced):
             observation, _, terminated, truncated, step_info = step_named(self.env, "NOOP")
             info.update(step_info)

@@ -38,7 +38,7 @@ def test_an_option_leaves_it_out(scripted):
     _, info = env.reset(seed=3, options={"fire": False})
     assert env.unwrapped.actions == []
     assert info["frame"] == 0
-    assert env.unwrapped.resets == [(3, {"fire": False})]
+    assert env.unwrapped.resets == [(3, None)]
     env.reset(options={"fire": True})
     assert env.unwrapped.actions == [1, 2]
 

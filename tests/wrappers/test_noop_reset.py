@@ -69,7 +69,7 @@ def test_fire_counts_as_one_of_the_noops(scripted):
 def test_an_episode_that_ends_meanwhile_is_started_again(scripted, end):
     env = NoopReset(scripted(**{end: 4}))
     observation, info = env.reset(seed=9, options={"noops": 6})
-    assert env.unwrapped.resets == [(9, {"noops": 6})] * 2
+    assert env.unwrapped.resets == [(9, None)] * 2
     assert info["frame"] == 2
     assert observation.max() == 2
 
@@ -165,11 +165,11 @@ class TestFireAgain:
         env = NoopReset(FireReset(game_env("breakout", max_num_frames_per_episode=5)), **arguments)
         assert env.reset(seed=0, options={"noops": 10})[1]["episode_frame_number"] == frames
 
-    def test_options_are_passed_on(self, scripted):
+    def test_the_options_of_others_are_passed_on(self, scripted):
         env = NoopReset(FireReset(scripted(ends=3)), fire_again=False)
-        env.reset(seed=4, options={"noops": 3})
+        env.reset(seed=4, options={"noops": 3, "mine": 1})
         assert env.unwrapped.actions == [1, 0, 0, 0]
-        assert env.unwrapped.resets == [(4, {"noops": 3}), (4, {"noops": 3, "fire": False})]
+        assert env.unwrapped.resets == [(4, {"mine": 1})] * 2
         env.reset()
         assert env.unwrapped.actions[4] == 1, "the next reset presses it"
 
