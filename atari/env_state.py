@@ -118,6 +118,10 @@ class EnvState(gymnasium.Env[Any, Any]):
             facts, blobs = self._of_play(blobs)
         facts.setdefault("seeding", "gymnasium")
         own, own_blobs = self._ale_seeding()
+        if facts.get("of") == "wrappers":
+            raise ValueError(
+                "the snapshot is of an environment with its wrappers; pass it to restore of the outermost wrapper"
+            )
         snapshot.require(facts, {"of": "AtariEnv", "seeding": own.get("seeding", "gymnasium")})
         require_same(facts.get("task"), self._as_set(self._task), leave_out=GROUPS["observation"])
         if facts.get("task") is not None:

@@ -76,6 +76,11 @@ class Restorable:
         env = _env(self)
         atari, stateful = _unwrapped(env), list(_stateful(env))
         facts, blobs = snapshot.unpack(data)
+        if facts.get("of") == "AtariEnv":
+            raise ValueError(
+                "the snapshot is of the AtariEnv without its wrappers; pass it to env.unwrapped.restore, or call "
+                "snapshot of the outermost wrapper, too"
+            )
         snapshot.require(facts, {"of": "wrappers"})
         require_same(facts.get("task"), atari.task, leave_out=_STATELESS_FIELDS)
         saved = _checked_layers(facts.get("layers"), stateful)

@@ -8,7 +8,7 @@ from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores.rewards import reward_formula
 from atari.games.rewards import as_one_line
-from atari.restorable import Restorable, State, warn_of_restore
+from atari.restorable import Restorable, State, layers, warn_of_restore
 from atari.wrappers._checks import Environment, require_atari
 
 
@@ -19,12 +19,12 @@ class ExpressionReward(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
     `atari.make(..., reward=...)` does both. The task's field `reward` is the same in a vector.
 
     Args:
-        env: an `AtariEnv` with wrappers that do not change the reward.
+        env: an `AtariEnv` with wrappers that do not change the reward. `info["reward"]` is the game's.
         reward: the expression, such as "reward - 5 * lives_lost" or "0.1 * (player_y - before.player_y)".
 
     Raises:
         TypeError: the environment is no `AtariEnv`, or the expression no string.
-        ValueError: the expression is outside the language; the message has the column.
+        ValueError: the expression is outside the language; the message has the column. Or a wrapper changes the reward.
 
     Example:
         >>> import atari
@@ -42,6 +42,12 @@ class ExpressionReward(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         self._atari = require_atari(env, "ExpressionReward")
         if not isinstance(reward, str):
             raise TypeError(f"reward must be an expression such as 'reward - 5 * lives_lost', got {reward!r:.80}")
+        for layer in layers(env):
+            if isinstance(layer, (gymnasium.RewardWrapper, ExpressionReward)):
+                raise ValueError(
+                    f"the `reward` of an expression is the game's, and {type(layer).__name__} inside ExpressionReward "
+                    "changes it; put ExpressionReward inside, as atari.make(..., reward=...) does"
+                )
         RecordConstructorArgs.__init__(self, reward=reward)
         super().__init__(env)
         self._text = as_one_line(reward)
@@ -62,7 +68,7 @@ class ExpressionReward(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         observation, reward, terminated, truncated, info = self.env.step(action)
         core = self._atari.core
         paid = self._formula.pay(self._inputs, core.ram(), core.lives, float(reward))
-        return observation, paid, terminated, truncated, info
+        return observation, paid, terminated, truncated, {**info, "reward": reward}
 
     def _save_state(self) -> State:
         return {"inputs": self._inputs}

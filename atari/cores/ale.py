@@ -460,7 +460,7 @@ class _Closed:
     """Stands in for the emulator of a closed core."""
 
     def __getattr__(self, name: str) -> Any:
-        raise RuntimeError("this core is closed; make a new one")
+        raise RuntimeError("this core is closed; make a new one, or reset its environment")
 
 
 def _filled(getter: Any, shape: tuple[int, ...], out: ByteArray | None) -> ByteArray:

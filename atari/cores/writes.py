@@ -8,8 +8,9 @@ from typing import Any
 
 from atari import _emulator
 from atari.files import json_text
-from atari.games.game import Game
-from atari.games.interventions import Intervention, WriteRule, compile_write
+from atari.games.game import Game, RamLabel
+from atari.games.interventions import CompiledWrite, Intervention, WriteRule, compile_write
+from atari.games.interventions.writes import NO_VALUE, cases
 
 _NEEDED = {"to": (str, int), "value": (str, int)}
 _OTHERS = {"when": (str, list), "condition": str, "mask": int, "once": bool, "paid": bool}
@@ -27,10 +28,22 @@ def make_write(game: Game, rule: WriteRule, where: str) -> _emulator.Write:
         write = _emulator.make_write(**asdict(compiled), definition=_definition(rule))
     except ValueError as error:
         raise ValueError(f"{where}: an expression is too large to compile ({error})") from None
-    values = set(write.label_values)
-    if isinstance(rule.value, int) and values and rule.value not in values:
-        raise ValueError(f"{where}, value: {rule.to} cannot be {rule.value}; {_possible(values)}")
+    if isinstance(rule.value, int) and isinstance(rule.to, str):
+        values = set(write.label_values) or _values(compiled, game.ram_labels[rule.to])
+        if values and rule.value not in values - {NO_VALUE}:
+            raise ValueError(f"{where}, value: {rule.to} cannot be {rule.value}; {_possible(values - {NO_VALUE})}")
     return write
+
+
+def _values(compiled: CompiledWrite, label: RamLabel) -> set[int]:
+    """The values that the byte of a label gives it, if other bytes only choose the case; else nothing."""
+    values: set[int] = set()
+    for program in cases(label):
+        of_case = _emulator.make_write(**{**asdict(compiled), "label": program}, definition="").label_values
+        if not of_case:
+            return set()
+        values |= set(of_case)
+    return values
 
 
 def write_of(game: Game, definition: str) -> _emulator.Write:

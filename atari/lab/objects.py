@@ -31,11 +31,14 @@ Positions = dict[str, dict[str, RamLabel]]
 
 
 def positions(labels: Mapping[str, RamLabel]) -> Positions:
-    """The positions among labels: `ball_x` and `ball_y`, or `tank_x_left` and `tank_y_left`, are one object."""
+    """The positions among labels: `ball_x` and `ball_y`, or `tank_x_left` and `tank_y_left`, are one object.
+
+    A label that was never seen to move a thing, and does not say when it is visible, is left out.
+    """
     found: Positions = {}
     for name, label in labels.items():
         axis = {"position_x": "x", "position_y": "y"}.get(label.kind)
-        if axis is None:
+        if axis is None or (label.visible is None and label.evidence == "no effect seen"):
             continue
         words = name.split("_")
         marks = [number for number, word in enumerate(words) if re.fullmatch(rf"{axis}\d*", word)]

@@ -143,7 +143,7 @@ class Freeze(_Held):
         paid: bool = True,
         **labels: Any,
     ) -> None:
-        super().__init__(env, {**(values or {}), **labels}, index, True, when="held", paid=bool(paid))
+        super().__init__(env, _joined("Freeze", values, labels), index, True, when="held", paid=bool(paid))
 
     def __enter__(self) -> "Freeze":
         return self
@@ -191,9 +191,17 @@ class Poke(_Held):
         if when is not None and not isinstance(when, str):
             raise TypeError(f"when must be a condition such as 'ball_x > 100', got {when!r}")
         at: Any = "frame" if frame is None else (check_integer("frame", frame, 1, LATEST_FRAME),)
-        super().__init__(
-            env, {**(values or {}), **labels}, index, False, when=at, condition=when, once=True, paid=bool(paid)
+        joined = _joined("Poke", values, labels)
+        super().__init__(env, joined, index, False, when=at, condition=when, once=True, paid=bool(paid))
+
+
+def _joined(name: str, values: Any, labels: Mapping[str, Any]) -> dict[Any, Any]:
+    """The values by label or by place."""
+    if values is not None and not isinstance(values, Mapping):
+        raise TypeError(
+            f"{name} needs values by label or by place, such as ball_x=80 or {{49: 80}}, got {values!r:.80}"
         )
+    return {**(values or {}), **labels}
 
 
 def _targets(env: Any, index: int | None) -> list[_Target]:

@@ -29,6 +29,22 @@ class LaneSnapshot(NamedTuple):
     task: str
 
 
+def _pairs(snapshots: Any) -> list[tuple[_emulator.MemberSnapshot, str | None]]:
+    """The states and the tasks of the argument of `restore`.
+
+    Raises:
+        TypeError: they are no snapshots of lanes.
+    """
+    if isinstance(snapshots, Sequence) and not isinstance(snapshots, (LaneSnapshot, bytes)):
+        pairs = [(one.state, one.task) if isinstance(one, LaneSnapshot) else (one, None) for one in snapshots]
+        if all(isinstance(state, _emulator.MemberSnapshot) for state, _ in pairs):
+            return pairs
+    raise TypeError(
+        "snapshots must be a list that AtariVectorEnv.snapshot returned, or a part of one; a snapshot of a single "
+        f"environment continues in single environments, got {snapshots!r:.80}"
+    )
+
+
 class VectorState:
     """The methods of `AtariVectorEnv` that save and restore its environments."""
 
@@ -95,7 +111,7 @@ class VectorState:
             raise ValueError(f"an environment is given twice: {chosen}; give each once")
         with self._lock:
             engine = self._started()
-            pairs = [one if isinstance(one, LaneSnapshot) else (one, None) for one in snapshots]
+            pairs = _pairs(snapshots)
             self._require_same(chosen, [task for _, task in pairs])
             engine.restore(chosen, [state for state, _ in pairs])
 

@@ -12,6 +12,7 @@ from label_situations import points, pure, situations, to_the_end, undrawn_at_en
 
 import atari
 from atari.games.game import Game, RamLabel
+from atari.lab import Poke, Ram
 from atari.lab.labels import Labels
 
 FRAMES = 2400
@@ -21,6 +22,9 @@ FLICKERING = {"adventure", "asteroids", "ms_pacman", "venture"}
 
 RESERVES = {"air_raid"}
 """Games whose label counts the lives, while the rules have one life until the game is over."""
+
+REMEMBERED = {"qbert", "star_gunner", "time_pilot"}
+"""Games whose rules do not follow a byte of lives that someone else has written: they remember the lives before."""
 
 ENDLESS = {"elevator_action", "et"}
 """Games with lives that random actions do not end."""
@@ -79,6 +83,20 @@ def test_a_game_that_is_over_has_no_lives(game: str) -> None:
     ends = played.situation == "end"
     (value,), (visible,) = Labels(atari.games[game], ["lives"]).evaluate(played.ram[ends])
     assert (value.tolist(), visible.tolist()) == ([0], [True])
+
+
+@pytest.mark.parametrize("game", sorted({*LIVING, *ENDLESS} - RESERVES - REMEMBERED))
+def test_lives_that_someone_has_written_are_counted_as_the_rules_do(game: str) -> None:
+    """A rule may read only some bits of the byte; the others are no lives."""
+    env = atari.AtariEnv(game, frameskip=1)
+    env.reset(seed=0)
+    start, ram = env.snapshot(), Ram(env)
+    for byte in range(256):
+        env.restore(start)
+        poke = Poke(env, {ram.byte("lives"): byte})
+        info = env.step(0)[4]
+        poke.release()
+        assert ram["lives"] == info["lives"], byte
 
 
 @pytest.mark.parametrize("game", [game.id for game in atari.games.playable() if game.id != "tic_tac_toe_3d"])

@@ -9,7 +9,7 @@ import pytest
 
 import atari
 from atari.cores import AleCore, NativeCore, PlainCore
-from atari.lab import Freeze
+from atari.lab import Freeze, Poke, Ram
 
 RIGHT, BALL_X, PLAYER_Y, SCORE = 2, 49, 51, 14
 
@@ -235,6 +235,7 @@ def test_at_most_64() -> None:
         (lambda env: Freeze(env, {3: "ram[256]"}), ValueError, "an address is a number within 0x0..0xff"),
         (lambda env: Freeze(env, {3: "-" * 120 + "1"}), ValueError, "nested too deeply"),
         (lambda env: Freeze(env, {3: np.array([1, 2])}), ValueError, "needs a value for each of 1 lanes"),
+        (lambda env: Freeze(env, ["ball_x"]), TypeError, "Freeze needs values by label or by place"),
         (lambda env: Freeze(env), ValueError, "Freeze needs a label or a place"),
         (lambda env: Freeze(env, {3: 1}, index=0), ValueError, "index is for an AtariVectorEnv"),
         (lambda env: Freeze(gymnasium.make("CartPole-v1"), {3: 1}), TypeError, "an AtariEnv, a core"),
@@ -247,6 +248,30 @@ def test_wrong_arguments(freeze: Callable[[atari.AtariEnv], Any], error: type[Ex
     with pytest.raises(error, match=text):
         freeze(env)
     assert env.core.ram().tobytes() == before
+
+
+@pytest.mark.parametrize(
+    ("values", "text"),
+    [
+        ({"temperature": -1}, "temperature cannot be -1; its values are 0..99"),
+        ({"lives": 0}, "lives cannot be 0; its values are 1..16"),  # another byte decides that the game is over
+        ({"lives": 17}, "lives cannot be 17; its values are 1..16"),
+    ],
+)
+@pytest.mark.parametrize("kind", [Freeze, Poke])
+def test_a_value_that_no_byte_of_the_label_has(kind: Any, values: dict[str, int], text: str) -> None:
+    env = atari.make("frostbite")
+    env.reset(seed=0)
+    with pytest.raises(ValueError, match=text):
+        kind(env, values)
+
+
+def test_no_digit_above_nine_is_written() -> None:
+    env = atari.AtariEnv("frostbite", frameskip=1)
+    env.reset(seed=0)
+    with Freeze(env, temperature="-1"):
+        env.step(0)
+    assert Ram(env)["temperature"] == 45
 
 
 def test_an_expression_that_needs_too_deep_a_stack() -> None:

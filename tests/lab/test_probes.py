@@ -1,7 +1,7 @@
 """Linear probes: the protocol on made-up states whose answer is known, and on a game."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import gymnasium
@@ -195,6 +195,27 @@ def test_what_cannot_be_split(episodes: list[Episode], labels: object, text: str
         return
     with pytest.raises(ValueError, match=text):
         split_episodes(episodes, labels)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("use", "text"),
+    [
+        (lambda: split_episodes([*made_up(), 5], LABELS), "episodes are what play_episodes returns, got 5"),
+        (lambda: split_episodes(made_up(), ["a"]), "labels must be a game's id, or places in RAM"),
+        (lambda: majority(made_up()), "data must be a ProbeData"),
+        (lambda: probe(lambda seen: seen, made_up()), "data must be a ProbeData"),
+        (lambda: play_episodes("pong", 8, "random"), "policy must be a function"),
+    ],
+)
+def test_arguments_of_the_wrong_kind(use: Callable[[], object], text: str) -> None:
+    with pytest.raises(TypeError, match=text):
+        use()
+
+
+def test_the_labels_of_another_game_are_refused() -> None:
+    episodes = play_episodes("frostbite", 8, img_height=21, img_width=21, stack_num=1)
+    with pytest.raises(ValueError, match="the labels are of breakout, and the episodes of frostbite"):
+        split_episodes(episodes, "breakout")
 
 
 def test_wrong_features(data: ProbeData, torch: Any) -> None:

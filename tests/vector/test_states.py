@@ -96,6 +96,16 @@ def test_a_snapshot_of_one_continues_in_another() -> None:
         assert len(set(info["frame_number"].tolist())) == 1
 
 
+def test_what_is_no_snapshot_of_a_lane() -> None:
+    task = atari.Task.of("pong", preset="dqn2015")
+    envs, single = task.make_vec(2), task.make()
+    envs.reset(seed=0)
+    single.reset(seed=0)
+    for given in ([single.snapshot()], envs.snapshot()[0], single.snapshot(), 5):  # type: ignore[attr-defined]
+        with pytest.raises(TypeError, match=r"must be a list that AtariVectorEnv\.snapshot returned"):
+            envs.restore([0], given)
+
+
 def test_an_environment_is_restored_once_in_a_call() -> None:
     envs = make("seaquest", 3)
     envs.reset(seed=5)

@@ -37,6 +37,22 @@ def test_the_wrapper_pays_what_the_task_pays() -> None:
     assert all(type(reward) is float for reward in paid)
 
 
+def test_the_games_reward_is_in_the_info() -> None:
+    env = ExpressionReward(gymnasium.make("ALE/Breakout-v5"), "100 * reward + 1")
+    env.reset(seed=1)
+    for step in range(200):
+        _, reward, terminated, truncated, info = env.step(1 + step % 3)
+        assert reward == 100 * info["reward"] + 1
+        assert not terminated
+        assert not truncated
+
+
+@pytest.mark.parametrize("make", [ClipReward, lambda env: ExpressionReward(env, "reward")])
+def test_a_reward_that_was_changed_is_refused(make: Any) -> None:
+    with pytest.raises(ValueError, match=r"the `reward` of an expression is the game's, and .* changes it"):
+        ExpressionReward(make(atari.make("breakout")), "reward")
+
+
 @pytest.mark.parametrize("core", ["native", "plain", "ale"])
 def test_the_cores_pay_the_same(core: str) -> None:
     env = atari.make("breakout", reward=TEXT, core=core)

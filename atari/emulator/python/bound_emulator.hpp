@@ -208,7 +208,7 @@ class Emulator : Exclusive {
 
   private:
     Environment& open() {
-        if (!environment_) throw std::runtime_error("this core is closed; make a new one");
+        if (!environment_) throw std::runtime_error("this core is closed; make a new one, or reset its environment");
         return *environment_;
     }
 

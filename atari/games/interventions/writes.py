@@ -25,6 +25,8 @@ _VARIABLES = {"old": 1, "frame": 2, "v": 3}
 
 _RESULT = 0
 LATEST_FRAME = 2**31 - 1
+NO_VALUE = -(2**31) + 1
+"""What a write reads as the value of a byte with a digit above 9, which no write stores."""
 
 
 @dataclass(frozen=True)
@@ -182,9 +184,29 @@ class _Byte(ast.NodeTransformer):
         return self._byte if node.id == "v" else node
 
 
-def _compile_label(label: RamLabel) -> list[int]:
+def cases(label: RamLabel) -> list[list[int]]:
+    """The programs of a label's value by its cases, without numbers that another byte of RAM chooses.
+
+    No write of the label's byte gives it such a number, as 0 in "0 if ram[24] == 5 else v + 1".
+    """
+    programs = []
+    rest = [_parse_label(label).body]
+    while rest:
+        match rest.pop():
+            case ast.IfExp(test=test, body=body, orelse=orelse):
+                chosen = any(isinstance(node, ast.Subscript) for node in ast.walk(test))
+                rest += [case for case in (body, orelse) if not (chosen and isinstance(case, ast.Constant))]
+            case value:
+                programs.append(compile_expression(ast.Expression(value), _VARIABLES, _RESULT))
+    return programs
+
+
+def _parse_label(label: RamLabel) -> ast.Expression:
     source = value_source(label)
     if label.transform is None and label.encoding == "bcd":
-        source = f"{source} if (v & 15) < 10 and (v & 240) < 160 else -1"  # -1: no value for bytes with other digits
-    tree = check_expression(source, {"v"}, label.name, LABEL_ADDRESSES)
-    return compile_expression(tree, _VARIABLES, _RESULT)
+        source = f"{source} if (v & 15) < 10 and (v & 240) < 160 else {NO_VALUE}"
+    return check_expression(source, {"v"}, label.name, LABEL_ADDRESSES)
+
+
+def _compile_label(label: RamLabel) -> list[int]:
+    return compile_expression(_parse_label(label), _VARIABLES, _RESULT)

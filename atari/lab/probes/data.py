@@ -99,6 +99,8 @@ def play_episodes(
     """
     check_integer("steps", steps, 1, 2**40)
     check_probability("epsilon", epsilon)
+    if policy is not None and not callable(policy):
+        raise TypeError(f"policy must be a function; atari.learning.load_policy returns one, got {policy!r:.80}")
     kind = "dict"
     if isinstance(game, Task) or (isinstance(game, str) and is_id(game)):
         kind = "rgb_dict" if Task.of(game).obs_type in ("rgb", "rgb_dict") else "dict"
@@ -154,8 +156,8 @@ def split_episodes(
     training or validation also has, with the same observation, are removed.
 
     Args:
-        episodes: at least ten, for three splits that are not empty.
-        labels: the place in RAM of each label; or the id of a game, for AtariARI's labels of it.
+        episodes: enough for three splits that are not empty, at least four.
+        labels: the place in RAM of each label; or the id of the episodes' game, for AtariARI's labels of it.
         entropy: the least entropy of a label over all states, in nats.
         min_length: longest length of the episodes that are left out.
         seed: seed for the order of the episodes.
@@ -176,8 +178,17 @@ def split_episodes(
         >>> data.names[:2]
         ('ball_x', 'ball_y')
     """
+    for episode in episodes:
+        if not isinstance(episode, Episode):
+            raise TypeError(f"episodes are what play_episodes returns, got {episode!r:.80}")
     if isinstance(labels, str):
-        labels = atari_ari.indices(games.find(labels))
+        game = games.find(labels)
+        others = {episode.task.game for episode in episodes if episode.task is not None} - {game.id}
+        if others:
+            raise ValueError(f"the labels are of {game.id}, and the episodes of {', '.join(sorted(others))}")
+        labels = atari_ari.indices(game)
+    elif not isinstance(labels, Mapping):
+        raise TypeError(f"labels must be a game's id, or places in RAM such as {{'ball_x': 99}}, got {labels!r:.80}")
     places = {name: byte_index(index) for name, index in labels.items()}
     long = [episode for episode in episodes if len(episode.ram) > min_length]
     order = np.random.default_rng(seed).permutation(len(long))
@@ -201,6 +212,16 @@ def split_episodes(
         raise ValueError("training or validation has all states of the test; play more steps")
     left = Split(test.observations[new], test.labels[new])
     return ProbeData(train, validation, left, names, entropies, int((~new).sum()))
+
+
+def check_data(data: Any) -> None:
+    """Refuse what is not a `ProbeData`.
+
+    Raises:
+        TypeError: it is something else.
+    """
+    if not isinstance(data, ProbeData):
+        raise TypeError(f"data must be a ProbeData, as split_episodes returns, got {data!r:.80}")
 
 
 def _stacked(rows: list[tuple[ByteArray, ByteArray]], task: Task) -> Episode:

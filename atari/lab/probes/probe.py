@@ -10,7 +10,7 @@ import numpy.typing as npt
 from atari._extras import import_extra, install_extra
 from atari.cores import ByteArray
 from atari.lab.atari_ari import CATEGORIES, categories
-from atari.lab.probes.data import ProbeData, Split
+from atari.lab.probes.data import ProbeData, Split, check_data
 from atari.lab.table import Table
 from atari.validation import check_integer
 
@@ -93,6 +93,7 @@ def probe(
         >>> 0 <= result.mean_f1 <= 1
         True
     """
+    check_data(data)
     for name, value in (("epochs", epochs), ("patience", patience), ("batch_size", batch_size)):
         check_integer(name, value, 1, 2**31)
     torch = import_extra("torch", f"probes need PyTorch: {install_extra('learn')}")
@@ -120,6 +121,7 @@ def majority(data: ProbeData) -> ProbeResult:
         >>> 0 < majority(data).mean_f1 < 1
         True
     """
+    check_data(data)
     most = [np.bincount(column, minlength=CLASSES).argmax() for column in data.train.labels.T]
     return _result(data, np.tile(np.array(most), (len(data.test), 1)))
 

@@ -1,6 +1,6 @@
 """The task that an evaluation plays, from a game, a protocol and a policy."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from types import MappingProxyType
@@ -14,7 +14,7 @@ from atari.task.fields import GROUPS
 from atari.task.resolution import is_id
 
 _GAME_FIELDS = ("mode", "difficulty", "interventions")
-"""Fields that the game of an evaluation decides. The policy must have the same."""
+"""Fields that the game of an evaluation decides. Where a game says nothing, the policy must not say something else."""
 
 
 @dataclass(frozen=True)
@@ -174,9 +174,10 @@ def _check_alone(task: Task, owner: str) -> None:
 
 
 def _check_policy(entry: Entry, protocol: EvaluationProtocol, policy: Task) -> None:
-    """Refuse a policy of another game than the one that is played."""
+    """Refuse a policy of another game than the one that is played, unless the user asks for this other game."""
     _check_alone(policy, "the policy")
-    _check_alike(entry.task, policy, "policy")
+    said, default = entry.task.plain(), Task.of(entry.task.definition).plain()
+    _check_alike(entry.task, policy, "policy", [name for name in _GAME_FIELDS if said[name] == default[name]])
     if policy.frames != protocol.frames:
         ours, theirs = in_words(protocol.frames), in_words(policy.frames)
         raise ValueError(f"protocol {protocol.name!r} plays {ours} frames an action, the policy {theirs}")
@@ -219,18 +220,26 @@ def _check_same_game(entry: Entry, task: Task) -> None:
     """Refuse another game than the game of the protocol's task."""
     if entry.id != task.game:
         raise ValueError(f"the protocol is of {task.game}, and the game to evaluate is {entry.id}; pass {task.game!r}")
-    _check_alike(entry.task, task, "protocol")
+    _check_alike(entry.task, task, "protocol", _GAME_FIELDS)
 
 
-def _check_alike(game: Task, wanted: Task, owner: str) -> None:
-    """Refuse a game with another mode, difficulty or interventions than the policy or the protocol has."""
-    for name in _GAME_FIELDS:
+def _check_alike(game: Task, wanted: Task, owner: str, names: Iterable[str]) -> None:
+    """Refuse a game that differs from the policy's or the protocol's in one of these fields."""
+    for name in names:
         if wanted.plain()[name] != game.plain()[name]:
             theirs, ours = _shown(wanted, name), _shown(game, name)
             raise ValueError(
                 f"the {owner} plays {wanted.game} with {name}={theirs}, and the game to evaluate has {ours}; "
-                f"pass atari.Task.of({game.game!r}, {name}={theirs}) as the game"
+                f"pass atari.Task.of({game.game!r}, {name}={theirs}) as the game, or give a command "
+                f"{_flags(wanted, name)}"
             )
+
+
+def _flags(task: Task, name: str) -> str:
+    """The flags of a command that give a task this field."""
+    value, flag = task.plain()[name], f"--{name.removesuffix('s')}"
+    values = [one.name for one in task.interventions] if name == "interventions" else [value]
+    return " ".join(f"{flag} {one}" for one in values) if value else f"no {flag}"
 
 
 def _shown(task: Task, name: str) -> str:

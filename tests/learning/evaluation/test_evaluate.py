@@ -252,11 +252,7 @@ def of_task(task, **environment):
             {"policy": of_task(Task.of("pong", frameskip=(2, 5)))},
             "plays 4 frames an action, the policy 2 to 4",
         ),
-        (
-            ValueError,
-            {"games": Task.of("pong", mode=1), "policy": needs(mode=0)},
-            "mode=None, and the game to evaluate has 1",
-        ),
+        (ValueError, {"policy": needs(interventions=["lazy_enemy"])}, "give a command --intervention lazy_enemy"),
         (ValueError, {"games": Task.of("pong", players=2)}, "plays games with players=1"),
         (ValueError, {"games": Task.of("pong", continuous=True)}, "plays games with continuous=False"),
         (
@@ -355,6 +351,17 @@ def test_the_game_decides_mode_difficulty_and_interventions():
     assert changed.observation == plain.observation  # both have the images of the protocol's preset
     policy.environment = {"mode": 1, "difficulty": 1, "interventions": ["lazy_enemy"]}
     assert evaluate(policy, task, protocol, episodes=1)["pong"].task["mode"] == 1
+
+
+def test_a_policy_meets_a_mode_and_interventions_that_it_was_not_trained_in():
+    def policy(observations):
+        return [1] * len(observations)
+
+    policy.environment = {"preset": "dqn2015"}
+    task = Task.of("pong", mode=1, interventions=["lazy_enemy"])
+    result = evaluate(policy, task, short("dqn2015", 400), episodes=1)["pong"]
+    assert result.task["mode"] == 1
+    assert [one["name"] for one in result.task["interventions"]] == ["lazy_enemy"]
 
 
 @pytest.mark.parametrize("game", ["Pong-ram-v0", Task.of("pong", obs_type="ram")])
