@@ -11,7 +11,7 @@ from typing import Any, NoReturn, TypeAlias
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.task import Task
-from atari.task.arguments import advised, field_of_flag, game_of
+from atari.task.arguments import StoreOnce, advised, field_of_flag, game_of
 from atari.task.resolution import is_id, spelled
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -37,6 +37,8 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **{"formatter_class": HelpFormatter, "allow_abbrev": False, **options})
         self._intermixed = False
+        for kind in (None, "store"):
+            self.register("action", kind, StoreOnce)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse; an option may precede an optional argument, such as the games of `evaluate`."""

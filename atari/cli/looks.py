@@ -94,7 +94,10 @@ class Looks:
 
 def best_or_number(text: str) -> int | str:
     """A number of a frame or of an episode, or "best"."""
-    return text if text == "best" else int(number(int, 0)(text))
+    try:
+        return text if text == "best" else int(number(int, 0)(text))
+    except argparse.ArgumentTypeError as error:
+        raise argparse.ArgumentTypeError(f"{error}, nor best") from None
 
 
 def _has_speed(path: Path) -> bool:

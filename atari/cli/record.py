@@ -144,8 +144,12 @@ def _scores(replay: Replay, stop: int | None) -> list[Any]:
 def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
     """The task for one player, and the function that plays it."""
     if policy.endswith(SUFFIX):
-        if args.steps is not None or (args.best and args.seconds is not None):
-            raise ValueError("a replay is filmed whole, up to --seconds, or its --best game; leave the others out")
+        others = {"steps", "episodes", "seed"} & getattr(args, "flags", set())
+        if others or (args.best and args.seconds is not None):
+            raise ValueError(
+                "a replay is filmed whole, up to --seconds, or its --best game; leave --steps, --episodes and --seed "
+                "out"
+            )
         return replay_of(args, policy).task, lambda path: True
     loaded = load_policy(policy)
     if not Path(policy).exists() and says_nothing(loaded):

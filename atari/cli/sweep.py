@@ -44,7 +44,7 @@ def is_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str]) 
         return True
     if not any("," in word or word in GAME_SETS for word in words):
         return False
-    games = game_among(code, words, _program(code))
+    games = game_among(code, _parser().parse_known_args(words)[1], _program(code))
     return games in GAME_SETS or ("," in games and not Path(games).exists())
 
 

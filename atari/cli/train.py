@@ -1,6 +1,7 @@
 """`atari train`: an agent learns to play a game."""
 
 import argparse
+import difflib
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -57,6 +58,12 @@ def _agent_among(words: list[str]) -> tuple[str, list[str]]:
 
     named = [place for place, word in enumerate(words) if word in AGENTS or is_program(word)]
     free = [place for place in named if place == 0 or not words[place - 1].startswith("-")]
+    given = next((word for word in words if not word.startswith("-")), None)
+    if not named and given is not None:
+        files = [file for file in (f"{given}.py", f"{given}y") if file.endswith(".py") and Path(file).exists()]
+        near = [*files, *difflib.get_close_matches(given, AGENTS, n=1, cutoff=0.5)]
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(AGENTS)}, and Python files of your own"
+        raise ValueError(f"there is no agent {given!r}; {hint}")
     if not named:
         raise ValueError(
             f"name an agent ({', '.join(AGENTS)}, or a Python file such as my_ppo.py) and a game, as in "

@@ -72,7 +72,8 @@ class Games(Mapping[str, Game]):
         found = self.resolve(game)
         if not found.single_player:
             raise ValueError(
-                f"{found.id!r} is a two-player cartridge without single-player rules, so there is no environment of it"
+                f"{found.id!r} is a two-player cartridge without single-player rules, so there is no environment of "
+                "one player; players=2, or --players 2 in a command, plays it"
             )
         return found
 

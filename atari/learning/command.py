@@ -21,7 +21,18 @@ from atari.learning.options import FAST_RAM, TrainingOptions, is_switch, parse, 
 from atari.learning.run import RunFolder
 from atari.learning.training import Training
 from atari.task import Task
-from atari.task.arguments import add_former, add_task, advised, descriptions, game_of, given_options, show_task, task_of
+from atari.task.arguments import (
+    StoreOnce,
+    add_former,
+    add_refused,
+    add_task,
+    advised,
+    descriptions,
+    game_of,
+    given_options,
+    show_task,
+    task_of,
+)
 from atari.task.description import summary
 
 _ALONE = (
@@ -234,18 +245,23 @@ def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | Non
             parser.add_argument(flag, help=text, **own)
     add_task(parser, leave_out=_ALONE)
     add_former(parser, _OLD_FLAGS)
+    add_refused(parser, dict.fromkeys(_OF_SWEEPS, _SWEEP))
     parser.epilog = "--fast: " + ", ".join(f"{name} {shown(value)}" for name, value in agent.fast.items())
     return parser
 
 
 class _Parser(argparse.ArgumentParser):
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        for kind in (None, "store"):
+            self.register("action", kind, StoreOnce)
+
     def error(self, message: str) -> NoReturn:
         """Print the usage and the error with a suggestion, and exit with code 2."""
         super().error(advised(message, self._option_string_actions))
 
 
 _OLD_FLAGS = {
-    "--protocol": "the preset is named by --preset, as in `{prog} GAME --preset dqn2015`",
     "--obs": "RAM is learned from by an ID of RAM, as in `{prog} Pong-ram-v4`, or by `{prog} GAME --obs-type ram`",
     "--image-size": "the rows and columns are --img-height and --img-width, as in "
     "`{prog} GAME --img-height 42 --img-width 42`",
@@ -253,6 +269,13 @@ _OLD_FLAGS = {
     "--ram-padding": "it is --padding, as in `{prog} GAME --padding reset`",
 }
 """Flags of earlier releases, and the calls that replace them."""
+
+
+_OF_SWEEPS = ("--seeds", "--jobs", "--protocol", "--episodes", "--compare", "--mixed")
+_SWEEP = (
+    f"{', '.join(_OF_SWEEPS)} are for a sweep, `atari train AGENT GAMES --seeds 0-2`; one training has --seed, and "
+    "`atari evaluate RUN --protocol NAME` evaluates it"
+)
 
 
 def _option_type(options: type[TrainingOptions], name: str) -> Any:

@@ -167,7 +167,8 @@ class TrainingOptions:
             return
         if ":" in self.network:
             raise ValueError(
-                f"a network of your own is named by its file, FILE.py:NAME, such as my_net.py:Net, got {self.network!r}"
+                "a network of your own is a class or a function, network=Net, and in a command FILE.py:NAME, such as "
+                f"my_net.py:Net; got {self.network!r}"
             )
         check_choice("network", self.network, NETWORKS)
         if self.from_ram != (self.network in ("mlp", "bits")):

@@ -3,6 +3,7 @@
 A run folder keeps copies of such files. To load the run executes the copies, which the user must trust.
 """
 
+import ast
 import inspect
 import sys
 from dataclasses import dataclass
@@ -45,7 +46,7 @@ def program_of(value: Any) -> Program:
     """The program of a class or function, which the user has executed already.
 
     Raises:
-        ValueError: it stands in no file, or not at the top of its file.
+        ValueError: it stands in no file, not at the top of its file, or in a script that trains when it is loaded.
     """
     try:
         file = Path(inspect.getfile(value))
@@ -56,8 +57,21 @@ def program_of(value: Any) -> Program:
         ) from None
     if value.__qualname__ != value.__name__:
         raise ValueError(f"{value.__qualname__} stands inside of something else in {file}; move it to the file's top")
+    if value.__module__ == "__main__" and not _has_guard(source):
+        raise ValueError(
+            f"a run loads {value.__name__} from a copy of {file}, which would begin the same training again; put what "
+            f"the script does below `if __name__ == '__main__':`, or {value.__name__} into a file of its own"
+        )
     trust(sha256(source))
     return Program(file.absolute(), value.__name__)
+
+
+def _has_guard(source: bytes) -> bool:
+    """Whether a script asks at its top if it is the program that runs."""
+    return any(
+        isinstance(node, ast.If) and any(getattr(part, "id", "") == "__name__" for part in ast.walk(node.test))
+        for node in ast.parse(source).body
+    )
 
 
 def module_of(file: Path) -> ModuleType:

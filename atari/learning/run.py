@@ -19,7 +19,7 @@ from atari.learning.run_log import RunLog, read_rows
 from atari.learning.sealed import load_sealed, sealed
 from atari.learning.trust import sha256, trust
 from atari.task import Task
-from atari.validation import check_file
+from atari.validation import check_file, check_integer
 
 FORMAT = 3
 """Version of the run folder. A newer one is refused; from 3 on, `checkpoint.pt` and `policy.pt` have checksums."""
@@ -94,12 +94,16 @@ class RunFolder:
             FileNotFoundError: there is no such file.
             FileExistsError: the folder has files.
             BlockingIOError: another training has just begun in it.
-            TypeError: `task` is no `Task`.
+            TypeError: `task` is no `Task`, `agent` no text, or `options` no mapping.
             ValueError: the task has a game without a file, or an option is not of JSON's types.
         """
         path = Path(path)
         if not isinstance(task, Task):
             raise TypeError(f"task must be an atari.Task, such as Task.of('pong') or envs.task, got {task!r}")
+        if not isinstance(agent, str):
+            raise TypeError(f"agent must be a name, got {agent!r}")
+        if not isinstance(options, Mapping):
+            raise TypeError(f"options must be a mapping, such as {{'rate': 0.1}}, got {options!r:.80}")
         config = {
             "format": FORMAT,
             "agent": agent,
@@ -273,11 +277,16 @@ class RunFolder:
             memory: the memory in the file `memory.replay` of the folder, made with `autoflush=False`.
 
         Raises:
+            TypeError, ValueError: an argument is of the wrong kind, or the memory is another one; nothing is written.
             OSError: the disk is full, for example. The last checkpoint and the memory's flush that it names stay valid.
         """
         self._check_locked()
-        if not isinstance(weights, Mapping):
-            raise TypeError(f"weights must be tensors by name, as network.state_dict(), got {type(weights).__name__}")
+        check_integer("step", step, 0, 2**63 - 1)
+        if not isinstance(state, Mapping):
+            raise TypeError(f"state must be a mapping, such as {{'network': ...}}, got {type(state).__name__}")
+        _check_weights(weights)
+        if memory is not None:
+            self._check_memory(memory)
         flush = None if memory is None else memory.flushes + 1
         content = {"step": step, "state": dict(state), "weights": dict(weights), "flush": flush}
         file = self.path / "checkpoint.pt"
@@ -387,6 +396,24 @@ class RunFolder:
         if self._lock is None:
             raise ValueError(f"{self.path} is open for reading; RunFolder.resume opens it for a training")
 
+    def _check_memory(self, memory: ReplayMemory) -> None:
+        """Refuse a memory with which `resume` could not go on.
+
+        Raises:
+            ValueError: it is in no file, in another one, or flushes by itself.
+        """
+        file = self.path / "memory.replay"
+        if memory.path is None or memory.path.resolve() != file.resolve():
+            given = "in no file" if memory.path is None else f"in {memory.path}"
+            raise ValueError(
+                f"the memory of a run is made with path={str(file)!r}, autoflush=False, and this one is {given}"
+            )
+        if memory.autoflush:
+            raise ValueError(
+                f"the memory of a run is made with autoflush=False, and {memory.path} flushes by itself; the last "
+                "checkpoint then has no flush to go on from"
+            )
+
     def _write_weights(self, weights: Mapping[str, torch.Tensor]) -> None:
         durable.write_file(self.path / "policy.pt", sealed(dict(weights)))
 
@@ -470,3 +497,15 @@ def _check_empty(path: Path, sources: Mapping[str, bytes]) -> None:
 
 def _locked(path: Path) -> BinaryIO:
     return durable.lock_file(path / "lock", f"a training writes into {path}; wait for its end, or stop it")
+
+
+def _check_weights(weights: Any) -> None:
+    """Raises: TypeError: these are no tensors by name."""
+    if not isinstance(weights, Mapping):
+        raise TypeError(f"weights must be tensors by name, as network.state_dict(), got {type(weights).__name__}")
+    for name, value in weights.items():
+        if not isinstance(name, str) or not isinstance(value, torch.Tensor):
+            raise TypeError(
+                f"weights must be tensors by name, as network.state_dict(), got {type(value).__name__} under {name!r}; "
+                "several networks go into one torch.nn.ModuleDict"
+            )

@@ -111,8 +111,15 @@ class BaseSession(ABC):
         """Play a frame with an action of each human player; after the end of the game, do nothing.
 
         Raises:
+            TypeError, ValueError: there is not an action for each human player, or one is not legal; nothing is played.
             OSError: the replay or the video can no longer be written; play can continue without it.
         """
+        if len(actions) != len(self.humans):
+            raise TypeError(f"play takes an action of each of {len(self.humans)} human players, got {len(actions)}")
+        for action in actions:
+            if action not in self.legal_actions:
+                names = ", ".join(f"Action.{legal.name}" for legal in self.legal_actions)
+                raise ValueError(f"an action is one of {names}, got {action!r}")
         if self.over:
             return
         if self.frames >= self._next_point and self._between_steps:

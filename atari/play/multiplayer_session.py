@@ -77,7 +77,7 @@ class MultiplayerSession(BaseSession):
         self._agents: dict[int, PlayerAgent] = {}
         for player, policy in (policies or {}).items():
             if player not in range(self.core.players):
-                raise ValueError(f"there is no player {player + 1} in a game of {self.core.players} players")
+                raise ValueError(f"policies has players 0 to {self.core.players - 1} of this game, got {player!r}")
             self._agents[player] = PlayerAgent(policy, player, self.core, obs_type)
         self._seed, self._games = seed, -1
         self._recorded: Any = self.core if replay is None else RecordMatch(self.core, replay)

@@ -111,6 +111,22 @@ def _flags_of(name: str) -> tuple[str, ...]:
     return _NAMES.get(name, (f"--{name.replace('_', '-')}",))
 
 
+class StoreOnce(argparse.Action):
+    """The action "store", which refuses a flag that is given twice: one of the values would have no effect.
+
+    `flags` of the parsed arguments has the names of the flags that were given.
+    """
+
+    def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, flag: str | None = None) -> None:
+        """Store the value of a flag, or of a word."""
+        if flag is not None:
+            given: frozenset[str] = getattr(namespace, "flags", frozenset())
+            if self.dest in given:
+                raise argparse.ArgumentError(self, "it is given twice; leave one of them out")
+            namespace.flags = given | {self.dest}
+        setattr(namespace, self.dest, values)
+
+
 def advised(message: str, flags: Iterable[str]) -> str:
     """An error of argparse with the nearest of the flags, or how a value that begins with a dash is given."""
     if without := re.match(r"argument (?:-\w, )?(--[\w-]+)[^:]*: expected one argument", message):
@@ -197,14 +213,20 @@ def show_task(args: argparse.Namespace, task: Task) -> bool:
 
 def add_former(parser: argparse.ArgumentParser, flags: Mapping[str, str]) -> None:
     """Add flags of earlier releases, which raise errors with the new call; `{prog}` in it is the command."""
-    for flag, new in flags.items():
-        parser.add_argument(flag, nargs="?", action=_Gone, const=new, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
+    add_refused(parser, {flag: f"there is no option {flag} any more: {new}" for flag, new in flags.items()})
 
 
-class _Gone(argparse.Action):
+def add_refused(parser: argparse.ArgumentParser, flags: Mapping[str, str]) -> None:
+    """Add flags that raise errors with these texts; `{prog}` in them is the command."""
+    for flag, text in flags.items():
+        parser.add_argument(
+            flag, nargs="?", action=_Refused, const=text, default=argparse.SUPPRESS, help=argparse.SUPPRESS
+        )
+
+
+class _Refused(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        text = str(self.const).replace("{prog}", parser.prog)
-        parser.error(f"there is no option {self.option_strings[0]} any more: {text}")
+        parser.error(str(self.const).replace("{prog}", parser.prog))
 
 
 def seed(text: str) -> int:

@@ -36,7 +36,9 @@ def _pairs(snapshots: Any) -> list[tuple[_emulator.MemberSnapshot, str | None]]:
         TypeError: they are no snapshots of lanes.
     """
     if isinstance(snapshots, Sequence) and not isinstance(snapshots, (LaneSnapshot, bytes)):
-        pairs = [(one.state, one.task) if isinstance(one, LaneSnapshot) else (one, None) for one in snapshots]
+        pairs: list[tuple[Any, str | None]] = [
+            (one.state, one.task) if isinstance(one, LaneSnapshot) else (one, None) for one in snapshots
+        ]
         if all(isinstance(state, _emulator.MemberSnapshot) for state, _ in pairs):
             return pairs
     raise TypeError(

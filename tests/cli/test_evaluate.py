@@ -68,7 +68,6 @@ def test_lists(capsys):
             "has repeat_action_probability=0.0, and protocol 'machado2018' 0.25; pass 'pong'",
         ),
         (("images:Images", "Pong-ram-v0"), "Pong-ram-v0 shows RAM, and the policy sees obs_type='grayscale'"),
-        (("images:Images", "pong", "--mode", "1"), "pass atari.Task.of('pong', mode=None) as the game"),
         (("random", "pong", "--mode", "99"), "99"),
         (("random", "pong", "--intervention", "lazy"), "lazy"),
         (("random", "pong", "--protocol", "dopamin"), "did you mean 'dopamine'"),

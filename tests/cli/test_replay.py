@@ -183,3 +183,16 @@ def test_a_wrong_part(capsys: pytest.CaptureFixture[str], words: list[str], mess
     assert main(["replay", "render", "a.a26", "-o", "a.gif", *words]) == 1
     assert message in capsys.readouterr().err
     assert not Path("a.gif").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["-o", "a.gif", "-o", "b.mp4"], "argument -o/--output: it is given twice; leave one of them out"),
+        (["--scale", "1", "--scale=2"], "argument --scale: it is given twice"),
+        (["--episode", "bets"], "'bets' is not a whole number within 0..1000000000, nor best"),
+    ],
+)
+def test_flags_that_cannot_be_read(capsys: pytest.CaptureFixture[str], words: list[str], message: str) -> None:
+    assert main(["replay", "render", "a.a26", *words]) == 2
+    assert message in capsys.readouterr().err

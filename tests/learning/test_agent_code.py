@@ -168,6 +168,18 @@ def test_a_changed_copy_is_refused(script: Path, tmp_path: Path) -> None:
         load_policy(run)
 
 
+@pytest.mark.parametrize("guard", ["", "if __name__ == '__main__': "])
+def test_a_script_that_trains_when_it_is_loaded_is_refused(guard: str, tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from atari.learning.agent_code import agent_code\nfrom atari.learning.agents.ppo import PPO\n"
+        f"class Mine(PPO): pass\n{guard}agent_code(Mine)\n"
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
+    refused = "a run loads Mine from a copy of" in done.stderr and "`if __name__ == '__main__':`" in done.stderr
+    assert (done.returncode, refused) == ((0, False) if guard else (1, True))
+
+
 def test_a_class_is_taken(tmp_path: Path) -> None:
     from atari.learning.agents.ppo import PPO
 
@@ -301,8 +313,8 @@ class TestNetwork:
     ) -> None:
         monkeypatch.chdir(tmp_path)
         Path("my_net.py").write_text(NET)
-        small = [f"--{name.replace('_', '-')}={value}" for name, value in SMALL_OPTIONS[agent].items()]
-        small += ["--keep-memory"] if agent == "dqn" else []
+        options = {**SMALL_OPTIONS[agent], **({"keep_memory": "true", "learning_starts": 64} if agent == "dqn" else {})}
+        small = [f"--{name.replace('_', '-')}={value}" for name, value in options.items()]
         words = [agent, "pong", "--fast", *small, "--total-steps", "128", "--network", "my_net.py:Net", "-o", "run"]
         assert main(["train", *words, "--games", "0"]) == 0
         Path("my_net.py").unlink()

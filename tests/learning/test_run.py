@@ -20,12 +20,13 @@ from small_trainings import SUPPORT, make_options  # noqa: E402
 import atari  # noqa: E402
 from atari.cli import main  # noqa: E402
 from atari.files import durable  # noqa: E402
-from atari.learning import load_policy, record_games  # noqa: E402
+from atari.learning import ReplayMemory, load_policy, record_games  # noqa: E402
 from atari.learning.command import Lines  # noqa: E402
 from atari.learning.report import draw_levels, finish  # noqa: E402
 from atari.learning.run import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
 from atari.recording import Replay  # noqa: E402
+from atari.task import Task  # noqa: E402
 
 
 def make_run(path: Path, agent: str = "ppo", steps: int = 256, **options: Any) -> RunFolder:
@@ -498,3 +499,44 @@ def test_a_human_far_above_the_curves_is_not_drawn() -> None:
         draw_levels(axes, game)
         assert axes.get_legend_handles_labels()[1] == labels
         assert axes.get_ylim()[1] < 2 * best
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "text"),
+    [
+        ((1.5, {}, {}), TypeError, "step must be an integer"),
+        ((1, [1, 2], {}), TypeError, "state must be a mapping"),
+        ((1, {}, {"w": [1.0]}), TypeError, "got list under 'w'"),
+        ((1, {}, {"net": {"w": torch.ones(1)}}), TypeError, "got dict under 'net'; several networks go into one"),
+    ],
+)
+def test_a_checkpoint_that_could_not_be_read_is_refused(
+    arguments: Any, error: type[Exception], text: str, tmp_path: Path
+) -> None:
+    with RunFolder.begin(tmp_path / "run", "mine", Task.of("pong"), {}) as run:
+        with pytest.raises(error, match=text):
+            run.checkpoint(*arguments)
+        assert not (run.path / "checkpoint.pt").exists()
+
+
+@pytest.mark.parametrize(
+    ("file", "autoflush", "text"),
+    [
+        (None, True, "and this one is in no file"),
+        ("other.replay", False, "other.replay"),
+        ("run/memory.replay", True, "flushes by itself"),
+    ],
+)
+def test_a_memory_that_could_not_go_on_is_refused(file: str | None, autoflush: bool, text: str, tmp_path: Path) -> None:
+    with RunFolder.begin(tmp_path / "run", "mine", Task.of("pong"), {}) as run:
+        path = None if file is None else tmp_path / file
+        memory = ReplayMemory(100, 2, (84, 84), path=path, autoflush=autoflush)
+        with memory, pytest.raises(ValueError, match=text):
+            run.checkpoint(1, {}, {"w": torch.ones(1)}, memory)
+
+
+@pytest.mark.parametrize(("agent", "options"), [(5, {}), ("mine", ["lr"])])
+def test_a_run_has_a_name_and_options(agent: Any, options: Any, tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match="must be a"):
+        RunFolder.begin(tmp_path / "run", agent, Task.of("pong"), options)
+    assert not (tmp_path / "run").exists()

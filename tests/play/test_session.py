@@ -328,3 +328,19 @@ def test_a_video_says_what_was_played(tmp_path: Path) -> None:
     play(session, 4)
     session.close()
     assert video_facts(path)["task"]["frameskip"] == 2
+
+
+@pytest.mark.parametrize(
+    ("actions", "error", "text"),
+    [
+        (("FIRE",), ValueError, "an action is one of Action.NOOP, Action.FIRE, .* got 'FIRE'"),
+        ((99,), ValueError, "got 99"),
+        ((), TypeError, "an action of each of 1 human players, got 0"),
+    ],
+)
+def test_what_is_no_action(actions: Any, error: type[Exception], text: str, tmp_path: Path) -> None:
+    session = make(tmp_path)
+    with pytest.raises(error, match=text):
+        session.play(*actions)
+    assert session.frames == 0
+    session.close()

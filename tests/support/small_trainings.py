@@ -21,4 +21,7 @@ def make_options(agent: str, game: Any = "pong", **given: Any) -> Any:
     found = find_agent(agent)
     ram = given.get("obs_type") == "ram"
     kind = FAST_RAM if ram else {"stack_num": 2}
-    return found.options_class.of(game, **{**found.fast, **kind, **SMALL[agent], **given})
+    options = {**found.fast, **kind, **SMALL[agent], **given}
+    if agent == "dqn":  # it must learn before it ends
+        options["learning_starts"] = min(options["learning_starts"], options["total_steps"] // 2)
+    return found.options_class.of(game, **options)

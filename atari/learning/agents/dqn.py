@@ -79,6 +79,11 @@ class DQNOptions(TrainingOptions):
             raise ValueError(f"batch must be a multiple of workers, got {self.batch} and {self.workers}")
         if self.memory < self.learning_starts:
             raise ValueError(f"memory must hold learning_starts steps, got {self.memory} and {self.learning_starts}")
+        if self.total_steps <= self.learning_starts:
+            raise ValueError(
+                "total_steps must be above learning_starts, or nothing is learned, got "
+                f"{self.total_steps} and {self.learning_starts}"
+            )
         for name in ("life_loss_info", "seamless_lives"):
             if getattr(self.task, name):
                 raise ValueError(
@@ -183,7 +188,7 @@ class DQN(Agent):
             num_threads=options.workers,
             path=None if run is None else run.path / "memory.replay",
             margin=None if run is None else options.memory // 8 if options.memory < steps else 0,
-            autoflush=False,
+            autoflush=run is None,
         )
         memory.reset(first)
         return memory

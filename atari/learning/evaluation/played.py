@@ -8,7 +8,7 @@ from typing import Any
 
 from atari.games.game import Game
 from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol, in_words
-from atari.policy.needs import Needs, composed
+from atari.policy.needs import Needs, composed, in_game
 from atari.task import PRESETS, Task
 from atari.task.fields import GROUPS
 from atari.task.resolution import is_id
@@ -76,17 +76,21 @@ def find_entries(games: Any, options: Mapping[str, Any] = MappingProxyType({})) 
 def usual_protocol(policy: Any, entry: Entry) -> EvaluationProtocol:
     """The protocol that commands play unless a user names one.
 
-    It is the protocol of the policy's training. A policy without `task`, `environment` and `protocol` plays the whole
-    games of an ID or a `Task`. For all others it is "baselines".
+    It is the protocol of the policy's training, else the whole games of the policy's `task`. A policy without `task`,
+    `environment` and `protocol` plays the whole games of an ID or a `Task`. For all others it is "baselines".
     """
-    own = getattr(policy, "protocol", None)
+    own, task = getattr(policy, "protocol", None), getattr(policy, "task", None)
     if own is not None:
         return find_protocol(own)
+    if isinstance(task, Task):
+        return _of_whole_games(in_game(task, entry.task), "task")
     if says_nothing(policy) and (entry.env_id is not None or isinstance(entry.given, Task)):
-        name = entry.env_id or "task"
-        facts: dict[str, Any] = {"name": name, "source": f"whole games of {name}", "epsilon": 0.0, "episodes": 1}
-        return EvaluationProtocol.of_task(entry.task, **facts)
+        return _of_whole_games(entry.task, entry.env_id or "task")
     return PROTOCOLS["baselines"]
+
+
+def _of_whole_games(task: Task, name: str) -> EvaluationProtocol:
+    return EvaluationProtocol.of_task(task, name=name, source=f"whole games of {name}", epsilon=0.0, episodes=1)
 
 
 def says_nothing(policy: Any) -> bool:
@@ -219,7 +223,7 @@ def game_of(task: Task) -> Task:
 def _check_same_game(entry: Entry, task: Task) -> None:
     """Refuse another game than the game of the protocol's task."""
     if entry.id != task.game:
-        raise ValueError(f"the protocol is of {task.game}, and the game to evaluate is {entry.id}; pass {task.game!r}")
+        raise ValueError(f"the protocol is of {task.game}, and the game is {entry.id}; pass {task.game!r} as the game")
     _check_alike(entry.task, task, "protocol", _GAME_FIELDS)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from atari import _emulator
 from atari._extras import import_extra, pip_install
 from atari.learning.memory.options import MemoryOptions, as_numpy, check_stack
+from atari.task.fields import check_bool
 from atari.validation import check_integer
 
 Array = Callable[[tuple[int, ...], Any], Any]
@@ -92,6 +93,7 @@ def make_batch(
     share: bool = False,
 ) -> Batch | Sequences:
     """Arrays for `size` transitions, or for `size` sequences if `length` is not 0. `array` makes each array."""
+    check_bool("share", share)
     steps = (size, length) if length else (size,)
     shown = (size, length + 1) if length else (size,)
 
@@ -127,10 +129,14 @@ def array_maker(torch: bool, pin_memory: bool) -> Array:
     """A function that makes arrays, or tensors, of a shape and a dtype.
 
     Raises:
+        TypeError, ValueError: an argument is no bool, or `pin_memory` is true without `torch`.
         gymnasium.error.DependencyNotInstalled: `torch` is true, and PyTorch is not installed.
     """
-    if not torch:
+    if not check_bool("torch", torch):
+        if check_bool("pin_memory", pin_memory):
+            raise ValueError("pin_memory=True is for tensors; add torch=True")
         return np.empty
+    check_bool("pin_memory", pin_memory)
     library = import_extra("torch", f"batches of tensors need PyTorch: {pip_install('torch')}")
 
     def array(shape: tuple[int, ...], dtype: Any) -> Any:

@@ -141,6 +141,8 @@ class ReplayMemory:
         words = np.random.SeedSequence(None if seed is None else check_integer("seed", seed, 0, SEED_LIMIT - 1))
         threads = check_integer("num_threads", num_threads, 1, 1024)
         autoflush = check_bool("autoflush", autoflush)
+        if path is None and (margin is not None or not autoflush):
+            raise ValueError("margin and autoflush are about flushes to a file; add path=..., or leave them out")
         file = None if path is None else storage.BlockFile.create(Path(os.fspath(path)), options)
         try:
             block = storage.allocate(options) if file is None else file.block
@@ -583,6 +585,16 @@ class ReplayMemory:
     def capacity(self) -> int:
         """The number of latest steps that are kept."""
         return self._options.capacity
+
+    @property
+    def path(self) -> Path | None:
+        """The file that holds the memory; None if there is none."""
+        return None if self._file is None else self._file.path
+
+    @property
+    def autoflush(self) -> bool:
+        """Whether the memory has a file, and flushes by itself."""
+        return self._autoflush
 
     @property
     def stack_nums(self) -> dict[str, int]:

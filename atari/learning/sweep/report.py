@@ -1,6 +1,7 @@
 """The page about all runs of a sweep."""
 
 import html
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from string import Template
@@ -34,11 +35,13 @@ def write_report(
     if comparison is not None:
         comparison.plot(folder / "comparison.svg")
         drawing = '<img src="comparison.svg" alt="normalised scores with intervals">'
-    words = " ".join(settings.words)
+    seeds = ",".join(str(seed) for seed in sorted({run.options.seed for run in runs}))
+    numbers = ["--games", settings.games, "--protocol", settings.protocol.name, "--episodes", settings.episodes]
+    words = [settings.agent, ",".join(games), *settings.words, "--seeds", seeds, *numbers, "-o", folder]
     page = Template(_PAGE).substitute(
         style=STYLE,
         title=html.escape(f"{agent.upper()}: {len(games)} games, {len(runs)} runs"),
-        command=html.escape(f"atari train {agent} {','.join(games)} {words}"),
+        command=html.escape(shlex.join(["atari", "train", *map(str, words)])),
         curves="\n".join(f"<h3>{html.escape(game)}</h3>\n{_curves(game, several)}" for game, several in games.items()),
         table=_table(runs, results),
         protocol=html.escape(str(settings.protocol)),

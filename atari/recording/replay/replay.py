@@ -131,8 +131,10 @@ class Replay:
     def episodes(self) -> tuple[Episode, ...]:
         """The episodes. If the recording was cut, the replay is played to count them.
 
-        An episode has the number of its `frames`, its `score`, and its `end`: "game over", "truncated", or "open" if
-        it did not end. With several players, `scores` has the score of each, and `score` is the first player's.
+        An episode has the number of its `frames`, its `score`, and its `end`: "game over", "truncated" by the
+        emulator's limit of frames, or "open" if the emulator did not end it, as with a wrapper's limit of steps. With
+        several players, `scores` has the score of each, `score` is the first player's, and `frames` has those of the
+        reset, too.
 
         Raises:
             Corrupt: the end chunk of the file has no episodes.
@@ -353,7 +355,7 @@ class Replay:
             progress: called with 1 after each frame.
 
         Raises:
-            TypeError, ValueError: see `frames` and `VideoWriter`; there is no such episode or frame.
+            TypeError, ValueError: see `frames` and `VideoWriter`; there is no such episode or frame, or no frame.
             OSError: the file cannot be written.
             gymnasium.error.DependencyNotInstalled: PyAV is not installed.
         """
@@ -366,9 +368,11 @@ class Replay:
         if episode is not None:
             frames = self._frames_of(episode, core, audible)
         else:
+            start, stop = self._part(start, stop)
+            if start >= stop:
+                raise ValueError(f"there are no frames to render: the replay has {self.frames_total:,} frames")
             if picture and "curve" not in shown.parts:  # a curve has the frames before, too
-                start, stop = self._part(start, stop)
-                start = max(start, stop - 1)
+                start = stop - 1
             frames = self.frames(start, stop, core=core, sound=audible)
         size, lines = shown.size(self.game.screen.shape), shown.caption_lines
         rate = shown_rate(self.game, Path(path).suffix, speed=speed)

@@ -35,7 +35,10 @@ class FFmpegEncoder:
         self._av = av = import_av()
         path.parent.mkdir(parents=True, exist_ok=True)
         durable.create(path).close()  # PyAV reports an unwritable file only at the first frame, and follows links
-        self._container = av.open(f"file:{path}", "w", format=format.container, options=dict(format.container_options))
+        container_options = dict(format.container_options)
+        if format.container == "gif":  # without it, the last frame of slow motion would end at once
+            container_options["final_delay"] = str(max(2, round(100 / rate)))
+        self._container = av.open(f"file:{path}", "w", format=format.container, options=container_options)
         if comment:
             self._container.metadata["comment"] = comment
         shown = rate if format.max_rate is None else Fraction(format.max_rate)

@@ -77,7 +77,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         size = tile([np.zeros((*inner.games[i].screen.shape, 3), np.uint8) for i in filmed], self._columns).shape
         self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
-        self.video_folder = make_folder(video_folder)
+        self.video_folder = make_folder(video_folder, name_prefix)
         self._watch()
         self._shadows = [ShadowCore(inner, i) for i in filmed]
         self._sound_shadow = next(shadow for shadow in self._shadows if shadow.index == self._index)
@@ -97,6 +97,8 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
             self._before_episode()
         result = self.env.reset(seed=seed, options=options)
         self._done = self._done & ~chosen
+        for shadow in self._shadows:
+            shadow.is_new = shadow.is_new or bool(chosen[shadow.index])
         if ends:
             self._schedule.episode_id += 1
             self._record_resets()

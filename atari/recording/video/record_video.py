@@ -51,7 +51,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
         rate = shown_rate(inner.game, f".{format}", fps, speed)
         self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
-        self.video_folder = make_folder(video_folder)
+        self.video_folder = make_folder(video_folder, name_prefix)
         if self._settings.sound:
             inner.driver.make_sound()
         self._watch()
@@ -98,7 +98,9 @@ class RecordVideo(RecordEnvVideo):
     Args:
         env: an `AtariEnv`, in any wrappers; or an `AtariVectorEnv` with batches of all environments, in any wrappers
             that do not change actions. A vector has these arguments, too: after `video_folder`, `record_first_only`
-            and `video_aspect_ratio`; by name, `index`. See `RecordVectorVideo`.
+            (False) films only environment `index`, and `video_aspect_ratio`, (width, height), is the approximate ratio
+            of the mosaic's sides; by name, `index` is the environment whose episodes are counted and whose sound and
+            overlay are recorded.
         video_folder: the folder of the videos; it is created.
         episode_trigger: returns whether to record an episode, by its number from 0. Without triggers it is
             Gymnasium's: episodes 0, 1, 8, 27, ... 1000, and every 1000th.

@@ -110,14 +110,14 @@ class RecordVideoBase:
             super().close(**kwargs)  # type: ignore[misc]  # the wrapper's
 
 
-def make_folder(video_folder: str | os.PathLike[str]) -> str:
-    """Create the folder of the videos, warn if it exists, and return its absolute path.
+def make_folder(video_folder: str | os.PathLike[str], name_prefix: str) -> str:
+    """Create the folder of the videos, warn if it has videos of this prefix, and return its absolute path.
 
     Raises:
         OSError: the folder cannot be created or written to.
     """
     folder = os.path.abspath(video_folder)
-    if os.path.isdir(folder):
+    if os.path.isdir(folder) and any(name.startswith(f"{name_prefix}-") for name in os.listdir(folder)):
         logger.warn(f"videos of the same names in {folder} will be replaced; choose another video_folder to keep them")
     os.makedirs(folder, exist_ok=True)
     if not os.access(folder, os.W_OK | os.X_OK):

@@ -37,17 +37,22 @@ class ShadowCore:
         )
         self.screen: ByteArray = self.core.screen_rgb()
         """The core's current screen, (height, 160, 3) uint8."""
+        self.is_new = True
+        """Whether the environment has been seeded or reset, which may change its generator alone."""
         self.played: tuple[int, int] | None = None
         """Action and reward of the frame of the last `play`; None if that call played no frame."""
 
     def synchronize(self) -> bool:
-        """Copy the environment's state if it differs, and return whether the copy is from another episode."""
+        """Copy the environment's state if it differs, and return whether the copy is from another episode.
+
+        Equal states are not copied, because the environment has no sound.
+        """
         core, lane = self.core, self._lane
-        if core.frame_number == lane.frame_number and (core.ram() == lane.ram()).all():
+        if not self.is_new and core.frame_number == lane.frame_number and (core.ram() == lane.ram()).all():
             return False
         before = core.episode_frame_number
         lane.copy_to(core)
-        self.screen = core.screen_rgb()
+        self.is_new, self.screen = False, core.screen_rgb()
         return core.episode_frame_number < before
 
     def check(self) -> None:

@@ -167,8 +167,8 @@ class VideoWriter:
             caption: text below the frame, up to `caption_lines` lines.
 
         Raises:
-            TypeError, ValueError: an array has another shape or dtype, the video is closed, or the file is one picture
-                and has a frame.
+            TypeError, ValueError: an array has another shape or dtype, the video is closed, it has no line for the
+                caption, or the file is one picture and has a frame.
             OSError: the file cannot be written, for example because the disk is full. The video is then closed.
         """
         if self._encoder is None:
@@ -181,6 +181,10 @@ class VideoWriter:
         if samples is not None and self.sound:
             _check_array("the sound of a screen", samples, (SAMPLES_PER_FRAME,))
         scale, lines = self._options.scale, self._options.caption_lines
+        if caption and not lines:
+            raise ValueError(
+                f"a caption needs lines of text: make the VideoWriter with caption_lines=1, got {caption!r}"
+            )
         image = np.ascontiguousarray(rgb)
         if lines or not self._options.format.enlarges:
             image = enlarge(image, *(scale * side for side in self._options.pixel_aspect))

@@ -396,7 +396,7 @@ def test_the_games_of_a_task_without_an_end_are_limited():
     task = Task.of("breakout", preset="dopamine", max_num_frames_per_episode=None)
     protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=0.0, episodes=1)
     assert evaluate("noop", "breakout", protocol)["breakout"].frames == (108_000,)
-    with pytest.raises(ValueError, match="and the game to evaluate is pong; pass 'breakout'"):
+    with pytest.raises(ValueError, match="and the game is pong; pass 'breakout'"):
         evaluate("noop", "pong", protocol)
     with pytest.raises(ValueError, match=r"pass atari.Task.of\('breakout', mode=None\) as the game"):
         evaluate("noop", Task.of("breakout", mode=4), protocol)
@@ -431,6 +431,8 @@ def test_the_usual_protocol():
     (entry,) = find_entries("pong")
     assert usual_protocol(policy, entry) == PROTOCOLS["baselines"]
     assert usual_protocol(needs(obs_type="ram"), find_entries("Pong-ram-v4")[0]) == PROTOCOLS["baselines"]
+    policy.task = Task.of("pong", preset="dqn2015")
+    assert usual_protocol(policy, entry).task == policy.task
     policy.protocol = "dopamine"
     assert usual_protocol(policy, find_entries("ALE/Pong-v5")[0]) == PROTOCOLS["dopamine"]
 

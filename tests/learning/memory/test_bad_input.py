@@ -62,6 +62,8 @@ def filled(steps: int = 5, **options: Any) -> ReplayMemory:
         ({"compressed_bytes": 10}, ValueError),
         ({"num_threads": 0}, ValueError),
         ({"margin": -1}, ValueError),
+        ({"margin": 10}, ValueError),  # without a file
+        ({"autoflush": False}, ValueError),
         ({"path": 3}, TypeError),
         ({"autoflush": "no"}, TypeError),
     ],
@@ -244,6 +246,20 @@ def test_resizing_an_array_of_a_batch_is_refused() -> None:
     with pytest.raises(ValueError, match="resize"):
         batch.rewards.resize(1, refcheck=False)
     memory.sample(4, out=batch)
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        ({"torch": "cuda"}, TypeError),
+        ({"pin_memory": "yes"}, TypeError),
+        ({"pin_memory": True}, ValueError),  # without tensors
+        ({"share": "no"}, TypeError),
+    ],
+)
+def test_options_of_a_batch(options: dict[str, Any], error: type[Exception]) -> None:
+    with pytest.raises(error):
+        filled().make_batch(4, **options)
 
 
 def test_tensors_of_torch() -> None:

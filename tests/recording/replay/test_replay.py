@@ -369,6 +369,18 @@ def test_a_replay_becomes_a_video_with_sound(tmp_path: Path) -> None:
         assert not container.streams.audio
 
 
+@pytest.mark.parametrize(("start", "stop"), [(5, 5), (5, 3), (30, None)])
+@pytest.mark.parametrize("name", ["a.gif", "a.png"])
+def test_a_part_without_frames_is_refused_and_keeps_the_file(
+    name: str, start: int, stop: int | None, tmp_path: Path
+) -> None:
+    replay = Replay.load(record(tmp_path / "a.a26", "pong", 30))
+    (tmp_path / name).write_bytes(b"mine")
+    with pytest.raises(ValueError, match="there are no frames to render: the replay has"):
+        replay.render(tmp_path / name, start=replay.frames_total if stop is None else start, stop=stop)
+    assert (tmp_path / name).read_bytes() == b"mine"
+
+
 @pytest.mark.parametrize("video_inside", [True, False])
 def test_a_video_can_be_recorded_with_it(video_inside: bool, tmp_path: Path) -> None:
     env: Any = atari.make("breakout")

@@ -14,7 +14,7 @@ from video_reader import NTSC, sound, video_frames
 import atari
 from atari import AtariVectorEnv
 from atari._gymnasium import AutoresetMode
-from atari.recording import RecordVideo
+from atari.recording import RecordReplay, RecordVideo
 from atari.recording.video.audio import to_16_bit
 from atari.rendering import tile
 
@@ -290,3 +290,30 @@ def test_inner_wrappers_that_change_actions_are_reported(tmp_path: Path) -> None
     envs.reset(seed=0)
     with pytest.raises(RuntimeError, match="environment 0 was given another action than the recorder; put Rec"):
         play(envs, 30)
+
+
+@pytest.mark.parametrize("game", ["ALE/Pong-v5", "ALE/Breakout-v5", "PongDeterministic-v0"])
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_sticky_actions_after_a_reset_that_plays_no_frame(game: str, mode: str, tmp_path: Path) -> None:
+    """A first state equals the recorder's in RAM and frame number, and not in its generator."""
+    envs: Any = RecordVideo(atari.AtariVectorEnv(game, 2, autoreset_mode=mode), tmp_path / "videos", video_length=20)
+    for seed in (0, 1):
+        envs.reset(seed=seed)
+        for _ in range(20):
+            envs.step(np.full(2, 2))
+    envs.close()
+
+
+@pytest.mark.parametrize("preset", ["machado2018", "dopamine", "baselines", "envpool"])
+def test_presets_are_recorded(preset: str, tmp_path: Path) -> None:
+    envs: Any = RecordVideo(atari.AtariVectorEnv("pong", 2, preset=preset), tmp_path / "videos", video_length=20)
+    envs.reset(seed=0)
+    for _ in range(30):
+        envs.step(np.full(2, 2))
+    envs.close()
+
+
+@pytest.mark.parametrize("recorder", [RecordVideo, RecordReplay])
+def test_a_vector_of_several_players_is_refused(recorder: Any, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"records vectors of one player, got players=2; .*MultiplayerCore"):
+        recorder(atari.AtariVectorEnv("pong", 2, players=2), tmp_path / "a.a26")

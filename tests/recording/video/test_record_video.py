@@ -6,6 +6,7 @@ import inspect
 import pickle
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -109,8 +110,7 @@ def test_a_copy_and_a_pickle_go_on_and_record_from_their_next_episode_on(tmp_pat
 def test_the_spec_makes_it_again(tmp_path: Path) -> None:
     env = RecordVideo(gymnasium.make("ALE/Breakout-v5"), tmp_path / "videos", format="gif", scale=1)
     env.close()
-    with pytest.warns(UserWarning, match="will be replaced"):
-        again = gymnasium.make(env.spec)
+    again = gymnasium.make(env.spec)
     again.reset()
     again.close()
     assert files(tmp_path) == ["rl-video-episode-0.gif"]
@@ -365,7 +365,12 @@ def test_a_video_is_completed_without_close(tmp_path: Path) -> None:
 
 
 def test_videos_that_will_be_replaced_are_warned_of(tmp_path: Path) -> None:
-    record_video(atari.make("pong"), tmp_path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # of a folder without videos
+        for _ in range(2):
+            env = record_video(atari.make("pong"), tmp_path)
+    play(env, 3)
+    env.close()
     with pytest.warns(UserWarning, match="will be replaced"):
         record_video(atari.make("pong"), tmp_path)
 

@@ -257,3 +257,26 @@ def test_a_full_disk_names_the_incomplete_file(tmp_path: Path, monkeypatch: pyte
         writer.write(np.zeros((210, 160, 3), np.uint8))
     assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, str(tmp_path / "a.mp4"))
     writer.close()
+
+
+def test_a_caption_without_a_line_is_refused(tmp_path: Path) -> None:
+    (screen,) = moving_bar(1)
+    with VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC) as video:
+        with pytest.raises(ValueError, match="make the VideoWriter with caption_lines=1, got 'hello'"):
+            video.write(screen, None, "hello")
+        video.write(screen)
+
+
+def test_the_last_frame_of_a_gif_lasts_as_long_as_the_others(tmp_path: Path) -> None:
+    with VideoWriter(tmp_path / "a.gif", atari.games["pong"], speed=0.1, scale=1) as video:
+        for screen in moving_bar(5):
+            video.write(screen)
+    data = (tmp_path / "a.gif").read_bytes()
+    delays = [int.from_bytes(data[place + 4 : place + 6], "little") for place in _extensions(data)]
+    assert len(delays) == 5
+    assert min(delays) >= 16  # hundredths of a second
+
+
+def _extensions(data: bytes) -> list[int]:
+    """The places of the graphic control extensions of a GIF."""
+    return [place for place in range(len(data) - 8) if data[place : place + 3] == b"\x21\xf9\x04"]
