@@ -69,7 +69,7 @@ def add_recording(parser: argparse.ArgumentParser) -> Any:
         "--seconds",
         type=number(float, 0.1),
         metavar="S",
-        help="seconds of play at the console's speed, all games together",
+        help="seconds of play at the console's speed, all games together; not of a policy that plays whole games",
     )
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of game and policy (default: 0)")
     endings = ", ".join((*FORMATS, SUFFIX))

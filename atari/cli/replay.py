@@ -64,7 +64,8 @@ def register(commands: Commands) -> None:
         "--episode",
         type=best_or_number,
         metavar="N",
-        help="show one episode alone: its number, as `atari replay show` prints it, or best; without the options above",
+        help="show one episode alone: its number, as `atari replay show` prints it, or best; of the options above only "
+        "with --start best --seconds S, the best part of the episode",
     )
     add_looks(parser)
 
@@ -153,14 +154,22 @@ def _render(args: argparse.Namespace) -> int:
 
 def _part(args: argparse.Namespace, replay: Replay) -> tuple[dict[str, Any], int]:
     """The part of a replay that the arguments name, as `Replay.render` takes it, and the number of its frames."""
+    length = None if args.seconds is None else math.ceil(args.seconds * frame_rate(replay.game))
     if args.episode is not None:
-        if args.start or args.stop is not None or args.seconds is not None:
-            raise ValueError("--episode shows a whole episode; leave --start, --stop and --seconds out")
         most = len(replay.episodes) - 1
         best = args.episode == "best"
         number = replay.best_episode if best else check_integer("--episode", args.episode, 0, most)
-        return {"episode": number}, replay.episodes[number].frames
-    length = None if args.seconds is None else math.ceil(args.seconds * frame_rate(replay.game))
+        played = replay.episodes[number].frames
+        if args.start == "best" and length is not None:
+            frames = min(length, played)
+            start = replay.best_start(frames, episode=number)
+            return {"start": start, "stop": start + frames}, frames
+        if args.start or args.stop is not None or length is not None:
+            raise ValueError(
+                "--episode shows a whole episode, or with --start best --seconds S the best part of it; leave --start, "
+                "--stop and --seconds out"
+            )
+        return {"episode": number}, played
     start = args.start
     if start == "best":
         if length is None:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.task import Task
+from atari.validation import check_integer
 
 Array = npt.NDArray[Any]
 
@@ -71,7 +72,7 @@ class LoadedPolicy:
         policy: a function of observations and lanes, or of observations alone, with the attributes of `Policy`.
 
     Raises:
-        TypeError: it is no such function.
+        TypeError, ValueError: it is no such function, or its `training_frames` is no such number.
     """
 
     def __init__(self, policy: Any) -> None:
@@ -81,6 +82,8 @@ class LoadedPolicy:
         self._game = ""
         named = getattr(policy, "name", "") or getattr(policy, "__qualname__", "") or type(policy).__name__
         self.name = str(named)
+        frames = getattr(policy, "training_frames", None)
+        self.training_frames = None if frames is None else check_integer("training_frames", frames, 0, 10**15)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):  # a copy without attributes yet, or a special method of Python

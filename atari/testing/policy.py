@@ -97,10 +97,8 @@ def _loaded(policy: Any) -> LoadedPolicy:
         )
     try:
         loaded = LoadedPolicy(policy() if makes_policy(policy) else policy)
-    except TypeError as error:
+    except (TypeError, ValueError) as error:
         raise ContractError(str(error)) from error
-    frames = getattr(loaded, "training_frames", None)
-    require(frames is None or type(frames) is int, f"training_frames must be an int, got {frames!r}")
     name = getattr(loaded, "game", None)
     require(name is None or name in games, f"game must be the id of a game, got {name!r}")
     return loaded

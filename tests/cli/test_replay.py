@@ -173,9 +173,9 @@ def test_seconds_from_a_start(capsys: pytest.CaptureFixture[str], start: str, fi
         (["--episode", "2"], "--episode must be within 0..1, got 2"),
         (
             ["--episode", "best", "--stop", "3"],
-            "--episode shows a whole episode; leave --start, --stop and --seconds out",
+            "--episode shows a whole episode, or with --start best --seconds S the best part of it; leave --start",
         ),
-        (["--episode", "best", "--seconds", "3"], "--episode shows a whole episode; leave --start, --stop"),
+        (["--episode", "best", "--seconds", "3"], "--episode shows a whole episode, or with --start best"),
         (["--start", "best"], "--start best needs --seconds, the length of the part"),
     ],
 )
@@ -196,3 +196,15 @@ def test_a_wrong_part(capsys: pytest.CaptureFixture[str], words: list[str], mess
 def test_flags_that_cannot_be_read(capsys: pytest.CaptureFixture[str], words: list[str], message: str) -> None:
     assert main(["replay", "render", "a.a26", *words]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_the_best_part_of_an_episode(capsys: pytest.CaptureFixture[str]) -> None:
+    replay = Replay.load("a.a26")
+    first = replay.best_start(60, episode=1)
+    assert first >= replay.episodes[0].frames
+    words = ["--episode", "1", "--start", "best", "--seconds", "1", "--scale", "1"]
+    assert main(["replay", "render", "a.a26", "-o", "part.mkv", *words]) == 0
+    assert capsys.readouterr().out.startswith(f"60 frames, from frame {first} on, in ")
+    assert np.array_equal(video_frames(Path("part.mkv"))[0][:, ::2], next(replay.frames(first)).screen)
+    with pytest.raises(ValueError, match="frames must be within"):
+        replay.best_start(replay.episodes[1].frames + 1, episode=1)

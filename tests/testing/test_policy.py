@@ -127,7 +127,7 @@ FAULTS: dict[str, tuple[Any, str]] = {
     "begin": (RaisesInBegin, "begin(game, actions, lanes, seeds) raised RuntimeError: no memory"),
     "arguments": (ThreeArguments, "a policy takes (observations, lanes) or (observations), got"),
     "game": (OtherGame, "game must be the id of a game, got 'pnog'"),
-    "frames": (FramesAsText, "training_frames must be an int, got '10M'"),
+    "frames": (FramesAsText, "training_frames must be an integer within 0..1000000000000000, got '10M'"),
     "environment": (
         OtherEnvironment,
         "the environment of the policy: it has no option 'obs_typ'; did you mean 'obs_type'?",

@@ -242,13 +242,17 @@ class Replay:
             raise ValueError(f"there is no frame for a picture: the replay has {self.frames_total:,} frames")
         return best.index
 
-    def best_start(self, frames: int) -> int:
+    def best_start(self, frames: int, *, episode: int | Literal["best"] | None = None) -> int:
         """Return the first of `frames` frames in a row in which the first player makes the most points.
 
         Where several parts have as many points, it is the middle one of them. The replay is played once.
 
+        Args:
+            frames: the number of frames, at most those of the replay or of the episode.
+            episode: the only episode that is searched, see `render`; None searches all.
+
         Raises:
-            TypeError, ValueError: `frames` is not within 1..`frames_total`.
+            TypeError, ValueError: there is no such episode, or `frames` is out of range.
 
         Example:
             >>> import atari
@@ -262,11 +266,13 @@ class Replay:
             >>> sum(frame.reward for frame in replay.frames(start, start + 200))
             -1
         """
-        frames = check_integer("frames", frames, 1, self.frames_total)
-        points = np.cumsum([0, *(frame.reward for frame in self.frames())])
+        played = self.frames() if episode is None else self._frames_of(episode, "native", False)
+        pairs = [(frame.index, frame.reward) for frame in played]
+        frames = check_integer("frames", frames, 1, len(pairs))
+        points = np.cumsum([0, *(reward for _, reward in pairs)])
         sums = points[frames:] - points[:-frames]
         best = np.flatnonzero(sums == sums.max())
-        return int(best[len(best) // 2])
+        return pairs[0][0] + int(best[len(best) // 2])
 
     def seek(self, frame: int, *, core: str = "native", sound: bool = False) -> Core:
         """Return a new core in the state after the first `frame` frames, for inspection or for playing on.

@@ -426,6 +426,19 @@ def test_a_policy_that_says_nothing_plays_an_id_as_it_is(env_id, shape, calls, t
     assert calls[0] <= len(shapes) <= calls[1]
 
 
+def test_the_frames_of_a_training_are_an_integer(tmp_path):
+    def policy(observations):
+        return [0] * len(observations)
+
+    policy.training_frames = np.int64(240_000)
+    result = evaluate(policy, "pong", short("dqn2015", 400), episodes=1)
+    result.save(tmp_path / "r.json")
+    assert Result.load(tmp_path / "r.json").training_frames == 240_000
+    policy.training_frames = 240_000.0
+    with pytest.raises(TypeError, match=r"training_frames must be an integer .* got 240000.0"):
+        evaluate(policy, "pong", short("dqn2015", 400), episodes=1)
+
+
 def test_the_usual_protocol():
     policy = returns(np.zeros)
     (entry,) = find_entries("pong")

@@ -95,7 +95,7 @@ def test_the_best_episode_by_name(replay: Replay, tmp_path: Path) -> None:
         ("a.png", {"frame": 3, "episode": 0}, ValueError, "frame=3 is a frame of the whole replay"),
         ("a.png", {"frame": 10**6}, ValueError, 'a frame other than "best" must be within 0'),
         ("a.png", {"frame": "worst"}, TypeError, 'a frame other than "best" must be an integer within 0'),
-        ("a.png", {"start": 9, "stop": 9}, ValueError, "there is no frame for a picture"),
+        ("a.png", {"start": 9, "stop": 9}, ValueError, "there are no frames to render"),
         ("a.png", {"start": -1}, ValueError, "start must be within 0"),
         ("a.png", {"speed": 2}, ValueError, "a PNG has no speed, got speed=2"),
         ("a.mp4", {"episode": "worst"}, TypeError, 'an episode other than "best" must be an integer within 0'),
