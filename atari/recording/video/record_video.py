@@ -105,7 +105,8 @@ class RecordVideo(RecordEnvVideo):
         episode_trigger: returns whether to record an episode, by its number from 0. Without triggers it is
             Gymnasium's: episodes 0, 1, 8, 27, ... 1000, and every 1000th.
         step_trigger: returns whether to begin a video at a step, by its number over all episodes.
-        video_length: steps in a video, which may span episodes; 0 ends the video with the episode.
+        video_length: steps in a video, which may span episodes, but ends where a trigger begins the next video; 0 ends
+            the video with the episode.
         name_prefix: the start of the names "{name_prefix}-episode-{number}.mp4" and "{name_prefix}-step-{number}.mp4".
         fps: frames a second; None is the console's rate times `speed`.
         disable_logger, gc_trigger: accepted for code that was written for Gymnasium's wrapper, without effect.
