@@ -41,13 +41,13 @@ def match_task(args: argparse.Namespace) -> Task:
     elif "players" not in given and not name.endswith(".json"):
         modes = rules_of(find_game(name, playable=False)).modes
         args.players = next((count for count in modes if getattr(args, "mode", None) in modes[count]), min(modes))
+    args.fixed = {}
+    task = task_of(args, game=name, base=BY_FRAME)
     if args.preset is not None:
         raise ValueError(
             f"games of several players are recorded and played without presets, got --preset {args.preset}; leave it "
             f"out (accepted: {', '.join(_OBEYED)})"
         )
-    args.fixed = {}
-    task = task_of(args, game=name, base=BY_FRAME)
     fields = {field: getattr(task, field) for field in _OBEYED}
     for field, (value, _) in task.differences(Task.of(task.definition, **{**BY_FRAME, **fields})).items():
         raise ValueError(
