@@ -26,7 +26,7 @@ _VARIABLES = {"old": 1, "frame": 2, "v": 3}
 _RESULT = 0
 LATEST_FRAME = 2**31 - 1
 NO_VALUE = -(2**31) + 1
-"""What a write reads as the value of a byte with a digit above 9, which no write stores."""
+"""The value that a write reads from a decimal byte with a digit above 9. No write stores such a byte."""
 
 
 @dataclass(frozen=True)

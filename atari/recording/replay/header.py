@@ -25,7 +25,7 @@ _MAY_BE_NONE = ("mode", "difficulty", "max_num_frames_per_episode", "interventio
 def game_of(
     header: Mapping[str, Any], game: str | PathLike[str] | Game | None, rom: str | PathLike[str] | None
 ) -> Game:
-    """Check a header and find its game; `game` and `rom` are those of `Replay.load`.
+    """Check a header and find its game; `Replay.load` documents `game` and `rom`.
 
     Raises:
         Corrupt, ValueError, FileNotFoundError: see `Replay.load`.

@@ -133,8 +133,8 @@ class Replay:
 
         An episode has the number of its `frames`, its `score`, and its `end`: "game over", "truncated" by the
         emulator's limit of frames, or "open" if the emulator did not end it, as with a wrapper's limit of steps. With
-        several players, `scores` has the score of each, `score` is the first player's, and `frames` has those of the
-        reset, too.
+        several players, `scores` has the score of each, `score` is the first player's, and `frames` counts the
+        frames of the reset, too.
 
         Raises:
             Corrupt: the end chunk of the file has no episodes.
@@ -248,7 +248,7 @@ class Replay:
         Where several parts have as many points, it is the middle one of them. The replay is played once.
 
         Args:
-            frames: the number of frames, at most those of the replay or of the episode.
+            frames: the number of frames, at most as many as the replay or the episode has.
             episode: the only episode that is searched, see `render`; None searches all.
 
         Raises:
