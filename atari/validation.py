@@ -17,6 +17,9 @@ from typing import Any
 
 import gymnasium
 
+MOST_FRAMES_SKIPPED = 10_000
+"""The highest frame skip."""
+
 
 class AleError(ValueError, RuntimeError):
     """A value that is not accepted, where ale-py raises `RuntimeError`."""
@@ -231,7 +234,7 @@ def _sorted_words(name: str) -> str:
 
 def _check_frames(frames: Any) -> int:
     try:
-        return check_integer("frameskip", frames, 1, 10_000)
+        return check_integer("frameskip", frames, 1, MOST_FRAMES_SKIPPED)
     except TypeError as error:
         raise OptionTypeError(str(error)) from None
     except ValueError as error:

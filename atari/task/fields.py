@@ -1,6 +1,7 @@
 """The fields of a `Task` one by one: the values that each accepts, and its group."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal, get_args
 
@@ -9,6 +10,7 @@ import numpy as np
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.games.rewards import as_one_line
 from atari.validation import (
+    MOST_FRAMES_SKIPPED,
     OptionTypeError,
     check_frameskip,
     check_integer,
@@ -76,7 +78,7 @@ def check_field(name: str, value: Any) -> Any:
     Raises:
         TypeError, ValueError: it is of the wrong kind or out of range.
     """
-    return _CHECKS[name](name, value)
+    return CHECKS[name](name, value)
 
 
 def check_bool(name: str, value: Any) -> bool:
@@ -131,76 +133,139 @@ def _check_reward(name: str, value: Any) -> str | None:
     return as_one_line(value)
 
 
-def _check_noops(name: str, value: Any) -> tuple[int, int]:
-    if not isinstance(value, (tuple, list)) or len(value) != 2:
-        raise OptionTypeError(f"{name} must be (low, high), both included, such as (1, 30), got {value!r}")
-    low, high = (check_integer(name, one, 0, 1_000_000) for one in value)
-    if low > high:
-        raise ValueError(f"{name} must be (low, high) with low of at most high, got {value!r}")
-    return low, high
-
-
 def _shortest(value: float) -> float:
     """The shortest decimal number that is the same float32: 0.1, not 0.10000000149011612."""
     return float(str(np.float32(value)))
 
 
-def _one_of(choices: Any) -> Callable[[str, Any], str]:
-    return lambda name, value: check_name(name, value, get_args(choices))
+@dataclass(frozen=True)
+class Whole:
+    """The check of an integer within low..high."""
+
+    low: int
+    high: int
+
+    def __call__(self, name: str, value: Any) -> int:
+        """`value` as an int."""
+        return check_integer(name, value, self.low, self.high)
 
 
-def _number(low: int, high: int) -> Callable[[str, Any], int]:
-    return lambda name, value: check_integer(name, value, low, high)
+@dataclass(frozen=True)
+class Probability:
+    """The check of a number within 0..1; `convert` gives it the form that a `Task` stores."""
+
+    convert: Callable[[str, Any], Any]
+    low: float = 0.0
+    high: float = 1.0
+
+    def __call__(self, name: str, value: Any) -> Any:
+        """`value` in the form that a `Task` stores."""
+        return self.convert(name, value)
 
 
-def _optional(check: Callable[[str, Any], Any]) -> Callable[[str, Any], Any]:
-    return lambda name, value: None if value is None else check(name, value)
+@dataclass(frozen=True)
+class OneOf:
+    """The check of a name."""
+
+    choices: tuple[str, ...]
+
+    def __call__(self, name: str, value: Any) -> str:
+        """`value`, which must be one of the choices."""
+        return check_name(name, value, self.choices)
+
+
+@dataclass(frozen=True)
+class OrNone:
+    """The check of a value that may be None."""
+
+    check: Callable[[str, Any], Any]
+
+    def __call__(self, name: str, value: Any) -> Any:
+        """None, or `value` as `check` returns it."""
+        return None if value is None else self.check(name, value)
+
+
+@dataclass(frozen=True)
+class Limit(OrNone):
+    """The check of a limit; zero stands for none, as in ale-py."""
+
+    def __call__(self, name: str, value: Any) -> Any:
+        """`value` as `check` returns it; None in place of zero."""
+        return super().__call__(name, value) or None
+
+
+@dataclass(frozen=True)
+class Noops:
+    """The check of a range low..high, both included."""
+
+    each: Whole
+
+    def __call__(self, name: str, value: Any) -> tuple[int, int]:
+        """`value` as (low, high)."""
+        if not isinstance(value, (tuple, list)) or len(value) != 2:
+            raise OptionTypeError(f"{name} must be (low, high), both included, such as (1, 30), got {value!r}")
+        low, high = (self.each(name, one) for one in value)
+        if low > high:
+            raise ValueError(f"{name} must be (low, high) with low of at most high, got {value!r}")
+        return low, high
+
+
+@dataclass(frozen=True)
+class FrameSkip:
+    """The check of a number of frames, or of a range low..high-1 of it."""
+
+    each: Whole
+
+    def __call__(self, name: str, value: Any) -> int | tuple[int, int]:
+        """`value` as a number of frames or as (low, high)."""
+        return check_frameskip(value)
 
 
 def _as_is(name: str, value: Any) -> Any:
     return value
 
 
-_CHECKS: Mapping[str, Callable[[str, Any], Any]] = {
+CHECKS: Mapping[str, Callable[[str, Any], Any]] = {
     "game": _as_is,  # `Task` finds the game, and its modes, difficulties and interventions
     "rules": _check_text,
     "rom_md5": _check_text,
     "mode": _as_is,
     "difficulty": _as_is,
-    "players": _number(1, 4),
+    "players": Whole(1, 4),
     "actions": check_actions,
     "continuous": check_bool,
-    "continuous_action_threshold": lambda name, value: _shortest(check_probability(name, value)),
-    "repeat_action_probability": _check_probabilities,
-    "frameskip": lambda name, value: check_frameskip(value),
+    "continuous_action_threshold": Probability(lambda name, value: _shortest(check_probability(name, value))),
+    "repeat_action_probability": Probability(_check_probabilities),
+    "frameskip": FrameSkip(Whole(1, MOST_FRAMES_SKIPPED)),
     "interventions": _as_is,
-    "noops": _check_noops,
-    "fire": _one_of(Fire),
+    "noops": Noops(Whole(0, 1_000_000)),
+    "fire": OneOf(get_args(Fire)),
     "fire_counts": check_bool,
     "third_action": check_bool,
-    "fire_unit": _one_of(Unit),
+    "fire_unit": OneOf(get_args(Unit)),
     "fire_again": check_bool,
-    "seeding": _one_of(Seeding),
+    "seeding": OneOf(get_args(Seeding)),
     "episodic_life": check_bool,
-    "lives_unit": _one_of(Unit),
-    "on_reset": _one_of(OnReset),
+    "lives_unit": OneOf(get_args(Unit)),
+    "on_reset": OneOf(get_args(OnReset)),
     "last_life": check_bool,
     "seamless_lives": check_bool,
     "life_loss_info": check_bool,
-    "max_num_frames_per_episode": lambda name, value: _optional(_number(0, NO_LIMIT))(name, value) or None,
-    "max_frames": _optional(_number(1, NO_LIMIT)),
-    "max_episode_steps": _optional(_number(1, NO_LIMIT)),
-    "obs_type": _one_of(ObsType),
-    "img_height": _optional(_number(1, 256)),
-    "img_width": _optional(_number(1, 160)),
-    "stack_num": _optional(_number(1, 256)),  # 26 MB of RGB images
+    "max_num_frames_per_episode": Limit(Whole(0, NO_LIMIT)),
+    "max_frames": OrNone(Whole(1, NO_LIMIT)),
+    "max_episode_steps": OrNone(Whole(1, NO_LIMIT)),
+    "obs_type": OneOf(get_args(ObsType)),
+    "img_height": OrNone(Whole(1, 256)),
+    "img_width": OrNone(Whole(1, 160)),
+    "stack_num": OrNone(Whole(1, 256)),  # 26 MB of RGB images
     "maxpool": check_bool,
     "pool_rgb": check_bool,
-    "padding": _one_of(Padding),
-    "end_frames": _one_of(EndFrames),
+    "padding": OneOf(get_args(Padding)),
+    "end_frames": OneOf(get_args(EndFrames)),
     "sound_obs": check_bool,
     "agent_indicator": check_bool,
     "reward": _check_reward,
     "reward_clipping": check_bool,
     "zero_sum": check_bool,
 }
+"""The check of each field. Its attributes are the range that the field accepts; the tests draw from them."""

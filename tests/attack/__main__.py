@@ -16,7 +16,11 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-ATTACKERS = ("roms", "api", "files", "texts", "threads", "memory", "inspector", "replay", "crashes", "runs")
+ATTACKERS = tuple(
+    sorted(
+        path.stem for path in Path(__file__).parent.glob("*.py") if "\ndef attack(" in path.read_text(encoding="utf-8")
+    )
+)
 NEED_TORCH = ("crashes", "runs")
 HANGS_AFTER = 60.0  # seconds without a new seed
 

@@ -35,10 +35,6 @@ def test_the_runner_reports_findings(
         (tmp_path / "attack" / module).write_text(Path(runner.__file__).with_name(module).read_text())
     program = f"import os, time\n\ndef attack(seed: int) -> None:\n    time.sleep(0.01)\n    {body}\n"
     (tmp_path / "attack" / "made_up.py").write_text(program)
-    text = (tmp_path / "attack" / "__main__.py").read_text()
-    (tmp_path / "attack" / "__main__.py").write_text(
-        text.replace('ATTACKERS = ("roms"', 'ATTACKERS = ("made_up", "roms"')
-    )
     monkeypatch.setenv("PYTHONPATH", f"{tmp_path}{os.pathsep}{os.environ.get('PYTHONPATH', '')}")
     monkeypatch.setattr(runner, "HANGS_AFTER", 1.0)
     assert runner.watch("made_up", 5, 3.0) == (body == "pass")
