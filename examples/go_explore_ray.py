@@ -1,6 +1,6 @@
 """The exploration phase of Go-Explore (Ecoffet et al. 2021) on Montezuma's Revenge, over workers of Ray.
 
-    python examples/go_explore_ray.py --minutes 20 --workers 2 -o best.a26
+    python examples/go_explore_ray.py --minutes 20 --workers 2 -o best.a26r
     python examples/go_explore_ray.py --minutes 20 --workers 200 --address auto    # a cluster that runs already
 
 The archive is an actor. For each cell, such as (level, room, items, x / 16, y / 16), it has the snapshot of the best
@@ -220,7 +220,7 @@ def main() -> None:
     parser.add_argument("--steps", type=int, default=100, help="most steps of a trip")
     parser.add_argument("--repeat", type=float, default=20, help="mean number of steps of an action")
     parser.add_argument("--batch", type=int, default=32, help="trips between two calls of the archive")
-    parser.add_argument("-o", "--output", help="write the best trajectory as a replay (.a26)")
+    parser.add_argument("-o", "--output", help="write the best trajectory as a replay (.a26r)")
     args = parser.parse_args()
 
     local = {"num_cpus": args.workers, "object_store_memory": 200_000_000, "include_dashboard": False}

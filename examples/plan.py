@@ -1,8 +1,8 @@
 #!/usr/bin/env python
 """Planning with snapshots: plays a game well without learning, and records it as a replay.
 
-    python examples/plan.py seaquest --seconds 45 -o seaquest.a26
-    atari replay render seaquest.a26
+    python examples/plan.py seaquest --seconds 45 -o seaquest.a26r
+    atari replay render seaquest.a26r
 
 Without sticky actions a game is deterministic: the emulator is a perfect model of itself. A snapshot of the core costs
 a microsecond and a second of play less than a millisecond, so a plan can be tried before it is played.
@@ -243,7 +243,7 @@ def main() -> None:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("game", help="such as seaquest")
-    parser.add_argument("-o", "--output", type=Path, help="the replay; default GAME.a26")
+    parser.add_argument("-o", "--output", type=Path, help="the replay; default GAME.a26r")
     parser.add_argument("--seconds", type=float, default=45.0, help="of play (default: %(default)s)")
     parser.add_argument("--method", choices=("plan", "explore"), default="plan", help="(default: %(default)s)")
     add_arguments(parser, Effort())
@@ -254,7 +254,7 @@ def main() -> None:
     actions = play(
         chosen.game, seconds=chosen.seconds, effort=effort, method=chosen.method, seed=chosen.seed, **options
     )
-    path = chosen.output or Path(f"{chosen.game}.a26")
+    path = chosen.output or Path(f"{chosen.game}.a26r")
     score = record(chosen.game, actions, path, **options)
     print(f"{chosen.game}: score {score:g} in {len(actions) * HOLD} frames, {path}")
 

@@ -2,7 +2,7 @@
 
     python examples/self_play.py train runs/self     # a run folder; the same command goes on after a kill
     python examples/self_play.py elo runs/self       # a round-robin of the checkpoints: their Elo ratings
-    python examples/self_play.py match runs/self     # the best two of `elo`: best.a26, and best.mp4 with sound
+    python examples/self_play.py match runs/self     # the best two of `elo`: best.a26r, and best.mp4 with sound
 
 The policy sees, of the last two steps, where the ball and both paddles are and how the ball moves, from RAM. The second
 player sees Pong in a mirror, so both sides play the same game. In half of the games both sides learn; in the other half
@@ -444,13 +444,13 @@ def match(folder: Path, frames: int, seed: int) -> list[int]:
     steps, networks = load(folder)
     sides = Player([networks[steps.index(one)] for one in best])
     core = MultiplayerCore("pong", mode=TASK.mode, seed=seed, repeat_action_probability=TASK.repeat_action_probability)
-    with RecordReplay(core, folder / "best.a26") as game:
+    with RecordReplay(core, folder / "best.a26r") as game:
         game.reset()
         while not (core.game_over or core.truncated) and sides.frame < frames:
             game.act_players(sides(core))
     points = [int(core.ram()[atari.games["pong"].ram_labels[name].index]) for name in ("score_player", "score_enemy")]
     print(f"{best[0]} steps on the right, {best[1]} on the left: {points[0]} to {points[1]} in {sides.frame} frames")
-    Replay.load(folder / "best.a26").render(folder / "best.mp4")
+    Replay.load(folder / "best.a26r").render(folder / "best.mp4")
     return points
 
 

@@ -10,6 +10,7 @@ import zlib
 from contextlib import suppress
 from pathlib import Path
 
+from atari.files import magic
 from atari.validation import check_file
 
 LIMIT = 512 * 1024
@@ -87,6 +88,8 @@ def unpack(name: str, data: bytes) -> bytes:
         importable = "`atari roms import` takes the ROM files out of it"
         other = "unpack it yourself, for example with `7z x`, and run `atari roms import` on the folder"
         raise ValueError(f"{name} is a {kind} archive, not a ROM file; {importable if kind in IMPORTABLE else other}")
+    if data.startswith(magic.REPLAY):
+        raise ValueError(f"{name} is a replay, not a ROM file; `atari replay show {name}` has its facts")
     if data.startswith(_GZIP_MAGIC) and len(data) <= LIMIT:
         data = _gunzip(name, data)
     if len(data) > LIMIT:

@@ -10,11 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from atari.files.magic import REPLAY, begins_with
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms.identification import identify, known_images, recognise
 from atari.roms.image import md5, read_image
 from atari.roms.locations import folders, holds, lookup, misleads, path, store, stored, usual_files
+
+ENDINGS = (".bin", ".a26")
+"""The usual endings of ROM files."""
 
 _registered: dict[Path | None, Path] = {}
 """The ROM of each game file, as `atari.register_game` has registered it."""
@@ -165,8 +169,8 @@ def _beside(game: Game) -> Path | None:
     """The ROM beside the definition of a user's own game, or None."""
     if game.file is None:
         return None
-    for file in (game.file.with_suffix(ending) for ending in (".bin", ".a26")):
-        if file.is_file() and (holds(file, game) or not game.rom.md5):
+    for file in map(game.file.with_suffix, ENDINGS):
+        if file.is_file() and (holds(file, game) if game.rom.md5 else not begins_with(file, REPLAY)):
             return file
     return None
 

@@ -73,15 +73,15 @@ def training(folder: Path) -> Any:
 
 REFUSED: Mapping[str, tuple[Callable[[Path], Any], str]] = {
     "atari.recording.replay.record_replay.RecordReplay": (
-        lambda folder: RecordReplay(atari.AtariEnv("pong"), folder / "a.a26"),
+        lambda folder: RecordReplay(atari.AtariEnv("pong"), folder / "a.a26r"),
         "RecordReplay writes a file and cannot be copied or pickled; close it, or copy what it records",
     ),
     "RecordReplay of a vector": (
-        lambda folder: RecordReplay(atari.AtariVectorEnv("pong", 2), folder / "b.a26"),
+        lambda folder: RecordReplay(atari.AtariVectorEnv("pong", 2), folder / "b.a26r"),
         "RecordReplay writes a file and cannot be copied or pickled; close it, or copy what it records",
     ),
     "RecordReplay of a core": (
-        lambda folder: RecordReplay(MultiplayerCore("pong"), folder / "c.a26"),
+        lambda folder: RecordReplay(MultiplayerCore("pong"), folder / "c.a26r"),
         "RecordReplay writes a file and cannot be copied or pickled; close it, or copy what it records",
     ),
     "atari.recording.video.writer.VideoWriter": (

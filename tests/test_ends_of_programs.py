@@ -59,11 +59,11 @@ ENDS = {
         import atari, tempfile
         from atari.recording import RecordReplay, RecordVideo, Replay
         folder = tempfile.mkdtemp()
-        env = RecordReplay(RecordVideo(atari.AtariEnv("pong"), folder), f"{folder}/a.a26")
+        env = RecordReplay(RecordVideo(atari.AtariEnv("pong"), folder), f"{folder}/a.a26r")
         env.reset(seed=0)
         env.step(0)
         env.stop()
-        replay = Replay.load(f"{folder}/a.a26")
+        replay = Replay.load(f"{folder}/a.a26r")
         assert replay.verify()
     """,
     "a cycle of references": """

@@ -217,7 +217,7 @@ def test_a_replay_records_the_emulator(first: str, tmp_path: Path) -> None:
     own = env.ale
     if first == "assigned":
         env.ale = Painted(own)
-    recorder = RecordReplay(env, tmp_path / "game.a26")
+    recorder = RecordReplay(env, tmp_path / "game.a26r")
     if first == "recorded":
         env.ale = Painted(own)
     recorder.reset(seed=1)
@@ -227,7 +227,7 @@ def test_a_replay_records_the_emulator(first: str, tmp_path: Path) -> None:
     recorder.step(0)
     recorder.stop()
     assert (env.step(0)[0][:50] == 255).all()
-    replay = Replay.load(tmp_path / "game.a26")
+    replay = Replay.load(tmp_path / "game.a26r")
     assert replay.verify()
     assert replay.frames_total == 61
 

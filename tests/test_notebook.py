@@ -107,7 +107,7 @@ def test_markup_in_facts_is_text() -> None:
 
 
 def test_a_replay_plays(tmp_path: Path) -> None:
-    replay = Replay.load(record(tmp_path / "game.a26", "breakout", steps=100))
+    replay = Replay.load(record(tmp_path / "game.a26r", "breakout", steps=100))
     page = replay._repr_html_()
     [file] = pictures(page)
     frames = [frame.screen for frame in replay.frames()]
@@ -120,18 +120,18 @@ def test_a_replay_plays(tmp_path: Path) -> None:
 
 
 def test_a_replay_without_frames_shows_nothing(tmp_path: Path) -> None:
-    assert Replay.load(record(tmp_path / "game.a26", steps=0))._repr_html_() is None
+    assert Replay.load(record(tmp_path / "game.a26r", steps=0))._repr_html_() is None
 
 
 def test_a_replay_of_players_shows_itself(tmp_path: Path) -> None:
     from atari.multiplayer import MultiplayerCore
     from atari.recording import RecordReplay
 
-    with RecordReplay(MultiplayerCore("pong"), tmp_path / "game.a26") as match:
+    with RecordReplay(MultiplayerCore("pong"), tmp_path / "game.a26r") as match:
         match.reset()
         for _ in range(10):
             match.act_players([0, 0])
-    assert "score" in Replay.load(tmp_path / "game.a26")._repr_html_()
+    assert "score" in Replay.load(tmp_path / "game.a26r")._repr_html_()
 
 
 def test_an_animation_ends_before_it_is_too_large(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -60,7 +60,7 @@ def test_the_speeds_of_quickstart(monkeypatch: pytest.MonkeyPatch, capsys: pytes
 
 
 def test_the_game_of_quickstart() -> None:
-    replay = Replay.load(SCRIPTS.parent / "examples" / "qbert.a26")
+    replay = Replay.load(SCRIPTS.parent / "examples" / "qbert.a26r")
     assert replay.verify()
     assert [episode.score for episode in replay.episodes] == [7950]
 

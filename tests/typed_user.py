@@ -21,9 +21,9 @@ env = atari.make("pong")
 envs = atari.AtariVectorEnv("pong", 2)
 core = MultiplayerCore("pong")
 
-assert_type(RecordReplay(env, "game.a26"), RecordReplay)
-assert_type(RecordReplay(envs, Path("third.a26"), index=1), RecordVectorReplay)
-assert_type(RecordReplay(core, "match.a26"), RecordMatch)
+assert_type(RecordReplay(env, "game.a26r"), RecordReplay)
+assert_type(RecordReplay(envs, Path("third.a26r"), index=1), RecordVectorReplay)
+assert_type(RecordReplay(core, "match.a26r"), RecordMatch)
 assert_type(RecordVideo(env, "videos", video_length=10, scale=1), RecordVideo)
 assert_type(RecordVideo(envs, "videos", record_first_only=True, index=1), RecordVectorVideo)
 assert_type(Watch(env, "lives", 0x80, each="frame"), Watch)
@@ -31,7 +31,7 @@ assert_type(Watch(envs, "lives", index=1), VectorWatch)
 assert_type(RamLabels(env, ["lives"]), RamLabels)
 assert_type(RamLabels(envs, names="atari_ari"), VectorRamLabels)
 
-RecordReplay(env, "game.a26", index=1)  # type: ignore[call-overload]
+RecordReplay(env, "game.a26r", index=1)  # type: ignore[call-overload]
 RecordVideo(env, "videos", frames=1)  # type: ignore[call-overload]
 Watch(env, "lives", each="game")  # type: ignore[call-overload]
 RamLabels(envs, names="ocatari")  # type: ignore[call-overload]

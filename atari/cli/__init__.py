@@ -30,7 +30,7 @@ _EXAMPLES = """\
 examples:
   atari demo breakout                      play and write videos/breakout-0.mp4
   atari record pong -o pong.mp4            let a policy play, and record a video with sound
-  atari replay verify game.a26             compare a replay with its recording
+  atari replay verify game.a26r             compare a replay with its recording
   atari train ppo pong --fast              an agent learns, in minutes
   atari watch runs/pong-ppo-pixels-seed0   and plays
   atari play ms_pacman                     play a game by hand, in a window

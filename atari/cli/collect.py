@@ -16,6 +16,7 @@ from atari.lab.labels import Labels, UnknownLabelError
 from atari.learning import load_policy
 from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.recording import Replay
+from atari.recording.replay.file_format import is_replay
 from atari.task.arguments import SEEDS, add_task, seed, show_task
 
 
@@ -33,7 +34,7 @@ def register(commands: Commands) -> None:
         default="random",
         metavar="POLICY",
         help="random, noop, MODULE:FUNCTION, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file, or "
-        "a replay, such as game.a26 (default: random)",
+        "a replay, such as game.a26r (default: random)",
     )
     parser.add_argument(
         "--episodes", type=number(int, 1, MAX_EPISODES), default=1, metavar="N", help="number of games (default: 1)"
@@ -67,7 +68,7 @@ def _collect(args: argparse.Namespace) -> int:
     if seeds[-1] >= SEEDS:
         raise ValueError(f"seeds are below {SEEDS}; {args.episodes} games from --seed {args.seed} on are too many")
     replay, entry, record = None, None, None
-    if args.policy.endswith(".a26"):
+    if is_replay(args.policy):
         if args.ray is not None:
             raise ValueError(f"--ray plays games of a policy, and {args.policy} is a replay; leave out --ray")
         replay = replay_of(args, args.policy)
@@ -89,7 +90,7 @@ def _collect(args: argparse.Namespace) -> int:
         with tempfile.TemporaryDirectory() as folder, tqdm(unit=" steps", disable=None) as bar:
             facts: dict[str, Any] = {"task": json.loads(task.to_json())}
             if record is not None:
-                record(seeds, path := Path(folder, "games.a26"))
+                record(seeds, path := Path(folder, "games.a26r"))
                 replay = Replay.load(path, game=task.definition)
                 facts |= {"policy": args.policy, "seeds": list(seeds)}
             assert replay is not None

@@ -12,6 +12,7 @@ import gymnasium
 
 from atari._extras import install_extra
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, find_game, number
+from atari.roms.search import ENDINGS
 from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
 from atari.task.resolution import BY_FRAME
 
@@ -26,7 +27,7 @@ def register(commands: Commands) -> None:
     parser.add_argument(
         "source",
         metavar="SOURCE",
-        help=f"{GAME_HELP}, a replay (.a26), a run folder of `atari train`, or a saved state",
+        help=f"{GAME_HELP}, a replay (.a26r), a run folder of `atari train`, or a saved state",
     )
     add_rom(parser)
     parser.add_argument(
@@ -83,9 +84,12 @@ def _session(args: argparse.Namespace) -> "Session":
     from atari.env import AtariEnv
     from atari.lab.inspector.session import Session
     from atari.lab.inspector.sources import session_of_replay, session_of_snapshot
+    from atari.recording.replay.file_format import is_replay
 
     path, source = Path(args.source), args.source
-    of_game = not path.is_dir() and (path.suffix in (".toml", ".json") or not path.is_file()) and path.suffix != ".a26"
+    of_replay = is_replay(path)
+    names_game = path.suffix.lower() in (".toml", ".json", *ENDINGS) or not path.is_file()
+    of_game = names_game and not of_replay and not path.is_dir()
     if not of_game:
         given = [*given_options(args), *(["seed"] if args.seed is not None and not path.is_dir() else [])]
         if given:
@@ -107,7 +111,7 @@ def _session(args: argparse.Namespace) -> "Session":
         sticky = 0.0 if player is None else player.task_in(find_game(source)).repeat_action_probability
         task = task_of(args, game=source, base={**BY_FRAME, "repeat_action_probability": sticky})
         return Session(AtariEnv(task, rom=args.rom), agent=player, seed=seed_)
-    return (session_of_replay if path.suffix == ".a26" else session_of_snapshot)(path, rom=args.rom, agent=player)
+    return (session_of_replay if of_replay else session_of_snapshot)(path, rom=args.rom, agent=player)
 
 
 def _agent(source: str | None) -> Any:

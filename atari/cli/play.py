@@ -43,7 +43,10 @@ def register(commands: Commands) -> None:
     parser.add_argument("--no-sound", action="store_true", help="play no sound")
     replay = parser.add_mutually_exclusive_group()
     replay.add_argument(
-        "--replay", type=Path, metavar="FILE", help="the replay, with the suffix .a26 (default: replays/GAME-TIME.a26)"
+        "--replay",
+        type=Path,
+        metavar="FILE",
+        help="the replay, with the suffix .a26r (default: replays/GAME-TIME.a26r)",
     )
     replay.add_argument("--no-replay", action="store_true", help="write no replay")
     parser.add_argument(
@@ -75,7 +78,7 @@ def _play(args: argparse.Namespace) -> int:
     name = f"{task.game}-{task.players}-players" if match else task.game
     replay = args.replay
     if replay is None and not (match or args.no_replay):
-        replay = Path("replays", f"{task.game}-{time.strftime('%Y%m%d-%H%M%S')}.a26")
+        replay = Path("replays", f"{task.game}-{time.strftime('%Y%m%d-%H%M%S')}.a26r")
     new_folders = [] if replay is None else [folder for folder in replay.parents if not folder.exists()]
     files = {"replay": replay, "state": args.state or Path("states", f"{name}.state")}
     session: Any

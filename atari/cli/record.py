@@ -29,7 +29,7 @@ from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay
-from atari.recording.replay.file_format import SUFFIX
+from atari.recording.replay.file_format import SUFFIX, is_replay
 from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
 from atari.task import Task
@@ -48,7 +48,7 @@ def register(commands: Commands) -> None:
         action="append",
         metavar="POLICY",
         help="random, noop, MODULE:FUNCTION (called with observations (n, ...), returns n actions), a replay, such "
-        "as game.a26, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file (default: random); with "
+        "as game.a26r, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file (default: random); with "
         "--players, one for each player, but no replay",
     )
     length = add_recording(parser)
@@ -95,7 +95,7 @@ def record(args: argparse.Namespace) -> int:
     match = is_match(args)
     if len(policies) > 1 and not match:
         raise ValueError("a second --policy needs --players; see `atari record --help`")
-    recorded = not match and policies[0].endswith(SUFFIX)
+    recorded = not match and is_replay(policies[0])
     task, play = _match(args, policies) if match else _alone(args, policies[0])
     if show_task(args, task):
         return 0
@@ -111,7 +111,7 @@ def record(args: argparse.Namespace) -> int:
     outputs.check(task.definition)
     start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(policies[0]) if recorded else next(iter(outputs.replays), Path(folder, "games.a26"))
+        path = Path(policies[0]) if recorded else next(iter(outputs.replays), Path(folder, "games.a26r"))
         done = play(path)
         replay = Replay.load(path, game=task.definition, rom=args.rom)
         filmed = outputs.write(replay, args.seconds if recorded else None)
@@ -143,7 +143,7 @@ def _scores(replay: Replay, stop: int | None) -> list[Any]:
 
 def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
     """The task for one player, and the function that plays it."""
-    if policy.endswith(SUFFIX):
+    if is_replay(policy):
         others = {"steps", "episodes", "seed"} & getattr(args, "flags", set())
         if others or (args.best and args.seconds is not None):
             raise ValueError(

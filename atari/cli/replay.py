@@ -26,8 +26,8 @@ def register(commands: Commands) -> None:
     group = commands.add_parser(
         "replay",
         help="show, verify and render replays",
-        description="Replays (.a26) hold the actions of a game, about 2 kB a minute, and reproduce it exactly.",
-        epilog="`atari play`, `atari record -o game.a26` and atari.recording.RecordReplay write replays.",
+        description="Replays (.a26r) hold the actions of a game, about 2 kB a minute, and reproduce it exactly.",
+        epilog="`atari play`, `atari record -o game.a26r` and atari.recording.RecordReplay write replays.",
     )
     subcommands = group.add_subparsers(metavar="COMMAND", required=True)
     parser = add_command(subcommands, "show", _show, "show a replay's header and its episodes")

@@ -11,6 +11,7 @@ from atari.learning.evaluation.protocols import PROTOCOLS
 from atari.play.viewer import show_replay
 from atari.play.window import start_pygame
 from atari.recording import Replay
+from atari.recording.replay.file_format import is_replay
 from atari.task.arguments import SEEDS, add_task, seed, show_task
 
 
@@ -20,7 +21,7 @@ def register(commands: Commands) -> None:
     parser.add_argument(
         "source",
         metavar="SOURCE",
-        help="a run folder, an SB3 zip, a TorchScript or ONNX file, MODULE:NAME, random, noop, or a replay (.a26)",
+        help="a run folder, an SB3 zip, a TorchScript or ONNX file, MODULE:NAME, random, noop, or a replay (.a26r)",
     )
     parser.add_argument("game", nargs="?", metavar="GAME", help=f"{GAME_HELP} (default: that of the run folder)")
     parser.add_argument(
@@ -40,7 +41,7 @@ def register(commands: Commands) -> None:
 
 
 def _watch(args: argparse.Namespace) -> int:
-    if args.source.endswith(".a26"):
+    if is_replay(args.source):
         replay = Replay.load(args.source) if args.game is None else replay_of(args, args.source)
         if replay.players == 1 and show_task(args, replay.task):
             return 0
@@ -55,7 +56,7 @@ def _watch(args: argparse.Namespace) -> int:
     game_seed, shown = args.seed, True
     with tempfile.TemporaryDirectory() as folder:
         while shown:
-            path = Path(folder, f"{game_seed}.a26")
+            path = Path(folder, f"{game_seed}.a26r")
             ((score, _),) = record([game_seed], path)
             print(f"seed {game_seed}: score {score:,.0f}", flush=True)
             replay = Replay.load(path, game=task.definition)

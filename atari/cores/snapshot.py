@@ -30,19 +30,19 @@ from collections.abc import Mapping
 from typing import Any
 
 from atari.files import json_text
+from atari.files.magic import SNAPSHOT
 
 VERSION = 1
-_MAGIC = b"ATARISNP"
 _DIGEST_SIZE = 16
 _MOST_FACTS = 16 << 20
-_HEAD = len(_MAGIC) + 2 + _DIGEST_SIZE
+_HEAD = len(SNAPSHOT) + 2 + _DIGEST_SIZE
 
 
 def pack(facts: Mapping[str, Any], blobs: Mapping[str, bytes]) -> bytes:
     """Put facts (anything JSON can hold) and blobs into one checked `bytes`."""
     text = json.dumps({**facts, "blobs": [[name, len(blob)] for name, blob in blobs.items()]}).encode()
     body = struct.pack("<I", len(text)) + text + b"".join(blobs.values())
-    return _MAGIC + struct.pack("<H", VERSION) + _digest(body) + body
+    return SNAPSHOT + struct.pack("<H", VERSION) + _digest(body) + body
 
 
 def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
@@ -58,11 +58,11 @@ def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
         raise TypeError(f"a snapshot is bytes as snapshot() returned them, got {type(data).__name__}")
     if not data:
         raise ValueError("the snapshot is empty; pass the bytes that snapshot() returned")
-    if not data.startswith(_MAGIC):
+    if not data.startswith(SNAPSHOT):
         raise ValueError("these bytes are not a snapshot of atari-envs; pass what snapshot() returned")
     if len(data) < _HEAD + 4:
         raise ValueError(f"the snapshot is truncated: {len(data)} bytes are less than its header")
-    (version,) = struct.unpack_from("<H", data, len(_MAGIC))
+    (version,) = struct.unpack_from("<H", data, len(SNAPSHOT))
     if version != VERSION:
         raise ValueError(
             f"the snapshot has format version {version}, this release of atari-envs reads version {VERSION}"

@@ -305,7 +305,7 @@ class RecordReplay(_Recorder):
 
     Example:
         >>> from atari.sb3 import AtariVecEnv, RecordReplay
-        >>> envs = RecordReplay(AtariVecEnv("breakout", 4), "third.a26", index=2)
+        >>> envs = RecordReplay(AtariVecEnv("breakout", 4), "third.a26r", index=2)
         >>> observations = envs.reset()
         >>> envs.close()
     """

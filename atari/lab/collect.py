@@ -92,12 +92,12 @@ def write_dataset(
         >>> import atari
         >>> from atari.lab import write_dataset
         >>> from atari.recording import RecordReplay
-        >>> env = RecordReplay(atari.AtariEnv("pong"), "game.a26")
+        >>> env = RecordReplay(atari.AtariEnv("pong"), "game.a26r")
         >>> observation, info = env.reset(seed=0)
         >>> for _ in range(10):
         ...     observation = env.step(2)[0]
         >>> env.close()
-        >>> written = write_dataset("game.a26", "game.h5", labels=["ball_x"])
+        >>> written = write_dataset("game.a26r", "game.h5", labels=["ball_x"])
         >>> written["episodes"], written["steps"], written["labels"]
         (1, 10, ['ball_x'])
     """

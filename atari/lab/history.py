@@ -17,7 +17,7 @@ def recorded(source: Any) -> ByteArray | None:
     """The states of a recording: one after each emulated frame of a replay, or the rows of an array; else None.
 
     Args:
-        source: a `Replay`, the path of one (.a26), or an array (T, 128) or (T, N, 128), uint8.
+        source: a `Replay`, the path of one (.a26r), or an array (T, 128) or (T, N, 128), uint8.
 
     Raises:
         TypeError, ValueError: the array has another shape, or its values are no bytes; or as `Replay.load`.
@@ -27,7 +27,7 @@ def recorded(source: Any) -> ByteArray | None:
         if isinstance(source, str) and source in games:
             raise TypeError(
                 f"RAM is read from a game that is played, so take an environment, such as atari.make({source!r}), or a "
-                "recorded game: the path of a replay (.a26)"
+                "recorded game: the path of a replay (.a26r)"
             )
         source = Replay.load(source)
     if isinstance(source, Replay):

@@ -66,7 +66,7 @@ class Search:
         source: the game to search:
 
             - an `AtariEnv`, an `AtariVectorEnv` (in any wrappers) or a core, which is played between the filters;
-            - a recorded history: a `Replay` or its path (.a26), with a state after each emulated frame, or an array
+            - a recorded history: a `Replay` or its path (.a26r), with a state after each emulated frame, or an array
               (T, 128) or (T, N, 128), uint8. The search begins at its first state; `seek` goes to another.
         index: the lane of a vector, or the one of N games, to search; None searches all.
 

@@ -66,7 +66,7 @@ def export_all(session: Session, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     for name in export.NAMES:
-        path = folder / (f"{session.game.id}.a26" if name == "replay.a26" else f"{session.game.id}-{name}")
+        path = folder / (f"{session.game.id}.a26r" if name == "replay.a26r" else f"{session.game.id}-{name}")
         with contextlib.suppress(ValueError):  # nothing to export
             export.write(session, name, path)
             files.append(path)

@@ -27,7 +27,7 @@ CURVES = ("dopamine/dqn", "dopamine/rainbow", "dreamerv3/atari57/ppo")
 def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int], Any] | None = None) -> Result:
     """Evaluate the policy of a run folder, record its best game, and write `report.html`.
 
-    Writes `evaluation.json`, `best.a26` and, if PyAV is installed, `best.mp4` with sound.
+    Writes `evaluation.json`, `best.a26r` and, if PyAV is installed, `best.mp4` with sound.
 
     Raises:
         FileNotFoundError, ValueError: the folder is damaged, or the training has written no policy yet.
@@ -37,8 +37,8 @@ def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int],
     result.save(folder.path / "evaluation.json")
     played = result.games[0]
     best = played.seeds[max(range(episodes), key=lambda index: played.scores[index])]
-    record_games(policy, task, result.protocol, [best], folder.path / "best.a26")
-    replay = Replay.load(folder.path / "best.a26")
+    record_games(policy, task, result.protocol, [best], folder.path / "best.a26r")
+    replay = Replay.load(folder.path / "best.a26r")
     try:
         replay.render(folder.path / "best.mp4")
     except DependencyNotInstalled:  # PyAV is not installed: the replay is enough
@@ -176,7 +176,7 @@ _PAGE = """\
 same number of frames.</p>
 $curve
 <h2>The best game</h2>
-<p>The best of the $episodes games had a score of $best. <code>best.a26</code> is its replay.</p>
+<p>The best of the $episodes games had a score of $best. <code>best.a26r</code> is its replay.</p>
 $video
 <h2>Evaluation</h2>
 <p>$protocol</p>

@@ -37,7 +37,7 @@ class RunFolder:
     - `policy.pt`: the newest weights (contains none);
     - `memory.replay`: the `ReplayMemory` of the training, if it has one;
     - `lock`: an empty file, locked while a training writes into the folder;
-    - `best.a26`, `best.mp4`, `evaluation.json`, `report.html`: see `atari.learning.report`.
+    - `best.a26r`, `best.mp4`, `evaluation.json`, `report.html`: see `atari.learning.report`.
 
     **A training that is killed at any time, also by a loss of power, goes on from its last checkpoint or the one
     before.** A file is replaced only when its successor is complete and on the disk; a checkpoint and the state of the

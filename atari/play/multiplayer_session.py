@@ -35,7 +35,7 @@ class MultiplayerSession(BaseSession):
         obs_type: the observations of a policy without a task, uint8: "rgb" (height, 160, 3), "grayscale" (height, 160)
             or "ram" (128,).
         state: the file of the saved state.
-        replay: the replay file, with the suffix ".a26"; None writes no replay.
+        replay: the replay file, with the suffix ".a26r"; None writes no replay.
         videos: the folder of the videos.
         scale: a pixel becomes `2 * scale` x `scale` pixels of a video.
 

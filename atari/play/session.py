@@ -31,7 +31,7 @@ class Session(BaseSession):
         game: an ID, a game or a task, see `atari.Task.of`; a name or a file is played frame by frame, with all legal
             actions, without sticky actions and without a limit.
         rom: path of the ROM file; None searches (see `atari.roms`).
-        replay: the replay file, with the suffix ".a26"; None writes no replay.
+        replay: the replay file, with the suffix ".a26r"; None writes no replay.
         state: the file of the saved state.
         videos: the folder of the videos.
         seed: the game's seed; None means a random one.

@@ -65,12 +65,12 @@ def to_minari(
     Example:
         >>> import atari
         >>> from atari.recording import RecordReplay, to_minari
-        >>> env = RecordReplay(atari.AtariEnv("pong"), "game.a26")
+        >>> env = RecordReplay(atari.AtariEnv("pong"), "game.a26r")
         >>> observation, info = env.reset(seed=0)
         >>> for _ in range(10):
         ...     observation = env.step(2)[0]
         >>> env.close()
-        >>> dataset = to_minari("game.a26", "atari/pong/example-v0", author="me")  # doctest: +SKIP
+        >>> dataset = to_minari("game.a26r", "atari/pong/example-v0", author="me")  # doctest: +SKIP
         >>> dataset.total_steps  # doctest: +SKIP
         10
     """

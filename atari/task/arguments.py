@@ -15,6 +15,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from atari.files import magic
+from atari.roms.identification import identify
+from atari.roms.search import ENDINGS
 from atari.task.description import summary
 from atari.task.fields import GROUPS, check_field
 from atari.task.presets import PRESETS, find_preset
@@ -156,21 +159,31 @@ def given_options(args: argparse.Namespace) -> dict[str, Any]:
 def game_of(text: str) -> GameLike:
     """GAME for the resolvers: an ID, a game's name, the path of a game file, or the task of a file *.json.
 
+    A ROM file stands for its game.
+
     The path is absolute, so that a stored task stays valid.
 
     Raises:
         FileNotFoundError, TypeError, ValueError: there is no such file, or it holds no task; or it is another file or
-            folder, as a policy or a replay.
+            folder, as a ROM, a policy or a replay.
     """
     if text.endswith(".json"):
         return read_task(Path(text))
-    if (os.sep in text or text.endswith(".a26")) and not text.endswith(".toml") and Path(text).exists():
+    path = Path(text)
+    if text.endswith(".toml"):
+        return path.absolute()
+    if path.suffix.lower() in ENDINGS and path.is_file() and not magic.begins_with(path, magic.REPLAY):
+        rom = identify(path)
+        if rom.game is None:
+            raise ValueError(f"{rom}; a game of your own is named by its definition (.toml), with --rom {text}")
+        return rom.game.id  # the file that is found has the same bytes
+    if (os.sep in text or path.suffix) and path.exists():
         raise ValueError(
-            f"GAME is a game, a task (.json) or a definition (.toml), and {text} is another file or folder; name the "
-            f"game, and give a policy or a replay by the option for it, as `atari record breakout --policy {text}`; "
-            "`atari replay show` has the facts of a replay"
+            f"GAME is a game, its ROM, a task (.json) or a definition (.toml), and {text} is another file or folder; "
+            f"name the game, and give a policy or a replay by the option for it, as `atari record breakout --policy "
+            f"{text}`; `atari replay show` has the facts of a replay"
         )
-    return Path(text).absolute() if text.endswith(".toml") else text
+    return text
 
 
 def task_of(args: argparse.Namespace, *, game: str | None = None, agent: bool = False, **others: Any) -> Task:

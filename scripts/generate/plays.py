@@ -1,5 +1,5 @@
 #!/usr/bin/env python
-"""Makes the replays of the games' pages: docs/games/replays/GAME.a26, and index.toml with their facts.
+"""Makes the replays of the games' pages: docs/games/replays/GAME.a26r, and index.toml with their facts.
 
     scripts/generate/plays.py                        # every game that has none yet
     scripts/generate/plays.py venture --frames 9000  # again, and keep the better one; more options: examples/plan.py
@@ -86,7 +86,7 @@ def make(game: str, *, seconds: float, effort: Effort, method: str, seed: int, *
 def keep(game: str, actions: Sequence[int], *, policy: str, how: str, **options: Any) -> dict[str, Any]:
     """Record the actions, replace the game's file if the score is higher, and return the facts of the new play."""
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"{game}.a26"
+        path = Path(folder) / f"{game}.a26r"
         score = int(record(game, actions, path, **options))
         replay = Replay.load(path)
         described = atari.games[game]
@@ -109,7 +109,7 @@ def keep(game: str, actions: Sequence[int], *, policy: str, how: str, **options:
 
 def check(game: str, facts: dict[str, Any]) -> bool:
     """Whether the file agrees with the index, and plays with the recorded result."""
-    replay = Replay.load(FOLDER / f"{game}.a26")
+    replay = Replay.load(FOLDER / f"{game}.a26r")
     score = sum(episode.score for episode in replay.episodes)
     same = (score, replay.frames_total) == (facts["score"], facts["frames"]) and bool(replay.verify())
     print(f"{game:20} {score:8} random {facts['random_score']:9} {facts['policy']:7} {'' if same else 'DIFFERS'}")

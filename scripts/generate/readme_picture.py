@@ -3,7 +3,7 @@
 
     scripts/generate/readme_picture.py    # docs/assets/qbert.gif
 
-The left side shows the frames of `examples/qbert.a26`, the right side the observations of the preset `dqn2015`, four
+The left side shows the frames of `examples/qbert.a26r`, the right side the observations of the preset `dqn2015`, four
 images of 84x84. It needs Pillow.
 """
 
@@ -24,7 +24,7 @@ FIRST, STEPS, SKIP = 180, 150, 4
 
 def pictures() -> list[npt.NDArray[np.uint8]]:
     """The pictures of the steps, (420, 676, 3): the screen, and the last four images in two rows."""
-    replay = Replay.load(TOP / "examples" / "qbert.a26")
+    replay = Replay.load(TOP / "examples" / "qbert.a26r")
     seen = FrameObservations(atari.Task.of("qbert", preset="dqn2015"))
     seen.begin(replay.seek(FIRST))
     made = []

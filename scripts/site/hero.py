@@ -36,7 +36,7 @@ def html() -> str:
 
 def _screens(game: str) -> list[Image]:
     """Screens of a game, (210, 160, 3): of its recorded play, or of random actions."""
-    replay = ROOT / "docs" / "games" / "replays" / f"{game}.a26"
+    replay = ROOT / "docs" / "games" / "replays" / f"{game}.a26r"
     if replay.exists():
         frames = Replay.load(replay).frames()
         return [_crop(frame.screen) for frame in islice(frames, 60, 60 + 2 * FRAMES, 2)]

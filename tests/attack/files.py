@@ -83,7 +83,7 @@ def attack_snapshots(source: random.Random) -> None:
 
 def attack_replays(source: random.Random, folder: Path) -> None:
     """A damaged replay is refused, or read."""
-    path = folder / "a.a26"
+    path = folder / "a.a26r"
     env = RecordReplay(atari.AtariEnv("pong", obs_type="ram"), path)
     env.reset(seed=2)
     for _ in range(10):
@@ -93,7 +93,7 @@ def attack_replays(source: random.Random, folder: Path) -> None:
         for _ in range(10):
             env.step(source.randrange(6))
     env.close()
-    files = sorted(folder.rglob("*.a26"))
+    files = sorted(folder.rglob("*.a26r"))
     assert files, "no replay was written"
     if source.random() < 0.5:
         forge_writes(source, files[0])

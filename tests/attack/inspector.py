@@ -205,7 +205,7 @@ async def odd_requests(source: random.Random, inspector: Inspector, client: Any,
     )
     while time.monotonic() < end:
         reader, writer = await asyncio.open_connection("127.0.0.1", inspector.port)
-        path = source.choice(("", "ws", "export/replay.a26", "page.js"))
+        path = source.choice(("", "ws", "export/replay.a26r", "page.js"))
         upgrade = "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: QUFBQUFBQUFBQUFBQUFBQQ==\r\n"
         writer.write(f"GET /{inspector.token}/{path} HTTP/1.1\r\n{source.choice(heads)}{upgrade}\r\n".encode())
         status = (await asyncio.wait_for(reader.readline(), SECONDS_TO_ANSWER)).split()
@@ -243,7 +243,7 @@ async def silent(source: random.Random, inspector: Inspector, client: Any, end: 
 async def exports(source: random.Random, inspector: Inspector, client: Any, end: float) -> None:
     """Files that are asked for while others play."""
     names = (
-        "replay.a26",
+        "replay.a26r",
         "labels.toml",
         "interventions.toml",
         "clip.mp4?start=0&stop=30",

@@ -177,7 +177,7 @@ def test_play_poke_search_freeze_scrub_and_export(page: Any, tmp_path: Path) -> 
 
     # Exports.
     page.click("#tab-Export")
-    assert Replay.load(download(page, "replay.a26", tmp_path)).verify()
+    assert Replay.load(download(page, "replay.a26r", tmp_path)).verify()
     table = tomllib.loads(download(page, "interventions.toml", tmp_path).read_text())
     assert table["frozen_lives"]["writes"] == [
         {"to": LIVES, "value": held, "when": when} for when in ("reset", "frame")

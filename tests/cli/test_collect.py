@@ -101,15 +101,15 @@ def test_a_policy_plays_what_it_was_trained_for(capsys: pytest.CaptureFixture[st
         (["pong", "--reward-clipping"], "atari collect has no place for --reward-clipping"),
         (["pong", "--seed", "4294967295", "--episodes", "2"], "seeds are below 4294967296"),
         (["pong", "--seed", "4294967296"], "a seed must be within 0..4294967295, got 4294967296"),
-        (["ALE/Pong-v5", "--policy", "a.a26"], "what was played is in the replay a.a26; name the game alone, 'pong'"),
-        (["breakout", "--policy", "a.a26"], "a.a26 is a replay of pong, not of breakout"),
+        (["ALE/Pong-v5", "--policy", "a.a26r"], "what was played is in the replay a.a26r; name the game alone, 'pong'"),
+        (["breakout", "--policy", "a.a26r"], "a.a26r is a replay of pong, not of breakout"),
     ],
 )
 def test_what_is_refused(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
-    if "a.a26" in words:
+    if "a.a26r" in words:
         from atari.learning import record_games
 
-        record_games("noop", "pong", "dopamine", [0], "a.a26")
+        record_games("noop", "pong", "dopamine", [0], "a.a26r")
     assert main(["collect", *words, "-o", "a.h5"]) in (1, 2)
     assert text in capsys.readouterr().err
     assert not Path("a.h5").exists()
@@ -118,15 +118,15 @@ def test_what_is_refused(words: list[str], text: str, capsys: pytest.CaptureFixt
 def test_a_replay_says_what_was_played(capsys: pytest.CaptureFixture[str]) -> None:
     from atari.learning import record_games
 
-    record_games("noop", "pong", "dopamine", [0], "a.a26")
-    shown, facts = collected(capsys, "pong", "--policy", "a.a26")
-    task = Replay.load("a.a26").task
+    record_games("noop", "pong", "dopamine", [0], "a.a26r")
+    shown, facts = collected(capsys, "pong", "--policy", "a.a26r")
+    task = Replay.load("a.a26r").task
     assert Task.from_json(json.dumps(facts["task"])) == Task.from_json(json.dumps(shown["task"])) == task
     assert task.stack_num == 4
-    assert facts["core_seeds"] == list(Replay.load("a.a26").seeds)
+    assert facts["core_seeds"] == list(Replay.load("a.a26r").seeds)
     assert facts["package"] == f"atari-envs {atari.__version__}"
     assert "policy" not in facts
-    result = write_dataset(Replay.load("a.a26"), "b.h5", labels=[], facts={"author": {"name": "me"}})
+    result = write_dataset(Replay.load("a.a26r"), "b.h5", labels=[], facts={"author": {"name": "me"}})
     with h5py.File("b.h5") as root:
         assert json.loads(root.attrs["author"]) == {"name": "me"}
     assert result["episodes"] == 1

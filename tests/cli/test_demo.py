@@ -107,7 +107,7 @@ def test_observers_get_the_played_frames_and_none_after_the_end(folder: Path) ->
             self.frames += 1
 
     env = atari.AtariEnv("breakout", core="ale", max_num_frames_per_episode=6)
-    with RecordReplay(env, folder / "a.a26") as recorded:
+    with RecordReplay(env, folder / "a.a26r") as recorded:
         env.driver.observers.append(observer := Observer())
         recorded.reset(seed=0)
         assert env.driver.play_frames(1, frames=9) == 0

@@ -18,49 +18,49 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_best_frame_and_part_are_named(capsys: pytest.CaptureFixture[str]) -> None:
-    record(Path("b.a26"), "breakout", 200)
-    rewards = [frame.reward for frame in Replay.load("b.a26").frames()]
+    record(Path("b.a26r"), "breakout", 200)
+    rewards = [frame.reward for frame in Replay.load("b.a26r").frames()]
     best = rewards.index(max(rewards))
-    assert main(["replay", "render", "b.a26", "-o", "a.png", "--frame", "best"]) == 0
+    assert main(["replay", "render", "b.a26r", "-o", "a.png", "--frame", "best"]) == 0
     assert capsys.readouterr().out.startswith(f"frame {best} in ")
-    assert main(["replay", "render", "b.a26", "-o", "a.gif", "--start", "best", "--seconds", "0.5"]) == 0
-    start = Replay.load("b.a26").best_start(30)
+    assert main(["replay", "render", "b.a26r", "-o", "a.gif", "--start", "best", "--seconds", "0.5"]) == 0
+    start = Replay.load("b.a26r").best_start(30)
     assert capsys.readouterr().out.startswith(f"30 frames of the game, from frame {start} on, in ")
-    assert main(["replay", "render", "b.a26", "-o", "a.jpg", "--frame", "3"]) == 1
+    assert main(["replay", "render", "b.a26r", "-o", "a.jpg", "--frame", "3"]) == 1
     assert ".mp4" in capsys.readouterr().err  # the endings that there are
 
 
 @pytest.mark.parametrize(
-    "words", [["record", "breakout", "--seconds", "1"], ["demo", "--steps", "12"], ["replay", "render", "b.a26"]]
+    "words", [["record", "breakout", "--seconds", "1"], ["demo", "--steps", "12"], ["replay", "render", "b.a26r"]]
 )
 def test_slow_motion_and_a_picture(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     if words[0] == "replay":
-        record(Path("b.a26"), "breakout", 12)
+        record(Path("b.a26r"), "breakout", 12)
         assert main([*words, "-o", "a.mkv", "--speed", "0.25", "--scale", "1"]) == 0
         assert main([*words, "-o", "a.png", "--frame", "20", "--scale", "1"]) == 0
         assert capsys.readouterr().out.endswith(f"frame 20 in {Path('a.png').resolve()}\n")
     else:
-        outputs = ["-o", "a.mkv", "-o", "a.png", "-o", "b.a26", "-o", "%03d.png"]
+        outputs = ["-o", "a.mkv", "-o", "a.png", "-o", "b.a26r", "-o", "%03d.png"]
         assert main([*words, *outputs, "--speed", "0.25", "--frame", "20", "--scale", "1"]) == 0
-    replay = Replay.load("b.a26")
+    replay = Replay.load("b.a26r")
     assert frame_times(Path("a.mkv")) == pytest.approx([4 * i / NTSC for i in range(replay.frames_total)], abs=0.0011)
     (shown,) = replay.frames(20, 21)
     assert np.array_equal(cv2.imread("a.png")[..., ::-1], shown.screen.repeat(2, axis=1))
 
 
 def test_the_picture_of_a_video_without_a_choice_is_its_last_frame() -> None:
-    assert main(["record", "breakout", "--episodes", "2", "--best", "-o", "a.png", "-o", "b.a26", "--scale", "1"]) == 0
-    replay = Replay.load("b.a26")
+    assert main(["record", "breakout", "--episodes", "2", "--best", "-o", "a.png", "-o", "b.a26r", "--scale", "1"]) == 0
+    replay = Replay.load("b.a26r")
     *_, last = (frame for frame in replay.frames() if frame.episode == replay.best_episode)
     assert np.array_equal(cv2.imread("a.png")[..., ::-1], last.screen.repeat(2, axis=1))
-    assert main(["record", "breakout", "--policy", "b.a26", "--frame", "best", "-o", "c.png"]) == 0
+    assert main(["record", "breakout", "--policy", "b.a26r", "--frame", "best", "-o", "c.png"]) == 0
     assert Path("c.png").exists()
 
 
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["-o", "a.a26", "--speed", "2"], "--speed is for a video, and the command writes a.a26; leave it out"),
+        (["-o", "a.a26r", "--speed", "2"], "--speed is for a video, and the command writes a.a26r; leave it out"),
         (["-o", "a.png", "-o", "%03d.png", "--speed", "2"], "--speed is for a video, and the command writes a.png, "),
         (
             ["-o", "a.mp4", "--frame", "3"],
@@ -68,10 +68,10 @@ def test_the_picture_of_a_video_without_a_choice_is_its_last_frame() -> None:
         ),
         (["-o", "%03d.png", "--frame", "best"], "--frame is for a picture"),
         (["--frame", "0"], "--frame is for a picture, such as -o game.png, and the command writes videos/pong-0.mp4"),
-        (["-o", "a.a26", "--scale", "2"], "--scale is for a video or a picture, and the command writes a.a26"),
-        (["-o", "a.a26", "--overlay", "ram"], "--overlay is for a video or a picture"),
+        (["-o", "a.a26r", "--scale", "2"], "--scale is for a video or a picture, and the command writes a.a26r"),
+        (["-o", "a.a26r", "--overlay", "ram"], "--overlay is for a video or a picture"),
         (["-o", "a.gif", "-o", "a.png", "--no-sound"], "--no-sound is for a video with sound, and"),
-        (["-o", "a.a26", "--best"], "--best is for videos and pictures, and a replay has all games; leave it out"),
+        (["-o", "a.a26r", "--best"], "--best is for videos and pictures, and a replay has all games; leave it out"),
         (
             ["-o", "a.png", "--frame", "3", "--best"],
             "--frame 3 is a frame of all games; leave --best and --seconds out",
@@ -85,20 +85,20 @@ def test_options_without_effect(words: list[str], text: str, capsys: pytest.Capt
 
 
 def test_options_without_effect_in_other_commands(capsys: pytest.CaptureFixture[str]) -> None:
-    record(Path("a.a26"), "pong", 3)
+    record(Path("a.a26r"), "pong", 3)
     for words, text in (
         (["demo", "--no-video", "--speed", "2"], "--speed is for a video, and the command writes nothing"),
         (
-            ["replay", "render", "a.a26", "--frame", "1"],
+            ["replay", "render", "a.a26r", "--frame", "1"],
             "--frame is for a picture, such as -o game.png, and the command ",
         ),
-        (["replay", "render", "a.a26", "-o", "a.png", "--speed", "2"], "--speed is for a video"),
-        (["replay", "render", "a.a26", "-o", "a.gif", "--no-sound"], "--no-sound is for a video with sound"),
-        (["replay", "render", "a.a26", "-o", "a.png", "--frame", "3", "--stop", "5"], "leave episode, start and stop"),
-        (["record", "pong", "--policy", "a.a26", "-o", "a.png", "--frame", "3", "--seconds", "1"], "--seconds out"),
+        (["replay", "render", "a.a26r", "-o", "a.png", "--speed", "2"], "--speed is for a video"),
+        (["replay", "render", "a.a26r", "-o", "a.gif", "--no-sound"], "--no-sound is for a video with sound"),
+        (["replay", "render", "a.a26r", "-o", "a.png", "--frame", "3", "--stop", "5"], "leave episode, start and stop"),
+        (["record", "pong", "--policy", "a.a26r", "-o", "a.png", "--frame", "3", "--seconds", "1"], "--seconds out"),
     ):
         assert main(words) == 1
         assert text in capsys.readouterr().err
     assert main(["record", "pong", "--speed", "17"]) == 2
     assert "--speed: '17' is not a number within 0.05..16" in capsys.readouterr().err
-    assert [path.name for path in Path().iterdir()] == ["a.a26"]
+    assert [path.name for path in Path().iterdir()] == ["a.a26r"]

@@ -68,7 +68,7 @@ def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture
         (["xyz"], "invalid choice: 'xyz'"),
         (["replay", "verfy"], "did you mean 'verify'?"),
         (["replay", "verfy"], "usage: atari replay [-h]"),
-        (["replay", "verify", "a.a26", "--core", "plian"], "did you mean 'plain'?"),
+        (["replay", "verify", "a.a26r", "--core", "plian"], "did you mean 'plain'?"),
         (["record", "pong", "--secnds", "2"], "did you mean '--seconds'?"),
         (["record", "pong", "--protocol", "dopamine"], "unrecognized arguments: --protocol dopamine\n"),
         (["completion", "bsh"], "did you mean 'bash'?"),
@@ -81,7 +81,7 @@ def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture
         (["explain"], "arguments are required: GAME"),
         (["list", "--i"], "unrecognized arguments: --i"),
         (["record", "pong", "--secnds", "2"], "usage: atari record GAME [options]\n"),
-        (["replay", "show", "a.a26", "--core", "ale"], "usage: atari replay show FILE [options]\n"),
+        (["replay", "show", "a.a26r", "--core", "ale"], "usage: atari replay show FILE [options]\n"),
         (["roms", "identify"], "arguments are required: FILE"),
     ],
 )

@@ -5,20 +5,24 @@ from pathlib import Path
 import pytest
 from cli_tools import read_json
 
+import atari
+import atari.roms
 from atari.cli import main
 from atari.cli.arguments import find_game
 from atari.learning.evaluation.played import find_entries
 from atari.learning.options import TrainingOptions
+from atari.recording.replay.file_format import is_replay
 from atari.task.arguments import game_of
 
 CATCH = str(Path(__file__).parents[2] / "examples" / "catch" / "catch.toml")
-NAMES = {"pong": "pong", "ALE/Pong-v5": "pong", "PongNoFrameskip-v4": "pong", CATCH: "catch"}
+ROM = str(atari.roms.find("pong"))
+NAMES = {"pong": "pong", "ALE/Pong-v5": "pong", "PongNoFrameskip-v4": "pong", CATCH: "catch", ROM: "pong"}
 
 COMMANDS = {
     "info": ["info", "GAME"],
     "explain": ["explain", "GAME"],
     "demo": ["demo", "GAME", "--steps", "3", "--no-video"],
-    "record": ["record", "GAME", "--seconds", "0.1", "-o", "game.a26"],
+    "record": ["record", "GAME", "--seconds", "0.1", "-o", "game.a26r"],
     "verify": ["verify", "GAME", "--frames", "3", "--core", "plain", "--jobs", "1"],
     "roms verify": ["roms", "verify", "GAME"],
     "evaluate": ["evaluate", "random", "GAME", "--episodes", "1"],
@@ -27,7 +31,7 @@ COMMANDS = {
 """Commands that end by themselves, in little time."""
 
 
-@pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file"])
+@pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file", "rom"])
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_takes_every_kind_of_name(
     command: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -41,14 +45,14 @@ def test_a_command_takes_every_kind_of_name(
     assert NAMES[name] in out.lower() or command == "verify"
 
 
-@pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file"])
+@pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file", "rom"])
 def test_the_other_commands_resolve_names_alike(name: str) -> None:
     """`play` and `lab` call `find_game`, and `watch` and `collect` `find_entries`."""
     assert find_game(name).id == NAMES[name]
     assert find_entries(game_of(name))[0].id == NAMES[name]
 
 
-@pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file"])
+@pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file", "rom"])
 def test_a_training_resolves_names(name: str) -> None:
     assert TrainingOptions.of(game_of(name)).task.game == NAMES[name]
 
@@ -57,3 +61,41 @@ def test_a_game_of_ones_own_is_explained(capsys: pytest.CaptureFixture[str]) -> 
     assert main(["explain", CATCH]) == 0
     assert "Catch-v5 and Catch-ram-v5, after atari.register_game(" in capsys.readouterr().out
     assert read_json(capsys, "explain", CATCH)["ids"] == ["Catch-v5", "Catch-ram-v5"]
+
+
+def test_a_file_is_told_by_its_content(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The ending .a26 is the usual one of ROMs; a replay of this name opens all the same."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["record", "pong", "--policy", "noop", "--seconds", "0.1", "-o", "game.a26r"]) == 0
+    Path("game.a26r").rename("game.a26")
+    Path("Pong (1977).a26").write_bytes(Path(ROM).read_bytes())
+    assert is_replay("game.a26")
+    assert not is_replay("Pong (1977).a26")
+    for words in (["replay", "verify", "game.a26"], ["record", "pong", "--policy", "game.a26", "-o", "game.gif"]):
+        assert main(words) == 0
+    assert game_of("Pong (1977).a26") == "pong"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "text"),
+    [
+        ("mine.a26", bytes(4096), "a game of your own is named by its definition (.toml), with --rom mine.a26"),
+        (
+            "game.a26",
+            b"ATARIRPL" + bytes(99),
+            "game.a26 is another file or folder; name the game, and give a policy or",
+        ),
+    ],
+)
+def test_a_file_that_names_no_game(
+    name: str,
+    content: bytes,
+    text: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path(name).write_bytes(content)
+    assert main(["info", name]) == 1
+    assert text in capsys.readouterr().err

@@ -35,7 +35,7 @@ def test_names_of_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     file.write_text(definition.replace('"Breakout"', '"Break\\u001bout"'), encoding="utf-8")
     assert r"\x1b]0;changed\x07.toml: title has the control character '\x1b'" in printed(capsys, "info", str(file))
     assert r"\x1b]0" in printed(capsys, "info", f"{ESCAPE}.mp4")
-    assert r"\x1b]0" in printed(capsys, "replay", "show", f"{ESCAPE}.a26")
+    assert r"\x1b]0" in printed(capsys, "replay", "show", f"{ESCAPE}.a26r")
 
 
 def test_names_in_folders_and_archives(

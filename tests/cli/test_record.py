@@ -74,10 +74,10 @@ def record_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, An
 
 
 def test_a_video_and_a_replay_of_the_same_play(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    result = record_json(capsys, "breakout", "--seconds", "2", "-o", "a.mp4", "-o", "b/a.a26", "--scale", "1")
-    assert result["files"] == [str(folder / "a.mp4"), str(folder / "b" / "a.a26")]
+    result = record_json(capsys, "breakout", "--seconds", "2", "-o", "a.mp4", "-o", "b/a.a26r", "--scale", "1")
+    assert result["files"] == [str(folder / "a.mp4"), str(folder / "b" / "a.a26r")]
     assert (result["game"], result["policy"], result["seed"], result["frames"]) == ("breakout", "random", 0, 120)
-    replay = Replay.load("b/a.a26")
+    replay = Replay.load("b/a.a26r")
     assert replay.verify("ale")
     assert [episode.score for episode in replay.episodes] == result["scores"]
     with av.open("a.mp4") as container:
@@ -87,10 +87,10 @@ def test_a_video_and_a_replay_of_the_same_play(folder: Path, capsys: pytest.Capt
 
 
 def test_an_episode_is_a_game_and_the_default(capsys: pytest.CaptureFixture[str]) -> None:
-    result = record_json(capsys, "breakout", "-o", "a.a26", "--preset", "dqn2015", "--episodes", "2", "--seed", "3")
+    result = record_json(capsys, "breakout", "-o", "a.a26r", "--preset", "dqn2015", "--episodes", "2", "--seed", "3")
     assert len(result["scores"]) == 2
-    assert [episode.end for episode in Replay.load("a.a26").episodes] == ["game over"] * 2
-    again = record_json(capsys, "breakout", "-o", "b.a26", "--preset", "dqn2015", "--episodes", "2", "--seed", "3")
+    assert [episode.end for episode in Replay.load("a.a26r").episodes] == ["game over"] * 2
+    again = record_json(capsys, "breakout", "-o", "b.a26r", "--preset", "dqn2015", "--episodes", "2", "--seed", "3")
     assert (again["frames"], again["scores"]) == (result["frames"], result["scores"])
 
 
@@ -103,27 +103,27 @@ def test_the_default_output_is_a_video(folder: Path, capsys: pytest.CaptureFixtu
 
 @pytest.mark.parametrize("game", ["skiing", "PongNoFrameskip-v4"])
 def test_doing_nothing(game: str, capsys: pytest.CaptureFixture[str]) -> None:
-    record_json(capsys, game, "--policy", "noop", "--seconds", "0.5", "-o", "a.a26")
-    assert {frame.action for frame in Replay.load("a.a26").frames()} == {0}
+    record_json(capsys, game, "--policy", "noop", "--seconds", "0.5", "-o", "a.a26r")
+    assert {frame.action for frame in Replay.load("a.a26r").frames()} == {0}
 
 
 def test_functions_are_policies(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ("--seconds", "0.5", "-o", "a.a26")
+    words = ("--seconds", "0.5", "-o", "a.a26r")
     record_json(capsys, "breakout", "--policy", "policies_of_a_test:right", *words)
-    assert {frame.action for frame in Replay.load("a.a26").frames()} == {3}
+    assert {frame.action for frame in Replay.load("a.a26r").frames()} == {3}
     record_json(capsys, "breakout", "--policy", "policies_of_a_test:stacked", "--preset", "dqn2015", *words)
     record_json(capsys, "breakout", "--policy", "policies_of_a_test:both", "--sound-obs", *words)
     assert "" not in sys.path
 
 
 def test_a_function_with_a_task_plays_it(capsys: pytest.CaptureFixture[str]) -> None:
-    record_json(capsys, "pong", "--policy", "policies_of_a_test:of_ram", "-o", "a.a26")
-    assert Replay.load("a.a26").task.obs_type == "ram"
+    record_json(capsys, "pong", "--policy", "policies_of_a_test:of_ram", "-o", "a.a26r")
+    assert Replay.load("a.a26r").task.obs_type == "ram"
 
 
 @pytest.mark.parametrize("seamless", [False, True])
 def test_policies_hear_of_games_and_episodes(seamless: bool, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["breakout", "--policy", "policies_of_a_test:Listens", "-o", "a.a26", "--episodic-life"]
+    words = ["breakout", "--policy", "policies_of_a_test:Listens", "-o", "a.a26r", "--episodic-life"]
     words += ["--on-reset", "continue", *(["--seamless-lives"] if seamless else [])]
     result = record_json(capsys, *words, "--episodes", "2", "--seed", str(2**32 - 1))
     begun = sys.modules["policies_of_a_test"].Listens.begun
@@ -134,22 +134,22 @@ def test_policies_hear_of_games_and_episodes(seamless: bool, capsys: pytest.Capt
 
 
 def test_a_lost_life_that_begins_a_new_game_ends_the_one_before(capsys: pytest.CaptureFixture[str]) -> None:
-    record_json(capsys, "breakout", "--episodic-life", "--episodes", "2", "-o", "a.a26")
-    assert len(Replay.load("a.a26").episodes) == 2
+    record_json(capsys, "breakout", "--episodic-life", "--episodes", "2", "-o", "a.a26r")
+    assert len(Replay.load("a.a26r").episodes) == 2
 
 
 def test_random_games_are_those_of_their_seeds(capsys: pytest.CaptureFixture[str]) -> None:
-    both = record_json(capsys, "breakout", "--episodes", "2", "--seed", "3", "-o", "a.a26")
-    ones = [record_json(capsys, "breakout", "--seed", seed, "-o", "b.a26") for seed in ("3", "4")]
+    both = record_json(capsys, "breakout", "--episodes", "2", "--seed", "3", "-o", "a.a26r")
+    ones = [record_json(capsys, "breakout", "--seed", seed, "-o", "b.a26r") for seed in ("3", "4")]
     assert both["scores"] == [one["scores"][0] for one in ones]
     assert both["frames"] == sum(one["frames"] for one in ones)
 
 
 def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    record(folder / "a.a26", "pong", 40)
-    result = record_json(capsys, "pong", "--policy", "a.a26", "--no-sound")
+    record(folder / "a.a26r", "pong", 40)
+    result = record_json(capsys, "pong", "--policy", "a.a26r", "--no-sound")
     assert (result["frames"], result["files"]) == (160, [str(folder / "videos" / "pong-a.mp4")])
-    result = record_json(capsys, "pong", "--policy", "a.a26", "--seconds", "1", "-o", "b.mp4")
+    result = record_json(capsys, "pong", "--policy", "a.a26r", "--seconds", "1", "-o", "b.mp4")
     with av.open("b.mp4") as container:
         assert container.streams.video[0].frames == result["frames"] == 60
 
@@ -176,19 +176,19 @@ def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) 
         ),
         (["pong", "--policy", "policies_of_a_test:of_ram", "--steps", "9"], "plays whole games, with the ROM that is"),
         (["pong", "--continuous"], "continuous=True has no numbered actions, and a policy chooses one; leave it out"),
-        (["pong", "--policy", "none.a26"], "there is no file none.a26"),
+        (["pong", "--policy", "none.a26r"], "there is no file none.a26r"),
         (
-            ["./seaquest.a26"],
-            "./seaquest.a26 is another file or folder; name the game, and give a policy or a replay by",
+            ["./seaquest.a26r"],
+            "./seaquest.a26r is another file or folder; name the game, and give a policy or a replay by",
         ),
-        (["pong", "--policy", "seaquest.a26"], "seaquest.a26 is a replay of seaquest, not of pong"),
-        (["seaquest", "--policy", "seaquest.a26", "-o", "b.a26"], "a replay of a replay is its copy"),
-        (["pong", "-o", "a.avi"], "-o is a file that ends in one of .mp4, .mkv, .webm, .gif, .png, .a26, got 'a.avi'"),
+        (["pong", "--policy", "seaquest.a26r"], "seaquest.a26r is a replay of seaquest, not of pong"),
+        (["seaquest", "--policy", "seaquest.a26r", "-o", "b.a26r"], "a replay of a replay is its copy"),
+        (["pong", "-o", "a.avi"], "-o is a file that ends in one of .mp4, .mkv, .webm, .gif, .png, .a26r, got 'a.avi'"),
         (["backgammon", "--policy", "noop"], "(--actions full) adds it"),
-        (["ALE/Pong-v5", "--policy", "a.a26"], "what was played is in the replay a.a26; name the game alone, 'pong'"),
+        (["ALE/Pong-v5", "--policy", "a.a26r"], "what was played is in the replay a.a26r; name the game alone, 'pong'"),
         (
-            ["pong", "--policy", "a.a26", "--sticky", "0", "--preset", "dqn2015"],
-            "in the replay a.a26; leave repeat_action_probability, preset out",
+            ["pong", "--policy", "a.a26r", "--sticky", "0", "--preset", "dqn2015"],
+            "in the replay a.a26r; leave repeat_action_probability, preset out",
         ),
         (["pong", "--policy", "noop", "--policy", "noop"], "a second --policy needs --players"),
     ],
@@ -196,8 +196,8 @@ def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) 
 def test_what_cannot_be_done_is_one_line(
     words: list[str], text: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    record(folder / "seaquest.a26", "seaquest", 2)
-    record(folder / "a.a26", "pong", 2)
+    record(folder / "seaquest.a26r", "seaquest", 2)
+    record(folder / "a.a26r", "pong", 2)
     assert main(["record", *words]) == 1
     err = capsys.readouterr().err
     assert err.startswith("atari: error: ")
@@ -208,20 +208,20 @@ def test_what_cannot_be_done_is_one_line(
 def test_the_scores_of_a_part_of_a_replay_are_those_of_the_part(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    record(folder / "a.a26", "pong", 300)
-    result = record_json(capsys, "pong", "--policy", "a.a26", "--seconds", "2", "-o", "a.gif", "--scale", "1")
-    *_, last = Replay.load("a.a26").frames(0, result["frames"])
-    assert result["scores"] == [last.score] != [Replay.load("a.a26").episodes[0].score]
+    record(folder / "a.a26r", "pong", 300)
+    result = record_json(capsys, "pong", "--policy", "a.a26r", "--seconds", "2", "-o", "a.gif", "--scale", "1")
+    *_, last = Replay.load("a.a26r").frames(0, result["frames"])
+    assert result["scores"] == [last.score] != [Replay.load("a.a26r").episodes[0].score]
 
 
 def test_without_pyav_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setitem(sys.modules, "av", None)
     assert main(["record", "pong", "--seconds", "0.5"]) == 1
     assert "pip install 'av>=14'" in capsys.readouterr().err
-    record_json(capsys, "pong", "--seconds", "0.5", "-o", "a.a26")
+    record_json(capsys, "pong", "--seconds", "0.5", "-o", "a.a26r")
 
 
-@pytest.mark.parametrize("options", [["-o", "a.a26"], ["-o", "a.gif", "--best", "--scale", "1"]])
+@pytest.mark.parametrize("options", [["-o", "a.a26r"], ["-o", "a.gif", "--best", "--scale", "1"]])
 def test_ctrl_c_keeps_what_was_recorded(folder: Path, options: list[str]) -> None:
     words = [sys.executable, "-m", "atari", "record", "pong", "--policy", "slow:policy", *options]
     (folder / "slow.py").write_text(
@@ -240,7 +240,7 @@ def test_ctrl_c_keeps_what_was_recorded(folder: Path, options: list[str]) -> Non
         with av.open("a.gif") as container:
             assert sum(1 for _ in container.decode(video=0)) >= 330  # of 396 at 50 frames a second
         return
-    replay = Replay.load("a.a26")
+    replay = Replay.load("a.a26r")
     assert replay.complete
     assert replay.frames_total >= 396
 
@@ -249,9 +249,9 @@ CATCH = Path(__file__).parents[2] / "examples" / "catch"
 
 
 def test_a_game_definition_with_the_rom_beside_it(capsys: pytest.CaptureFixture[str]) -> None:
-    result = record_json(capsys, str(CATCH / "catch.toml"), "--seconds", "1", "-o", "catch.a26")
+    result = record_json(capsys, str(CATCH / "catch.toml"), "--seconds", "1", "-o", "catch.a26r")
     assert (result["game"], result["frames"]) == ("catch", 60)
-    assert Path("catch.a26").stat().st_size > 0
+    assert Path("catch.a26r").stat().st_size > 0
 
 
 def test_a_game_definition_with_its_rom_elsewhere(capsys: pytest.CaptureFixture[str]) -> None:
@@ -264,8 +264,8 @@ def test_a_game_definition_with_its_rom_elsewhere(capsys: pytest.CaptureFixture[
 
 def test_the_best_game_is_filmed(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["breakout", "--seed", "3", "--episodes", "3", "--best", "--scale", "1", "--overlay", "score,action,curve"]
-    result = record_json(capsys, *words, "-o", "best.gif", "-o", "all.a26")
-    replay = Replay.load("all.a26")
+    result = record_json(capsys, *words, "-o", "best.gif", "-o", "all.a26r")
+    replay = Replay.load("all.a26r")
     assert [episode.score for episode in replay.episodes] == result["scores"]
     best = result["scores"].index(max(result["scores"]))
     assert best == 1  # neither the first nor the last
@@ -275,14 +275,14 @@ def test_the_best_game_is_filmed(capsys: pytest.CaptureFixture[str]) -> None:
     alone = record_json(capsys, *words, "-o", "alone.gif")
     assert alone["scores"] == result["scores"]
     assert Path("alone.gif").read_bytes() == Path("best.gif").read_bytes()
-    assert sorted(path.name for path in Path().glob("*.a26")) == ["all.a26"]
+    assert sorted(path.name for path in Path().glob("*.a26r")) == ["all.a26r"]
 
 
 def test_wrong_videos_are_refused_before_the_games_are_played(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["record", "pong", "--best", "--seconds", "1", "-o", "%.png", "-o", "a.a26"]) == 1
+    assert main(["record", "pong", "--best", "--seconds", "1", "-o", "%.png", "-o", "a.a26r"]) == 1
     assert capsys.readouterr().err.count("\n") == 1
-    assert main(["record", "pong", "--best", "--seconds", "1", "-o", "a.gif", "--scale", "17", "-o", "a.a26"]) == 2
+    assert main(["record", "pong", "--best", "--seconds", "1", "-o", "a.gif", "--scale", "17", "-o", "a.a26r"]) == 2
     assert "--scale: '17' is not a whole number within 1..16" in capsys.readouterr().err
-    assert not Path("a.a26").exists()
+    assert not Path("a.a26r").exists()
     assert main(["record", "pong", "--overlay", "score,lives"]) == 2
     assert "'lives' is none of score, action, ram, curve" in capsys.readouterr().err

@@ -20,29 +20,29 @@ from atari.recording.video.overlay import CURVE_ROWS
 @pytest.fixture(autouse=True)
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
-    record(Path("a.a26"), "pong", 90, seed=1, max_num_frames_per_episode=200)
+    record(Path("a.a26r"), "pong", 90, seed=1, max_num_frames_per_episode=200)
     return tmp_path
 
 
 def tampered() -> str:
     """A replay with the hashes of another game."""
-    content = read("a.a26")
-    writer = ReplayFileWriter("b.a26", content.header)
+    content = read("a.a26r")
+    writer = ReplayFileWriter("b.a26r", content.header)
     for play in content.plays:
         short_hashes = bytes(mark ^ (play.first + i >= 250) for i, mark in enumerate(play.short_hashes))
         writer.play(play._replace(short_hashes=short_hashes))
     writer.end(content.end or {})
-    return "b.a26"
+    return "b.a26r"
 
 
 def test_show(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["replay", "show", "a.a26"]) == 0
+    assert main(["replay", "show", "a.a26r"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0] == "a.a26: Pong"
+    assert lines[0] == "a.a26r: Pong"
     assert lines[1].startswith("  length    360 frames, 0:06.0, ")
     assert lines[2].startswith("  recorded  AtariEnv on core 'native', atari-envs ")
     assert "max_num_frames_per_episode=200" in lines[3]
-    seeds = ", ".join(map(str, Replay.load("a.a26").seeds))
+    seeds = ", ".join(map(str, Replay.load("a.a26r").seeds))
     assert lines[4] == f"  seeds     {seeds} (of the core, which a reset draws from its own seed)"
     assert lines[-3].split() == ["episode", "frames", "time", "score", "end"]
     assert [line.split()[:3] + line.split()[4:] for line in lines[-2:]] == [
@@ -52,11 +52,11 @@ def test_show(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_show_as_json(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["replay", "show", "a.a26", "--json"]) == 0
+    assert main(["replay", "show", "a.a26r", "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)
     assert (shown["game"], shown["complete"], shown["frames"], shown["format"]) == ("pong", True, 360, 1)
     assert [episode["frames"] for episode in shown["episodes"]] == [200, 160]
-    replay = Replay.load("a.a26")
+    replay = Replay.load("a.a26r")
     assert (shown["steps"], shown["core_seeds"]) == (replay.steps, list(replay.seeds))
     assert shown["task"]["max_num_frames_per_episode"] == 200
 
@@ -64,26 +64,26 @@ def test_show_as_json(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize("core", ["native", "plain", "ale"])
 def test_verify(core: str, capsys: pytest.CaptureFixture[str]) -> None:
     atari.AtariEnv("pong", core=core).close()  # with an ale-py too old for `core="ale"`, the test ends here
-    assert main(["replay", "verify", "a.a26", "--core", core]) == 0
-    assert capsys.readouterr().out == f"a.a26: equal, 360 frames on core '{core}'\n"
+    assert main(["replay", "verify", "a.a26r", "--core", core]) == 0
+    assert capsys.readouterr().out == f"a.a26r: equal, 360 frames on core '{core}'\n"
 
 
 def test_a_difference_is_1_and_names_the_frame(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["replay", "verify", "a.a26", tampered()]) == 1
+    assert main(["replay", "verify", "a.a26r", tampered()]) == 1
     assert capsys.readouterr().out.splitlines() == [
-        "a.a26: equal, 360 frames on core 'native'",
-        "b.a26: frame 250 differs in RAM; it may have begun at frame 240, 251 frames on core 'native'",
+        "a.a26r: equal, 360 frames on core 'native'",
+        "b.a26r: frame 250 differs in RAM; it may have begun at frame 240, 251 frames on core 'native'",
     ]
-    assert main(["replay", "verify", "b.a26", "--json"]) == 1
+    assert main(["replay", "verify", "b.a26r", "--json"]) == 1
     (result,) = json.loads(capsys.readouterr().out)
     assert result["equal"] is False
     assert result["divergence"] == {"frame": 250, "since": 240, "what": "RAM"}
 
 
 def test_render(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["replay", "render", "a.a26", "--stop", "40"]) == 0
+    assert main(["replay", "render", "a.a26r", "--stop", "40"]) == 0
     assert capsys.readouterr().out == f"40 frames in {Path('a.mp4').resolve()}\n"
-    assert main(["replay", "render", "a.a26", "-o", "b.mkv", "--scale", "1", "--start", "300", "--stop", "999"]) == 0
+    assert main(["replay", "render", "a.a26r", "-o", "b.mkv", "--scale", "1", "--start", "300", "--stop", "999"]) == 0
     for name, size, frames in (("a.mp4", (640, 420), 40), ("b.mkv", (320, 210), 60)):
         with av.open(name) as container:
             video = container.streams.video[0]
@@ -92,29 +92,29 @@ def test_render(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_a_cut_replay_is_a_warning_of_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    data = Path("a.a26").read_bytes()
-    Path("a.a26").write_bytes(data[:-20])
-    assert main(["replay", "show", "a.a26"]) == 0
+    data = Path("a.a26r").read_bytes()
+    Path("a.a26r").write_bytes(data[:-20])
+    assert main(["replay", "show", "a.a26r"]) == 0
     captured = capsys.readouterr()
-    assert captured.err == "atari: warning: a.a26 was cut while it was recorded; its first 360 frames are whole\n"
+    assert captured.err == "atari: warning: a.a26r was cut while it was recorded; its first 360 frames are whole\n"
     assert "cut while it was recorded" in captured.out
 
 
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["show", "none.a26"], "there is no file none.a26; check the path"),
+        (["show", "none.a26r"], "there is no file none.a26r; check the path"),
         (["verify", "text.txt"], "text.txt is no replay of atari-envs"),
-        (["render", "a.a26", "-o", "a.avi"], "must end in one of"),
-        (["render", "a.a26", "--start", "360"], "there are no frames to render: the replay has 360 frames"),
-        (["show", "damaged.a26"], "the replay is damaged at offset 8"),
+        (["render", "a.a26r", "-o", "a.avi"], "must end in one of"),
+        (["render", "a.a26r", "--start", "360"], "there are no frames to render: the replay has 360 frames"),
+        (["show", "damaged.a26r"], "the replay is damaged at offset 8"),
     ],
 )
 def test_what_cannot_be_done_is_one_line(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
     Path("text.txt").write_text("hello")
-    data = bytearray(Path("a.a26").read_bytes())
+    data = bytearray(Path("a.a26r").read_bytes())
     data[40] ^= 1
-    Path("damaged.a26").write_bytes(data)
+    Path("damaged.a26r").write_bytes(data)
     assert main(["replay", *words]) == 1
     err = capsys.readouterr().err
     assert err.startswith("atari: error: ")
@@ -123,33 +123,33 @@ def test_what_cannot_be_done_is_one_line(words: list[str], text: str, capsys: py
 
 
 def test_rewound_frames_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
-    session = Session("pong", replay=Path("rewound.a26"), seed=1)
+    session = Session("pong", replay=Path("rewound.a26r"), seed=1)
     for _ in range(100):
         session.play(session.legal_actions[0])
     assert session.rewind()
     session.close()
-    assert main(["replay", "show", "rewound.a26", "--json"]) == 0
+    assert main(["replay", "show", "rewound.a26r", "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
     (episode,) = facts["episodes"]
     assert facts["frames"] == 100
     assert episode["frames"] + facts["frames_rewound"] == 100
     assert facts["frames_rewound"] > 0
-    assert main(["replay", "show", "rewound.a26"]) == 0
+    assert main(["replay", "show", "rewound.a26r"]) == 0
     assert f"{facts['frames_rewound']} frames of it played and then rewound" in capsys.readouterr().out
 
 
 def test_an_episode_alone(capsys: pytest.CaptureFixture[str]) -> None:
-    replay = Replay.load("a.a26")
+    replay = Replay.load("a.a26r")
     best = replay.best_episode
     assert [episode.frames for episode in replay.episodes] == [200, 160]
-    assert main(["replay", "render", "a.a26", "-o", "1.mkv", "--episode", "1", "--scale", "1"]) == 0
+    assert main(["replay", "render", "a.a26r", "-o", "1.mkv", "--episode", "1", "--scale", "1"]) == 0
     assert capsys.readouterr().out.startswith("160 frames in ")
     expected = [frame.screen for frame in replay.frames(200)]
     assert all(
         np.array_equal(shown[:, ::2], screen)
         for shown, screen in zip(video_frames(Path("1.mkv")), expected, strict=True)
     )
-    assert main(["replay", "render", "a.a26", "-o", "best.mkv", "--episode", "best", "--overlay", "score,curve"]) == 0
+    assert main(["replay", "render", "a.a26r", "-o", "best.mkv", "--episode", "best", "--overlay", "score,curve"]) == 0
     frames = video_frames(Path("best.mkv"))
     assert len(frames) == replay.episodes[best].frames
     assert frames[0].shape == ((210 + CURVE_ROWS) * 2 + 16, 640, 3)
@@ -157,10 +157,10 @@ def test_an_episode_alone(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize(("start", "first"), [("best", None), ("30", 30)])
 def test_seconds_from_a_start(capsys: pytest.CaptureFixture[str], start: str, first: int | None) -> None:
-    replay = Replay.load("a.a26")
+    replay = Replay.load("a.a26r")
     first = replay.best_start(60) if first is None else first
     assert (
-        main(["replay", "render", "a.a26", "-o", "part.mkv", "--start", start, "--seconds", "1", "--scale", "1"]) == 0
+        main(["replay", "render", "a.a26r", "-o", "part.mkv", "--start", start, "--seconds", "1", "--scale", "1"]) == 0
     )
     where = f", from frame {first} on," if start == "best" else ""
     assert capsys.readouterr().out.startswith(f"60 frames{where} in ")
@@ -180,7 +180,7 @@ def test_seconds_from_a_start(capsys: pytest.CaptureFixture[str], start: str, fi
     ],
 )
 def test_a_wrong_part(capsys: pytest.CaptureFixture[str], words: list[str], message: str) -> None:
-    assert main(["replay", "render", "a.a26", "-o", "a.gif", *words]) == 1
+    assert main(["replay", "render", "a.a26r", "-o", "a.gif", *words]) == 1
     assert message in capsys.readouterr().err
     assert not Path("a.gif").exists()
 
@@ -194,16 +194,16 @@ def test_a_wrong_part(capsys: pytest.CaptureFixture[str], words: list[str], mess
     ],
 )
 def test_flags_that_cannot_be_read(capsys: pytest.CaptureFixture[str], words: list[str], message: str) -> None:
-    assert main(["replay", "render", "a.a26", *words]) == 2
+    assert main(["replay", "render", "a.a26r", *words]) == 2
     assert message in capsys.readouterr().err
 
 
 def test_the_best_part_of_an_episode(capsys: pytest.CaptureFixture[str]) -> None:
-    replay = Replay.load("a.a26")
+    replay = Replay.load("a.a26r")
     first = replay.best_start(60, episode=1)
     assert first >= replay.episodes[0].frames
     words = ["--episode", "1", "--start", "best", "--seconds", "1", "--scale", "1"]
-    assert main(["replay", "render", "a.a26", "-o", "part.mkv", *words]) == 0
+    assert main(["replay", "render", "a.a26r", "-o", "part.mkv", *words]) == 0
     assert capsys.readouterr().out.startswith(f"60 frames, from frame {first} on, in ")
     assert np.array_equal(video_frames(Path("part.mkv"))[0][:, ::2], next(replay.frames(first)).screen)
     with pytest.raises(ValueError, match="frames must be within"):

@@ -42,10 +42,10 @@ def dataset(cluster: Any, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_rows_are_those_of_one_process(dataset: Path, tmp_path: Path) -> None:
-    record_games(load_policy("random"), GAME, "baselines", SEEDS, tmp_path / "games.a26")
+    record_games(load_policy("random"), GAME, "baselines", SEEDS, tmp_path / "games.a26r")
     task = Task.of(GAME, preset="baselines", reward_clipping=False)
     facts = {"task": json.loads(task.to_json()), "policy": "random"}
-    here = write_dataset(tmp_path / "games.a26", tmp_path / "here.parquet", facts=facts, **OPTIONS)
+    here = write_dataset(tmp_path / "games.a26r", tmp_path / "here.parquet", facts=facts, **OPTIONS)
     expected, rows = parquet.read_table(tmp_path / "here.parquet"), parquet.read_table(dataset)
     assert rows.drop_columns("episode").equals(expected.drop_columns("episode"))
     assert rows["episode"].to_pylist() == [SEEDS[number] for number in expected["episode"].to_pylist()]
@@ -195,5 +195,5 @@ def test_the_command(cluster: Any, dataset: Path, tmp_path: Path, monkeypatch: p
     assert json.loads(capsys.readouterr().out)["played"] == 0
     expected = digests(dataset)
     assert digests(Path("games.parquet")) == {name: expected[name] for name in list(expected)[:2]}
-    assert main([*words, "--policy", "a.a26"]) == 1
+    assert main([*words, "--policy", "a.a26r"]) == 1
     assert "leave out --ray" in capsys.readouterr().err

@@ -134,14 +134,14 @@ def probed(seed: int) -> Any:
 
 
 def replayed(seed: int, folder: Path) -> Any:
-    path = folder / f"{seed}.a26"
+    path = folder / f"{seed}.a26r"
     with RecordReplay(atari.AtariEnv("pong"), path) as env:
         env.reset(seed=seed)
         env.step(2)
-    with closing(RecordReplay(atari.AtariVectorEnv("pong", 2), folder / f"vector-{seed}.a26", index=1)) as envs:
+    with closing(RecordReplay(atari.AtariVectorEnv("pong", 2), folder / f"vector-{seed}.a26r", index=1)) as envs:
         envs.reset(seed=seed)
         envs.step(np.zeros(2, int))
-    replays = [atari.recording.Replay.load(folder / name) for name in (path.name, f"vector-{seed}.a26")]
+    replays = [atari.recording.Replay.load(folder / name) for name in (path.name, f"vector-{seed}.a26r")]
     assert all(replay.verify() for replay in replays)
     return [replay.seeds for replay in replays]
 
@@ -216,11 +216,11 @@ def test_compare_and_recorded_games(seed: int, tmp_path: Path) -> None:
     first = evaluate("noop", "pong", SHORT, episodes=1, seed=seed)
     second = evaluate("random", "pong", SHORT, episodes=1, seed=seed)
     assert str(compare([first, second], seed=seed, repetitions=20, mixed=True))
-    assert len(record_games("noop", "pong", SHORT, [seed], tmp_path / "a.a26")) == 1
+    assert len(record_games("noop", "pong", SHORT, [seed], tmp_path / "a.a26r")) == 1
 
 
 COMMANDS = (
-    "record pong --policy random --steps 2 -o {out}.a26 --seed {seed}",
+    "record pong --policy random --steps 2 -o {out}.a26r --seed {seed}",
     "causes pong --states 2 --values 1 --frames 2 --seed {seed}",
     "evaluate noop pong --protocol dopamine --episodes 1 --seed {seed}",
     "collect pong --policy noop --episodes 1 -o {out}.h5 --seed {seed}",
@@ -240,7 +240,7 @@ def test_commands(command: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", OUTSIDE)
 def test_commands_name_the_range(seed: int, tmp_path: Path) -> None:
-    words = ["record", "pong", "--policy", "random", "--steps", "1", "-o", "a.a26", f"--seed={seed}"]
+    words = ["record", "pong", "--policy", "random", "--steps", "1", "-o", "a.a26r", f"--seed={seed}"]
     done = subprocess.run([sys.executable, "-m", "atari", *words], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 2
     assert f"a seed must be within 0..4294967295, got {seed}" in done.stderr

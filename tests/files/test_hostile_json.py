@@ -106,15 +106,15 @@ def of_core_snapshot(folder: Path) -> Reader:
 
 def replay_with(folder: Path, kind: bytes) -> Reader:
     """A reader of one kind of chunk of a replay."""
-    with RecordReplay(atari.AtariEnv("pong", interventions=["lazy_enemy"]), folder / "a.a26") as env:
+    with RecordReplay(atari.AtariEnv("pong", interventions=["lazy_enemy"]), folder / "a.a26r") as env:
         env.reset(seed=0)
         env.step(2)
-    chunks = list(file_format._chunks(folder / "a.a26"))
+    chunks = list(file_format._chunks(folder / "a.a26r"))
     (good,) = [json.loads(payload) for _, one, payload in chunks if one == kind]
 
     def read(text: bytes) -> None:
         packed = (file_format._chunk(one, text if one == kind else payload) for _, one, payload in chunks)
-        replay = Replay.load(written(folder / "b.a26", b"ATARIRPL" + b"".join(packed)))
+        replay = Replay.load(written(folder / "b.a26r", b"ATARIRPL" + b"".join(packed)))
         assert isinstance(replay.episodes, tuple)
         assert replay.facts
         assert replay.task

@@ -64,8 +64,8 @@ def exported(file: Path) -> None:
 
 
 def data_set(file: Path) -> None:
-    replay(file.with_name("source.a26"))
-    write_dataset(file.with_name("source.a26"), file, frames="grayscale", labels=[])
+    replay(file.with_name("source.a26r"))
+    write_dataset(file.with_name("source.a26r"), file, frames="grayscale", labels=[])
 
 
 WRITERS: dict[str, Callable[[Path], Any]] = {
@@ -76,7 +76,7 @@ WRITERS: dict[str, Callable[[Path], Any]] = {
     "map.png": lambda file: write_png(causes("breakout", 1, 1, 1, threads=1), file),
     "difference-pong-0-3.json": lambda file: verify.Difference(verify.Run("pong"), 3).write(file.parent),
     "screen.png": screen,
-    "a.a26": replay,
+    "a.a26r": replay,
     "a.mp4": video,
     "p000000.png": numbered_pictures,
     "a.state": saved_state,
@@ -102,7 +102,7 @@ def test_a_planted_link_is_not_followed(name: str, tmp_path: Path) -> None:
 
 
 READERS: dict[str, Callable[[Path], Any]] = {
-    "a.a26": lambda file: (Replay.load(file).header, Replay.load(file).episodes),
+    "a.a26r": lambda file: (Replay.load(file).header, Replay.load(file).episodes),
     "a.state": lambda file: Session("breakout", state=file).load(),
     "map.npz": lambda file: [vars(byte) | {"pixels": byte.pixels.tolist()} for byte in causal_files.load(file).bytes],
 }

@@ -117,6 +117,18 @@ def test_the_rom_beside_the_definition_is_found(tmp_path: Path) -> None:
         atari.AtariEnv(tmp_path / "mine.toml")
 
 
+def test_a_replay_beside_the_definition_is_no_rom(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(RULES.read_text())
+    env = atari.recording.RecordReplay(atari.AtariEnv(tmp_path / "mine.toml", rom=IMAGE), tmp_path / "mine.a26r")
+    env.reset(seed=0)
+    env.close()
+    (tmp_path / "mine.a26r").rename(tmp_path / "mine.a26")
+    with pytest.raises(FileNotFoundError, match="the game 'mine' names no hash to search for"):
+        atari.AtariEnv(tmp_path / "mine.toml")
+    with pytest.raises(ValueError, match=r"mine\.a26 is a replay, not a ROM file; `atari replay show "):
+        atari.AtariEnv(tmp_path / "mine.toml", rom=tmp_path / "mine.a26")
+
+
 def test_where_a_game_lies_makes_it_no_other_game(tmp_path: Path) -> None:
     (tmp_path / "catch.toml").write_text(RULES.read_text())
     assert atari.games.resolve(tmp_path / "catch.toml") == atari.games.resolve(RULES)

@@ -31,7 +31,7 @@ AROUND: dict[str, Callable[[Any, Path], Any]] = {
     "Poke": lambda env, folder: Poke(env, {49: 1}),
     "Watch": lambda env, folder: Watch(env, "lives"),
     "RamLabels": lambda env, folder: RamLabels(env),
-    "RecordReplay": lambda env, folder: RecordReplay(env, folder / "a.a26"),
+    "RecordReplay": lambda env, folder: RecordReplay(env, folder / "a.a26r"),
     "RecordVideo": lambda env, folder: RecordVideo(env, folder),
 }
 

@@ -21,7 +21,7 @@ STEPS = 40
 
 def recorded(folder: Path, game: str = "breakout", **options: Any) -> tuple[Path, dict[str, list[Any]]]:
     """A replay, and what the environment returned while it was recorded."""
-    env = RecordReplay(atari.AtariEnv(game, **options), folder / f"{game}.a26")
+    env = RecordReplay(atari.AtariEnv(game, **options), folder / f"{game}.a26r")
     ram = Ram(env)
     columns: dict[str, list[Any]] = {"frames": [], "ram": [], "actions": [], "rewards": [], "ball_x": []}
 
@@ -179,7 +179,7 @@ def test_what_is_refused_writes_nothing(
     replay, _ = recorded(tmp_path)
     with pytest.raises(error, match=text):
         write_dataset(replay, tmp_path / output if "." in output else output, **options)
-    assert [path.name for path in tmp_path.iterdir()] == ["breakout.a26"]
+    assert [path.name for path in tmp_path.iterdir()] == ["breakout.a26r"]
 
 
 def test_an_existing_file_stays(tmp_path: Path) -> None:

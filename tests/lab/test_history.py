@@ -24,7 +24,7 @@ def record(path: Path, steps: int) -> np.ndarray:
 
 
 def test_a_replay_has_a_state_after_each_frame(tmp_path: Path) -> None:
-    path = tmp_path / "a.a26"
+    path = tmp_path / "a.a26r"
     rows = record(path, 30)
     for source in (path, str(path), Replay.load(path)):
         states = recorded(source)
@@ -61,8 +61,8 @@ def test_other_arrays_are_refused(array: np.ndarray, error: type[Exception]) -> 
 
 
 def test_a_file_that_is_no_replay(tmp_path: Path) -> None:
-    (tmp_path / "a.a26").write_bytes(b"no")
+    (tmp_path / "a.a26r").write_bytes(b"no")
     with pytest.raises(ValueError, match="replay"):
-        Search(tmp_path / "a.a26")
+        Search(tmp_path / "a.a26r")
     with pytest.raises(FileNotFoundError):
-        Search(tmp_path / "b.a26")
+        Search(tmp_path / "b.a26r")

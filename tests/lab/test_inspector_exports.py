@@ -36,7 +36,7 @@ def test_a_replay_holds_bytes_in_no_frame_before_their_freeze(tmp_path: Path) ->
     play(session, 60)
     session.freeze(PADDLE, 60)
     play(session, 20)
-    path = export.write_replay(session, tmp_path / "a.a26")
+    path = export.write_replay(session, tmp_path / "a.a26r")
     seen = [int(session.main.ram_at(frame)[PADDLE]) for frame in range(1, 81)]
     assert len(set(seen[:60])) > 1
     assert seen[60:] == [60] * 20
@@ -61,7 +61,7 @@ def test_replay_of_what_was_played(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(replay_module, "_CHUNKS_PER_CHECKPOINT", 1)
     session = new_session()
     with pytest.raises(ValueError, match="no frame was played"):
-        export.write_replay(session, tmp_path / "a.a26")
+        export.write_replay(session, tmp_path / "a.a26r")
     play(session, 100)
     session.freeze(LIVES, 1)
     play(session, 200)
@@ -72,7 +72,7 @@ def test_replay_of_what_was_played(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     session.release(PADDLE)
     session.poke(PADDLE, 90)
     play(session, 50)
-    path = export.write_replay(session, tmp_path / "a.a26")
+    path = export.write_replay(session, tmp_path / "a.a26r")
     replay = Replay.load(path)
     assert replay.verify()
     again = session_of_replay(path)
@@ -92,7 +92,7 @@ def test_replay_of_what_was_played(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 def test_a_replay_with_sticky_actions_seeds_and_rewinding(tmp_path: Path) -> None:
     env = AtariEnv("pong")
-    recording = RecordReplay(env, tmp_path / "pong.a26")
+    recording = RecordReplay(env, tmp_path / "pong.a26r")
     recording.reset(seed=3)
     rams = []
     for step in range(60):
@@ -103,7 +103,7 @@ def test_a_replay_with_sticky_actions_seeds_and_rewinding(tmp_path: Path) -> Non
             env.restore(saved)
         rams.append(env.core.ram())
     recording.close()
-    session = session_of_replay(tmp_path / "pong.a26")
+    session = session_of_replay(tmp_path / "pong.a26r")
     assert session.main.end == 241
     session.seek(241)
     assert_array_equal(session.ram(), rams[-1])

@@ -73,7 +73,7 @@ def test_an_error_of_an_export_is_an_answer(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr("atari.lab.inspector.export.write", lambda *arguments: {}["no"])
 
     async def use(inspector: Inspector, client: Any) -> None:
-        async with client.get(inspector.url + "export/replay.a26") as response:
+        async with client.get(inspector.url + "export/replay.a26r") as response:
             assert (response.status, await response.text()) == (500, "'no'")
         assert "KeyError('no')" in inspector.session.error
 

@@ -33,7 +33,7 @@ def test_only_the_token_opens_the_page() -> None:
             "/inspector.js",
             f"/{wrong}/",
             f"/{wrong}/ws",
-            f"/{wrong}/export/replay.a26",
+            f"/{wrong}/export/replay.a26r",
             "/%C3%A9/",
             "/x/y/z/",
         ]
@@ -157,12 +157,12 @@ def test_a_second_tab_is_told_and_can_take_the_session_over() -> None:
 
 def test_exports() -> None:
     async def use(inspector: Inspector, client: Any) -> None:
-        async with client.get(inspector.url + "export/replay.a26") as response:
+        async with client.get(inspector.url + "export/replay.a26r") as response:
             assert (response.status, await response.text()) == (400, "no frame was played; there is nothing to export")
         inspector.session.step(30)
-        async with client.get(inspector.url + "export/replay.a26") as response:
+        async with client.get(inspector.url + "export/replay.a26r") as response:
             assert response.status == 200
-            assert response.headers["Content-Disposition"] == 'attachment; filename="breakout-replay.a26"'
+            assert response.headers["Content-Disposition"] == 'attachment; filename="breakout-replay.a26r"'
             assert len(await response.read()) > 100
         async with client.get(inspector.url + "export/clip.mp4?start=x&stop=2") as response:
             assert response.status == 400
@@ -186,12 +186,12 @@ def test_a_taken_port_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> Non
     [
         (["pon"], "did you mean 'pong'?"),
         (["pong", "--agent", "nothing:here"], "nothing:here cannot be imported"),
-        (["nothing.a26"], "nothing.a26"),
+        (["nothing.a26r"], "nothing.a26r"),
         (["."], "no run folder"),
         ([".", "--rom", "a.bin"], "leave --agent and --rom out"),
         ([".", "--sticky", "0.25"], ". says what is played; leave --repeat-action-probability out"),
-        (["game.a26", "--seed", "1"], "game.a26 says what is played; leave --seed out"),
-        (["game.a26", "--mode", "1"], "game.a26 says what is played; leave --mode out"),
+        (["game.a26r", "--seed", "1"], "game.a26r says what is played; leave --seed out"),
+        (["game.a26r", "--mode", "1"], "game.a26r says what is played; leave --mode out"),
     ],
 )
 def test_mistakes_on_the_command_line(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -32,7 +32,7 @@ def test_export(monkeypatch: pytest.MonkeyPatch, tmp_path: object) -> None:
     assert shown.export(str(tmp_path)) == []
     shown.session.freeze(50, 3)
     shown.session.step(10)
-    assert [path.name for path in shown.export(str(tmp_path))] == ["pong-interventions.toml", "pong.a26"]
+    assert [path.name for path in shown.export(str(tmp_path))] == ["pong-interventions.toml", "pong.a26r"]
 
 
 def test_the_bundle_is_one_module() -> None:

@@ -198,13 +198,13 @@ def test_vector_snapshots_and_forks() -> None:
 
 @pytest.mark.parametrize("interventions", [["lazy_enemy"], [RANDOM]])
 def test_replays_have_them_and_verify(tmp_path: Path, interventions: list[Any]) -> None:
-    env = RecordReplay(atari.AtariEnv("pong", interventions=interventions), tmp_path / "x.a26")
+    env = RecordReplay(atari.AtariEnv("pong", interventions=interventions), tmp_path / "x.a26r")
     env.reset(seed=1)
     for step in range(200):
         env.step(step % 6)
     ram = env.unwrapped.core.ram()  # type: ignore[attr-defined]
     env.close()
-    replay = Replay.load(tmp_path / "x.a26")
+    replay = Replay.load(tmp_path / "x.a26r")
     assert replay.verify()
     assert replay.verify("plain")
     assert (replay.seek(replay.frames_total).ram() == ram).all()
@@ -216,12 +216,12 @@ def test_replays_have_them_and_verify(tmp_path: Path, interventions: list[Any]) 
 
 
 def test_a_replay_of_other_writes_differs(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("pong", interventions=[RANDOM]), tmp_path / "x.a26")
+    env = RecordReplay(atari.AtariEnv("pong", interventions=[RANDOM]), tmp_path / "x.a26r")
     env.reset(seed=1)
     for step in range(200):
         env.step(step % 6)
     env.close()
-    replay = Replay.load(tmp_path / "x.a26")
+    replay = Replay.load(tmp_path / "x.a26r")
     replay.header["options"]["interventions"][0]["writes"][0]["value"] = "old + random(-3, 4)"
     assert not replay.verify()
 
@@ -233,28 +233,28 @@ def test_a_replay_chooses_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     forged = json.dumps({**json.loads(text), "interventions": wrong})
     with monkeypatch.context() as patch:
         patch.setattr(env, "ale_options", lambda: {**options, "interventions": wrong})
-        RecordReplay(env, tmp_path / "options.a26").close()
+        RecordReplay(env, tmp_path / "options.a26r").close()
     env = atari.AtariEnv("pong")
     with monkeypatch.context() as patch:
         patch.setattr("atari.recording.replay.recorder.to_short_json", lambda task: forged)
-        RecordReplay(env, tmp_path / "task.a26").close()
+        RecordReplay(env, tmp_path / "task.a26r").close()
     for name in ("options", "task"):
         with pytest.raises(ValueError, match="its header is wrong"):
-            Replay.load(tmp_path / f"{name}.a26")
+            Replay.load(tmp_path / f"{name}.a26r")
 
 
 def test_a_replay_without_them_has_no_such_option(tmp_path: Path) -> None:
-    RecordReplay(atari.AtariEnv("pong"), tmp_path / "x.a26").close()
-    assert "interventions" not in Replay.load(tmp_path / "x.a26").options
+    RecordReplay(atari.AtariEnv("pong"), tmp_path / "x.a26r").close()
+    assert "interventions" not in Replay.load(tmp_path / "x.a26r").options
 
 
 def test_a_vector_is_recorded_with_them(tmp_path: Path) -> None:
-    envs = RecordReplay(atari.AtariVectorEnv("pong", 2, interventions=["lazy_enemy"]), tmp_path / "x.a26", 1)
+    envs = RecordReplay(atari.AtariVectorEnv("pong", 2, interventions=["lazy_enemy"]), tmp_path / "x.a26r", 1)
     envs.reset(seed=0)
     for step in range(50):
         envs.step(np.full(2, step % 6))
     envs.close()
-    assert Replay.load(tmp_path / "x.a26").verify()
+    assert Replay.load(tmp_path / "x.a26r").verify()
 
 
 @pytest.mark.parametrize("game", ["pong", "breakout"])

@@ -29,7 +29,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 def test_train_writes_a_report(run: str) -> None:
     names = {path.name for path in Path(run).iterdir()}
-    assert {"config.json", "log.csv", "policy.pt", "checkpoint.pt", "best.a26", "best.mp4", "report.html"} <= names
+    assert {"config.json", "log.csv", "policy.pt", "checkpoint.pt", "best.a26r", "best.mp4", "report.html"} <= names
     task = json.loads(Path(run, "config.json").read_text())["task"]
     assert (task["actions"], task["img_height"]) == (["NOOP", "RIGHT", "LEFT"], 42)
 
@@ -48,8 +48,8 @@ def test_evaluate_and_record_a_run(run: str, tmp_path: Path, capsys: pytest.Capt
     assert main(["evaluate", run, "--protocol", "dqn2015", "--episodes", "1", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)["result"]
     assert result["training_frames"] == 512
-    shown = read_json(capsys, "record", "pong", "--policy", run, "--episodes", "2", "-o", str(tmp_path / "a.a26"))
-    assert [episode.score for episode in Replay.load(tmp_path / "a.a26").episodes] == shown["scores"]
+    shown = read_json(capsys, "record", "pong", "--policy", run, "--episodes", "2", "-o", str(tmp_path / "a.a26r"))
+    assert [episode.score for episode in Replay.load(tmp_path / "a.a26r").episodes] == shown["scores"]
 
 
 @pytest.mark.parametrize("obs", ["pixels", "ram"])
@@ -59,7 +59,7 @@ def test_a_run_plays_against_others(obs: str, run: str, tmp_path: Path, capsys: 
         assert main(["train", "--games", "0", "ppo", "Pong-ram-v4", *SMALL, "-o", run]) == 0
         capsys.readouterr()
     words = ["record", "pong", "--players", "2", "--policy", run, "--policy", "random", "--seconds", "8"]
-    replays = [tmp_path / "a.a26", tmp_path / "b.a26"]
+    replays = [tmp_path / "a.a26r", tmp_path / "b.a26r"]
     for replay in replays:
         shown = read_json(capsys, *words, "-o", str(replay))
         assert shown["policies"] == [run, "random"]

@@ -71,9 +71,9 @@ def test_the_policy_plays_the_same_games_whatever_the_lanes(run: RunFolder, tmp_
     scores = [evaluate(str(run.path), "pong", protocol, episodes=2, num_envs=lanes)["pong"] for lanes in (1, 2)]
     assert scores[0].scores == scores[1].scores
     seeds = scores[0].seeds
-    played = record_games(load_policy(run.path), "pong", protocol, seeds, tmp_path / "a.a26")
+    played = record_games(load_policy(run.path), "pong", protocol, seeds, tmp_path / "a.a26r")
     assert [score for score, _ in played] == list(scores[0].scores)
-    assert [episode.score for episode in Replay.load(tmp_path / "a.a26").episodes] == list(scores[0].scores)
+    assert [episode.score for episode in Replay.load(tmp_path / "a.a26r").episodes] == list(scores[0].scores)
 
 
 @pytest.mark.parametrize(("agent", "epsilon"), [("ppo", 0.0), ("pqn", 0.001), ("dqn", 0.3)])
@@ -135,7 +135,7 @@ def test_report(run: RunFolder) -> None:
     assert "http://" not in page.replace("http://www.w3.org", "").replace("http://purl.org", "").replace(
         "http://creativecommons.org", ""
     )
-    assert Replay.load(run.path / "best.a26").episodes[0].score == max(result["pong"].scores)
+    assert Replay.load(run.path / "best.a26r").episodes[0].score == max(result["pong"].scores)
     assert (run.path / "best.mp4").stat().st_size > 10_000
     assert json.loads((run.path / "evaluation.json").read_text())
 

@@ -166,7 +166,7 @@ def test_a_short_training_a_table_and_a_match(
     assert example.rank(folder, 1) == [steps[2], steps[1], steps[0]]
     pytest.importorskip("av")
     example.match(folder, 120, seed=0)
-    assert Replay.load(folder / "best.a26").verify()
+    assert Replay.load(folder / "best.a26r").verify()
     assert (folder / "best.mp4").stat().st_size > 1000
     assert f"{steps[2]} steps on the right, {steps[1]} on the left" in capsys.readouterr().out
 

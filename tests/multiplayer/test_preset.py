@@ -214,12 +214,12 @@ def test_interventions_are_played_and_recorded(tmp_path: Path) -> None:
 
     frozen = [{"name": "held", "description": "-", "source": "-", "writes": [{"to": "ball_x", "value": 80}]}]
     core, plain = (MultiplayerCore("pong", **options) for options in ({"interventions": frozen}, {}))
-    with RecordReplay(core, tmp_path / "a.a26") as match:
+    with RecordReplay(core, tmp_path / "a.a26r") as match:
         match.reset()
         for _ in range(100):
             match.act_players([1, 2])
     assert core.ram()[0x31] == 129
-    assert bool(Replay.load(tmp_path / "a.a26").verify())
+    assert bool(Replay.load(tmp_path / "a.a26r").verify())
     plain.reset()
     with pytest.raises(ValueError, match="was taken with interventions"):
         plain.restore(core.snapshot())

@@ -47,7 +47,7 @@ def test_recorders(tmp_path: Path) -> None:
     filmed = RecordVideo(playing(), tmp_path / "videos", step_trigger=never)
     other = pickle.loads(pickle.dumps(filmed))
     assert steps(other) == steps(filmed)
-    recorded = RecordReplay(playing(), tmp_path / "a.a26")
+    recorded = RecordReplay(playing(), tmp_path / "a.a26r")
     for duplicate in (copy.deepcopy, pickle.dumps):
         with pytest.raises(TypeError, match="RecordReplay writes a file and cannot be copied or pickled"):
             duplicate(recorded)

@@ -70,7 +70,7 @@ def assert_same(dataset: Any, episodes: list[dict[str, list[Any]]]) -> None:
 def test_the_loader_reads_what_was_returned(game: str, options: dict[str, Any], steps: int, datasets: Path) -> None:
     import minari
 
-    env = RecordReplay(atari.AtariEnv(game, **options), datasets / "a.a26")
+    env = RecordReplay(atari.AtariEnv(game, **options), datasets / "a.a26r")
     episodes = play(env, steps)
     env.close()
     made = to_minari(env.path, f"atari/{game}/test-v0", author="nobody")
@@ -86,11 +86,11 @@ def test_the_loader_reads_what_was_returned(game: str, options: dict[str, Any], 
 
 def test_several_replays_and_another_kind_of_observation(datasets: Path) -> None:
     episodes = []
-    for name in ("a.a26", "b.a26"):
+    for name in ("a.a26r", "b.a26r"):
         env = RecordReplay(atari.make("ms_pacman", obs_type="ram"), datasets / name)
         episodes += play(env, 30, seed=ord(name[0]))
         env.close()
-    paths = [datasets / "a.a26", datasets / "b.a26"]
+    paths = [datasets / "a.a26r", datasets / "b.a26r"]
     assert_same(to_minari([Replay.load(path) for path in paths], "ms_pacman/ram-v0"), episodes)
     pixels = to_minari(paths, "ms_pacman/pixels-v0", obs_type="grayscale")
     assert pixels[0].observations.shape == (31, 210, 160)
@@ -98,7 +98,7 @@ def test_several_replays_and_another_kind_of_observation(datasets: Path) -> None
 
 
 def test_what_wrappers_play_is_the_environments(datasets: Path) -> None:
-    env = RecordReplay(atari.make("breakout", preset="dqn2015"), datasets / "a.a26")
+    env = RecordReplay(atari.make("breakout", preset="dqn2015"), datasets / "a.a26r")
     env.action_space.seed(0)
     env.reset(seed=0)
     for _ in range(60):
@@ -121,17 +121,17 @@ def test_what_wrappers_play_is_the_environments(datasets: Path) -> None:
 
 
 def test_replays_of_several_tasks_are_refused(datasets: Path) -> None:
-    for name, options in (("a.a26", {"frameskip": 3}), ("b.a26", {"frameskip": 4, "noops": (1, 30)})):
+    for name, options in (("a.a26r", {"frameskip": 3}), ("b.a26r", {"frameskip": 4, "noops": (1, 30)})):
         env = RecordReplay(atari.make("pong", **options), datasets / name)
         env.reset(seed=0)
         env.step(0)
         env.close()
     with pytest.raises(ValueError, match=r"differ in frameskip: 3 and 4; noops: \(0, 0\) and \(1, 30\)"):
-        to_minari([datasets / "a.a26", datasets / "b.a26"], "pong/a-v0")
+        to_minari([datasets / "a.a26r", datasets / "b.a26r"], "pong/a-v0")
 
 
 def test_going_back_begins_another_episode(datasets: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("breakout", obs_type="ram"), datasets / "a.a26")
+    env = RecordReplay(atari.AtariEnv("breakout", obs_type="ram"), datasets / "a.a26r")
     play(env, 20)
     inner: Any = env.unwrapped
     data, ram = inner.snapshot(), inner.core.ram()
@@ -146,18 +146,18 @@ def test_going_back_begins_another_episode(datasets: Path) -> None:
 
 
 def test_wrong_uses(datasets: Path) -> None:
-    for name, game in (("a.a26", "pong"), ("b.a26", "breakout")):
+    for name, game in (("a.a26r", "pong"), ("b.a26r", "breakout")):
         env = RecordReplay(atari.AtariEnv(game, obs_type="ram"), datasets / name)
         play(env, 5)
         env.close()
     with pytest.raises(ValueError, match="at least one replay"):
         to_minari([], "pong/a-v0")
-    with pytest.raises(ValueError, match=r"a.a26 and .*b.a26 differ in game: pong and breakout"):
-        to_minari([datasets / "a.a26", datasets / "b.a26"], "pong/a-v0")
-    to_minari(datasets / "a.a26", "pong/a-v0")
+    with pytest.raises(ValueError, match=r"a.a26r and .*b.a26r differ in game: pong and breakout"):
+        to_minari([datasets / "a.a26r", datasets / "b.a26r"], "pong/a-v0")
+    to_minari(datasets / "a.a26r", "pong/a-v0")
     with pytest.raises(ValueError, match="there is a dataset 'pong/a-v0' already"):
-        to_minari(datasets / "a.a26", "pong/a-v0")
-    env = RecordReplay(atari.AtariEnv("pong"), datasets / "c.a26")
+        to_minari(datasets / "a.a26r", "pong/a-v0")
+    env = RecordReplay(atari.AtariEnv("pong"), datasets / "c.a26r")
     env.reset()
     env.close()
     with pytest.raises(ValueError, match="have no steps of an environment"):
@@ -168,7 +168,7 @@ def test_wrong_uses(datasets: Path) -> None:
 def test_dict_observations(options: dict[str, Any], datasets: Path) -> None:
     import minari
 
-    env = RecordReplay(atari.AtariEnv("breakout", **options), datasets / "a.a26")
+    env = RecordReplay(atari.AtariEnv("breakout", **options), datasets / "a.a26r")
     (episode,) = play(env, 20)
     env.close()
     to_minari(env.path, "breakout/dict-v0", obs_type="dict")

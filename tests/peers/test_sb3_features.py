@@ -77,17 +77,17 @@ def test_our_recorder_does_the_job_of_vec_video_recorder(tmp_path: Path) -> None
 def test_a_replay_of_one_of_them(tmp_path: Path) -> None:
     from atari.sb3 import RecordReplay
 
-    plain, recorded = make(), RecordReplay(make(), tmp_path / "second.a26", index=1)
+    plain, recorded = make(), RecordReplay(make(), tmp_path / "second.a26r", index=1)
     for envs in (plain, recorded):
         envs.seed(3)
         envs.reset()
     assert_equal(rollout(recorded, 50), rollout(plain, 50))
     recorded.close()
-    assert Replay.load(tmp_path / "second.a26").verify()
+    assert Replay.load(tmp_path / "second.a26r").verify()
     with pytest.raises(
         TypeError, match=r"an atari\.sb3\.AtariVecEnv is recorded, before other wrappers; got RecordReplay"
     ):
-        RecordReplay(RecordReplay(make(), tmp_path / "a.a26"), tmp_path / "b.a26")
+        RecordReplay(RecordReplay(make(), tmp_path / "a.a26r"), tmp_path / "b.a26r")
 
 
 def test_training_is_recorded(tmp_path: Path) -> None:

@@ -51,7 +51,7 @@ class WindowDriver:
     """A loop whose ticks the test makes."""
 
     def __init__(self, game: str = "breakout", *, sound: bool = False, scale: int = 1) -> None:
-        self.session = Session(game, replay=Path("a.a26"), state=Path("a.state"), videos=Path("v"), seed=1, scale=1)
+        self.session = Session(game, replay=Path("a.a26r"), state=Path("a.state"), videos=Path("v"), seed=1, scale=1)
         self.window = GameWindow(pygame, self.session.game, scale)
         pygame.joystick.init()
         self.speaker = Speaker(pygame, 59.92) if sound else None
@@ -72,7 +72,7 @@ class WindowDriver:
 
     def close(self) -> Replay:
         self.session.close()
-        return Replay.load("a.a26")
+        return Replay.load("a.a26r")
 
     def shown(self) -> np.ndarray[Any, Any]:
         surface = pygame.display.get_surface()
@@ -291,7 +291,7 @@ def test_frames_come_at_the_consoles_rate_on_average() -> None:
 
 
 def test_play_runs_until_the_window_is_closed() -> None:
-    session = Session("pong", replay=Path("a.a26"))
+    session = Session("pong", replay=Path("a.a26r"))
     pygame.init()
     pygame.event.post(pygame.event.Event(pygame.QUIT))
     play(session, scale=1, sound=True)
@@ -311,10 +311,10 @@ def test_the_command_writes_a_replay(monkeypatch: pytest.MonkeyPatch, capsys: py
 
 def test_the_command_plays_what_an_id_says(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(Loop, "run", run_loop(30))
-    words = ["--scale", "1", "--no-sound", "--replay", "a.a26", "--mode", "1", "--seed", "4294967295"]
+    words = ["--scale", "1", "--no-sound", "--replay", "a.a26r", "--mode", "1", "--seed", "4294967295"]
     assert main(["play", "Pong-ram-v0", *words]) == 0
     assert capsys.readouterr().out.startswith("pong: Pong, as Pong-v0, but mode=1, without obs_type='ram'\nPong: 30 f")
-    task = Replay.load("a.a26").task
+    task = Replay.load("a.a26r").task
     assert (task.repeat_action_probability, task.frameskip, task.mode) == (0.25, (2, 5), 1)
     assert (task.actions, task.max_num_frames_per_episode, task.obs_type) == ("minimal", 108_000, "rgb")
 
@@ -336,7 +336,7 @@ def test_flags_without_a_meaning(words: list[str], text: str, capsys: pytest.Cap
 
 def test_no_frame_no_file(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Loop, "run", lambda loop: None)
-    for words in (["--replay", "a.a26"], ["--replay", "a/b/c.a26"], ["--no-replay"], []):
+    for words in (["--replay", "a.a26r"], ["--replay", "a/b/c.a26r"], ["--no-replay"], []):
         assert main(["play", "pong", "--scale", "1", "--no-sound", *words]) == 0
         assert not list(Path().iterdir())
 
@@ -345,7 +345,7 @@ def test_without_a_frame_only_folders_that_were_made_for_it_go(monkeypatch: pyte
     monkeypatch.setattr(Loop, "run", lambda loop: loop._session.save())
     Path("replays").mkdir()
     assert main(["play", "pong", "--scale", "1", "--no-sound"]) == 0
-    assert main(["play", "pong", "--scale", "1", "--no-sound", "--replay", "a/b.a26", "--state", "a/c.state"]) == 0
+    assert main(["play", "pong", "--scale", "1", "--no-sound", "--replay", "a/b.a26r", "--state", "a/c.state"]) == 0
     assert sorted(map(str, Path().rglob("*"))) == ["a", "a/c.state", "replays", "states", "states/pong.state"]
 
 
@@ -354,7 +354,7 @@ def test_without_a_frame_only_folders_that_were_made_for_it_go(monkeypatch: pyte
     [
         (["pnog"], "did you mean 'pong'?"),
         (["pong", "--mode", "77"], "pong has no mode 77; it has 0"),
-        (["pong", "--replay", "a.mp4"], "must end in '.a26'"),
+        (["pong", "--replay", "a.mp4"], "must end in '.a26r'"),
     ],
 )
 def test_wrong_words_are_one_line(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -372,7 +372,7 @@ def test_without_pygame_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, caps
     assert not list(Path().iterdir())
 
 
-@pytest.mark.parametrize(("driver", "options"), [(None, []), ("x11", ["--replay", "best.a26"])])
+@pytest.mark.parametrize(("driver", "options"), [(None, []), ("x11", ["--replay", "best.a26r"])])
 def test_without_a_display_it_raises_and_touches_no_file(
     driver: str | None, options: list[str], tmp_path: Path
 ) -> None:
@@ -380,7 +380,7 @@ def test_without_a_display_it_raises_and_touches_no_file(
     environment = {name: value for name, value in os.environ.items() if name not in absent}
     if driver:
         environment["SDL_VIDEODRIVER"] = driver
-    (tmp_path / "best.a26").write_bytes(b"of yesterday")
+    (tmp_path / "best.a26r").write_bytes(b"of yesterday")
     words = [sys.executable, "-m", "atari", "play", "pong", *options]
     result = subprocess.run(
         words, env=environment, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
@@ -388,7 +388,7 @@ def test_without_a_display_it_raises_and_touches_no_file(
     assert result.returncode == 1
     assert "atari: error: playing needs a display, and there is none (" in result.stderr
     assert "use `atari record`" in result.stderr
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"best.a26": b"of yesterday"}
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"best.a26r": b"of yesterday"}
 
 
 def test_a_display_that_is_lost_is_an_error_of_gymnasium(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -282,13 +282,13 @@ def test_the_window_plays_both_players() -> None:
 def test_up_and_down_turn_the_paddles_of_people(
     policies: dict[int, str], keys: list[int], actions: tuple[Action, ...]
 ) -> None:
-    session = MultiplayerSession("pong", players=2, seed=1, policies=policies, replay=Path("a.a26"))
+    session = MultiplayerSession("pong", players=2, seed=1, policies=policies, replay=Path("a.a26r"))
     loop = Loop(pygame, session, GameWindow(pygame, session.game, 1), None)
     for key in keys:
         pygame.event.post(event(pygame.KEYDOWN, key=key))
     loop.tick()
     session.close()
-    assert [frame.actions for frame in Replay.load("a.a26").frames()] == [actions]
+    assert [frame.actions for frame in Replay.load("a.a26r").frames()] == [actions]
 
 
 def test_policies_alone_do_not_wait_for_a_key() -> None:
@@ -393,7 +393,7 @@ def test_replays_of_several_players_are_recorded_shown_and_rendered(capsys: pyte
         "--seconds",
         "1",
         "-o",
-        "a.a26",
+        "a.a26r",
         "-o",
         "a.mkv",
         "--scale",
@@ -402,20 +402,20 @@ def test_replays_of_several_players_are_recorded_shown_and_rendered(capsys: pyte
     ]
     assert main([*words, "--seed", "3"]) == 0
     frames = json.loads(capsys.readouterr().out)["frames"]
-    assert main(["replay", "verify", "a.a26"]) == 0
-    assert f"a.a26: equal, {frames} frames" in capsys.readouterr().out
-    assert main(["replay", "show", "a.a26"]) == 0
+    assert main(["replay", "verify", "a.a26r"]) == 0
+    assert f"a.a26r: equal, {frames} frames" in capsys.readouterr().out
+    assert main(["replay", "show", "a.a26r"]) == 0
     shown = capsys.readouterr().out
     assert "players=4" in shown
     assert "0, 0, 0, 0" in shown
-    assert main(["replay", "render", "a.a26", "-o", "b.mkv", "--scale", "1"]) == 0
+    assert main(["replay", "render", "a.a26r", "-o", "b.mkv", "--scale", "1"]) == 0
     with av.open("a.mkv") as one, av.open("b.mkv") as two:
         for left, right in zip(one.decode(video=0), two.decode(video=0), strict=True):
             assert np.array_equal(left.to_ndarray(format="rgb24"), right.to_ndarray(format="rgb24"))
 
 
 def test_a_game_played_by_hand_is_recorded_with_its_rewinds(tmp_path: Path) -> None:
-    session = MultiplayerSession("combat", seed=1, replay=tmp_path / "a.a26", state=tmp_path / "a.state")
+    session = MultiplayerSession("combat", seed=1, replay=tmp_path / "a.a26r", state=tmp_path / "a.state")
     for index in range(150):
         session.play(Action(2 + index // 40), Action.UPFIRE)
     session.rewind()
@@ -426,7 +426,7 @@ def test_a_game_played_by_hand_is_recorded_with_its_rewinds(tmp_path: Path) -> N
     session.play(Action.DOWN, Action.NOOP)
     ram = session.core.ram()
     session.close()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.verify()
     *_, last = replay.frames()
     assert np.array_equal(last.ram, ram)

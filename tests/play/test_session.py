@@ -17,7 +17,7 @@ from atari.recording import Replay, VideoWriter, video_facts
 from atari.task import Task
 
 
-def make(folder: Path, name: str = "a.a26", game: str = "breakout", **options: Any) -> Session:
+def make(folder: Path, name: str = "a.a26r", game: str = "breakout", **options: Any) -> Session:
     return Session(game, replay=folder / name, state=folder / "s" / "a.state", videos=folder / "v", **options)
 
 
@@ -31,7 +31,7 @@ def test_it_plays_each_frame_and_writes_a_replay(tmp_path: Path) -> None:
     play(session, 150)
     screen = session.screen
     session.close()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.frames_total == session.frames == 150
     assert {name: replay.options[name] for name in ("frameskip", "repeat_action_probability", "mode")} == {
         "frameskip": 1,
@@ -60,7 +60,7 @@ def test_rewinding_and_playing_on(tmp_path: Path) -> None:
     assert not session.rewind()
     play(session, 30, Action.RIGHT)
     session.close()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.frames_total == 160
     assert replay.verify("ale")
 
@@ -89,13 +89,13 @@ def test_a_state_is_saved_for_this_game_and_the_next(tmp_path: Path) -> None:
     assert (np.array_equal(session.screen, saved), session.score) == (True, score)
     play(session, 20)
     session.close()
-    assert Replay.load(tmp_path / "a.a26").verify("ale")
-    another = make(tmp_path, "b.a26", game="ms_pacman")
+    assert Replay.load(tmp_path / "a.a26r").verify("ale")
+    another = make(tmp_path, "b.a26r", game="ms_pacman")
     another.load()
     assert (np.array_equal(another.screen, saved), another.score) == (True, score)
     play(another, 20)
     another.close()
-    assert Replay.load(tmp_path / "b.a26").verify("native")
+    assert Replay.load(tmp_path / "b.a26r").verify("native")
 
 
 def test_states_of_something_else_are_refused(tmp_path: Path) -> None:
@@ -134,7 +134,7 @@ def test_the_end_of_a_game(tmp_path: Path) -> None:
     assert not session.over
     play(session, 5)
     session.close()
-    ends = [episode.end for episode in Replay.load(tmp_path / "a.a26").episodes]
+    ends = [episode.end for episode in Replay.load(tmp_path / "a.a26r").episodes]
     assert ends == ["game over", "open"]
 
 
@@ -169,7 +169,7 @@ def test_a_video_that_cannot_be_written_ends_alone(tmp_path: Path, monkeypatch: 
     assert not session.recording
     play(session, 5)
     session.close()
-    assert Replay.load(tmp_path / "a.a26").frames_total == 6
+    assert Replay.load(tmp_path / "a.a26r").frames_total == 6
 
 
 def test_without_a_replay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -247,7 +247,7 @@ def test_a_step_is_held_and_shown_frame_by_frame(tmp_path: Path) -> None:
         session.play(Action.FIRE if frame % 4 == 1 else Action.LEFT)  # FIRE is pressed in the first frame of each step
         screens.append(session.screen)
     session.close()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     frames = list(replay.frames())
     assert (len(frames), session.frames) == (45, 45)
     assert [frame.action for frame in frames] == [Action.NOOP] * 5 + [Action.FIRE] * 40
@@ -273,7 +273,7 @@ def test_a_game_goes_on_after_a_lost_life(preset: str, tmp_path: Path) -> None:
     assert not session.over
     assert session._atari.core.lives == 5
     session.close()
-    assert Replay.load(tmp_path / "a.a26").verify()
+    assert Replay.load(tmp_path / "a.a26r").verify()
 
 
 def test_states_and_rewinding_within_a_skip(tmp_path: Path) -> None:
@@ -288,7 +288,7 @@ def test_states_and_rewinding_within_a_skip(tmp_path: Path) -> None:
     assert session.rewind()
     play(session, 30, Action.LEFT)
     session.close()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.verify()
     assert replay.episodes[0].score >= score > 0
 

@@ -14,12 +14,12 @@ from atari.recording import RecordReplay, Replay
 @pytest.fixture
 def replay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Replay:
     monkeypatch.setattr(viewer.Pacer, "wait", lambda self: None)
-    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r")
     env.reset(seed=0)
     for _ in range(20):
         env.step(2)
     env.close()
-    return Replay.load(tmp_path / "a.a26")
+    return Replay.load(tmp_path / "a.a26r")
 
 
 def test_every_frame_is_shown(replay: Replay, monkeypatch: pytest.MonkeyPatch) -> None:

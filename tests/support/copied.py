@@ -187,9 +187,9 @@ def memory() -> ReplayMemory:
 
 def replay(name: str = "a") -> Replay:
     FOLDER.mkdir(exist_ok=True)
-    with RecordReplay(atari.AtariEnv("pong"), FOLDER / f"{name}.a26") as env:
+    with RecordReplay(atari.AtariEnv("pong"), FOLDER / f"{name}.a26r") as env:
         started(env, 20)
-    return Replay.load(FOLDER / f"{name}.a26")
+    return Replay.load(FOLDER / f"{name}.a26r")
 
 
 def pooled() -> Any:

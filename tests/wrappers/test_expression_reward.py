@@ -108,11 +108,11 @@ def test_a_snapshot_of_another_expression_is_refused() -> None:
 
 
 def test_a_replay_has_the_expression_and_the_games_own_rewards(tmp_path: Path) -> None:
-    env = RecordReplay(atari.make("breakout", reward="-1", reward_clipping=True), tmp_path / "game.a26")
+    env = RecordReplay(atari.make("breakout", reward="-1", reward_clipping=True), tmp_path / "game.a26r")
     env.reset(seed=1)
     assert set(rewards(env, 60)) == {-1.0}
     env.close()
-    replay = Replay.load(tmp_path / "game.a26")
+    replay = Replay.load(tmp_path / "game.a26r")
     assert replay.task == atari.Task.of("breakout", reward="-1", reward_clipping=True)
     assert {frame.reward for frame in replay.frames()} <= {0, 1}
 

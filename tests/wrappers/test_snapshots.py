@@ -160,7 +160,7 @@ def test_wrappers_without_a_state_may_differ() -> None:
 
 def test_recorders_are_in_the_way_of_nothing(tmp_path: Any) -> None:
     env = RecordVideo(started("machado2018"), tmp_path / "videos", sound=False)
-    recorded = RecordReplay(env, tmp_path / "a.a26")
+    recorded = RecordReplay(env, tmp_path / "a.a26r")
     saved = recorded.snapshot()
     expected = played(recorded, 20)
     recorded.restore(saved)

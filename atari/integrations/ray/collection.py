@@ -174,7 +174,7 @@ def _play(task: _Task) -> _Part:
         raise RuntimeError(f"a worker has atari-envs {own}, and the collection was begun with {task.version}")
     policy = load_policy(task.policy)
     with TemporaryDirectory() as folder:
-        replay = Path(folder, "game.a26")
+        replay = Path(folder, "game.a26r")
         ((score, length),) = record_games(policy, task.entry, usual_protocol(policy, task.entry), [task.seed], replay)
         if task.format != "parquet":
             return _Part(task.seed, replay.read_bytes(), {"score": score, "frames": length})
@@ -217,7 +217,7 @@ class _Manifest:
 
     def add(self, part: _Part) -> None:
         """Write the file of a seed, and its line."""
-        file = f"seed-{part.seed:010}" + (".parquet" if "steps" in part.facts else ".a26")
+        file = f"seed-{part.seed:010}" + (".parquet" if "steps" in part.facts else ".a26r")
         new = self._folder / f"_{file}"  # readers of a folder skip names that begin with _
         durable.write_file(new, part.data)
         durable.replace(new, self._folder / file)

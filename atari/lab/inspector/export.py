@@ -11,7 +11,7 @@ from atari.lab.inspector.session import Session
 from atari.lab.inspector.timeline import Timeline
 from atari.recording import RecordReplay, VideoWriter
 
-NAMES = ("labels.toml", "interventions.toml", "replay.a26")
+NAMES = ("labels.toml", "interventions.toml", "replay.a26r")
 """The exports of `write`."""
 
 MOST_CLIP_FRAMES = 60 * 60
@@ -62,7 +62,7 @@ def interventions_toml(session: Session) -> str:
 
 
 def write_replay(session: Session, path: Path) -> Path:
-    """Write the played frames, up to the present one, with frozen bytes and pokes, as a replay (.a26).
+    """Write the played frames, up to the present one, with frozen bytes and pokes, as a replay (.a26r).
 
     Raises:
         ValueError: no frame was played.
@@ -117,7 +117,7 @@ def write(session: Session, name: str, path: Path) -> None:
         ValueError: there is nothing to export.
         OSError: the file cannot be written.
     """
-    if name == "replay.a26":
+    if name == "replay.a26r":
         write_replay(session, path)
     else:
         text = labels_toml(session) if name == "labels.toml" else interventions_toml(session)

@@ -126,7 +126,7 @@ def evaluate(
 def record_games(
     policy: Any, game: Any, protocol: str | EvaluationProtocol, seeds: Sequence[int], path: str | Path
 ) -> list[tuple[float, int]]:
-    """Record whole games of an evaluation in a replay (.a26), and return the score and the length in frames of each.
+    """Record whole games of an evaluation in a replay (.a26r), and return the score and the length in frames of each.
 
     Args:
         policy, protocol: see `evaluate`.
@@ -141,7 +141,7 @@ def record_games(
     Example:
         >>> from atari.learning import evaluate, record_games
         >>> result = evaluate("random", "pong", "dopamine", episodes=2)["pong"]
-        >>> played = record_games("random", "pong", "dopamine", result.seeds, "games.a26")
+        >>> played = record_games("random", "pong", "dopamine", result.seeds, "games.a26r")
         >>> played == list(zip(result.scores, result.frames))
         True
     """

@@ -1,4 +1,4 @@
-"""The format of replay files (suffix `.a26`): a header, then chunks of play, each with a checksum, then an end.
+"""The format of replay files (suffix `.a26r`): a header, then chunks of play, each with a checksum, then an end.
 
 The file grows chunk by chunk during the game. If the process is killed, the chunks written before are valid. All
 integers are little-endian:
@@ -44,20 +44,24 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from atari.files import durable, json_text
+from atari.files import durable, json_text, magic
 from atari.validation import check_file
 
 FORMAT, FORMAT_OF_PLAYERS = 1, 2
-SUFFIX = ".a26"
+SUFFIX = ".a26r"
 FRAMES_PER_FULL_HASH = 60
 FRAMES_PER_CHUNK = 240
 
-_MAGIC = b"ATARIRPL"
 _HEAD = struct.Struct("<cII")
 _HEAD_CRC = struct.Struct("<H")
 _HEAD_SIZE = _HEAD.size + _HEAD_CRC.size
 _PLAY = struct.Struct("<IHH")
 _MAX_PAYLOAD_SIZE = 1 << 24
+
+
+def is_replay(path: str | PathLike[str]) -> bool:
+    """Whether `path` is a replay: by the name's ending, or by the content of a file with another one."""
+    return Path(path).suffix.lower() == SUFFIX or magic.begins_with(path, magic.REPLAY)
 
 
 class Corrupt(ValueError):
@@ -156,7 +160,7 @@ class ReplayFileWriter:
     """A replay file that is written chunk by chunk.
 
     Raises:
-        ValueError: the name does not end in ".a26".
+        ValueError: the name does not end in ".a26r".
         OSError: the file cannot be written.
     """
 
@@ -166,7 +170,7 @@ class ReplayFileWriter:
             raise ValueError(f"the name of a replay must end in {SUFFIX!r}, got {str(path)!r}")
         self.path.parent.mkdir(parents=True, exist_ok=True)
         self._file = durable.create(self.path)
-        self._put(_MAGIC + _chunk(b"H", _json({"format": FORMAT, **header})))
+        self._put(magic.REPLAY + _chunk(b"H", _json({"format": FORMAT, **header})))
 
     def play(self, play: PlayChunk) -> None:
         """Append a chunk of play."""
@@ -246,7 +250,7 @@ def read(path: str | PathLike[str]) -> ReplayContent:
         else:
             raise _corrupt(offset, f"there is no kind of chunk {kind!r}")
     if header is None:
-        raise _corrupt(len(_MAGIC), "the file ends within its header, and holds nothing")
+        raise _corrupt(len(magic.REPLAY), "the file ends within its header, and holds nothing")
     return ReplayContent(header, tuple(plays), tuple(snapshots), end, tuple(writes))
 
 
@@ -254,8 +258,8 @@ def _chunks(path: Path) -> Iterator[tuple[int, bytes, bytes]]:
     """Yield offset, kind and payload of each complete chunk."""
     check_file(path)
     with path.open("rb") as file:
-        if file.read(len(_MAGIC)) != _MAGIC:
-            raise Corrupt(f"{path} is no replay of atari-envs, which begins with {_MAGIC!r}")
+        if file.read(len(magic.REPLAY)) != magic.REPLAY:
+            raise Corrupt(f"{path} is no replay of atari-envs, which begins with {magic.REPLAY!r}")
         while True:
             offset = file.tell()
             head = file.read(_HEAD_SIZE)

@@ -22,7 +22,7 @@ class RecordMatch(RecordedCore):
     the emulator's state restore.
 
     Raises:
-        ValueError: the name of the file does not end in ".a26", or the core has a frame skip.
+        ValueError: the name of the file does not end in ".a26r", or the core has a frame skip.
         OSError: the file cannot be written. During the game, the error is raised by the next call of `act_players`,
             `reset` or `close`, before it does anything; the game can continue without a recording.
     """

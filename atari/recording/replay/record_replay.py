@@ -195,7 +195,7 @@ class RecordReplay(RecordEnvReplay):
 
     Args:
         env: the environment, the vector or the core.
-        path: the file, with the suffix ".a26". Its folder is created, and a file of this name replaced.
+        path: the file, with the suffix ".a26r". Its folder is created, and a file of this name replaced.
 
     Raises:
         TypeError: the environment is another one.
@@ -210,14 +210,14 @@ class RecordReplay(RecordEnvReplay):
     Example:
         >>> import atari
         >>> from atari.recording import RecordReplay, Replay
-        >>> env = RecordReplay(atari.make("pong"), "game.a26")
+        >>> env = RecordReplay(atari.make("pong"), "game.a26r")
         >>> observation, info = env.reset(seed=0)
         >>> for _ in range(20):
         ...     observation, reward, terminated, truncated, info = env.step(2)
         >>> env.close()
-        >>> Replay.load("game.a26").frames_total
+        >>> Replay.load("game.a26r").frames_total
         80
-        >>> envs = RecordReplay(atari.AtariVectorEnv("pong", 4), "third.a26", index=2)
+        >>> envs = RecordReplay(atari.AtariVectorEnv("pong", 4), "third.a26r", index=2)
         >>> observations, info = envs.reset(seed=0)
         >>> envs.close()
     """

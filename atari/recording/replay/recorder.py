@@ -67,7 +67,7 @@ class ReplayRecorder(DeferredErrorMixin):
     (`DeferredErrorMixin`), because the environment is in the middle of a step.
 
     Raises:
-        ValueError: the name does not end in ".a26".
+        ValueError: the name does not end in ".a26r".
         OSError: the file cannot be written.
     """
 

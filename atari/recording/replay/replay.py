@@ -59,10 +59,10 @@ class Replay:
     Example:
         >>> import atari
         >>> from atari.recording import RecordReplay, Replay
-        >>> with RecordReplay(atari.make("pong"), "game.a26") as env:
+        >>> with RecordReplay(atari.make("pong"), "game.a26r") as env:
         ...     observation, info = env.reset(seed=0)
         ...     observation = env.step(2)[0]
-        >>> replay = Replay.load("game.a26")
+        >>> replay = Replay.load("game.a26r")
         >>> [frame.action for frame in replay.frames()]
         [3, 3, 3, 3]
         >>> bool(replay.verify())
@@ -257,11 +257,11 @@ class Replay:
         Example:
             >>> import atari
             >>> from atari.recording import RecordReplay, Replay
-            >>> with RecordReplay(atari.make("pong"), "game.a26") as env:
+            >>> with RecordReplay(atari.make("pong"), "game.a26r") as env:
             ...     observation, info = env.reset(seed=0)
             ...     for _ in range(100):
             ...         observation = env.step(0)[0]
-            >>> replay = Replay.load("game.a26")
+            >>> replay = Replay.load("game.a26r")
             >>> start = replay.best_start(200)
             >>> sum(frame.reward for frame in replay.frames(start, start + 200))
             -1

@@ -37,7 +37,7 @@ def _index() -> dict[str, dict[str, Any]]:
 
 def play_of(game: str) -> Play | None:
     """The play of a game, or None."""
-    facts, path = _index().get(game), FOLDER / f"{game}.a26"
+    facts, path = _index().get(game), FOLDER / f"{game}.a26r"
     if facts is None or not path.exists():
         return None
     names = ("policy", "score", "random_score", "frames", "how", "mode", "difficulty")

@@ -421,7 +421,7 @@ def test_a_policy_that_says_nothing_plays_an_id_as_it_is(env_id, shape, calls, t
 
     task = protocol.task.replace(max_num_frames_per_episode=300)
     limited = EvaluationProtocol.of_task(task, name="short", source="", epsilon=0.0, episodes=1)
-    ((_, frames),) = record_games(policy, env_id, limited, [2**32 - 1], tmp_path / "a.a26")
+    ((_, frames),) = record_games(policy, env_id, limited, [2**32 - 1], tmp_path / "a.a26r")
     assert (set(shapes), frames) == ({shape}, 300)
     assert calls[0] <= len(shapes) <= calls[1]
 

@@ -89,7 +89,7 @@ def test_a_bomb_is_refused() -> None:
 
 
 def test_a_file_comes_back(tmp_path: Path) -> None:
-    content = read(write(tmp_path / "a.a26"))
+    content = read(write(tmp_path / "a.a26r"))
     assert content.header == {"format": 1, "game": "pong", "options": {}}
     assert [play._replace(offset=0) for play in content.plays] == some_plays()
     assert content.snapshots == (b"a snapshot",)
@@ -98,10 +98,10 @@ def test_a_file_comes_back(tmp_path: Path) -> None:
 
 
 def test_a_file_cut_anywhere_gives_its_whole_chunks(tmp_path: Path) -> None:
-    data = write(tmp_path / "a.a26").read_bytes()
-    offsets = [play.offset for play in read(tmp_path / "a.a26").plays]
+    data = write(tmp_path / "a.a26r").read_bytes()
+    offsets = [play.offset for play in read(tmp_path / "a.a26r").plays]
     ends = [*offsets[1:], offsets[2] + 11 + len(some_plays()[2].pack())]
-    cut = tmp_path / "cut.a26"
+    cut = tmp_path / "cut.a26r"
     for size in range(len(data)):
         cut.write_bytes(data[:size])
         if size < offsets[0]:
@@ -114,7 +114,7 @@ def test_a_file_cut_anywhere_gives_its_whole_chunks(tmp_path: Path) -> None:
 
 
 def test_a_changed_byte_is_noticed_with_its_offset(tmp_path: Path) -> None:
-    path = write(tmp_path / "a.a26")
+    path = write(tmp_path / "a.a26r")
     data = path.read_bytes()
     offsets = [play.offset for play in read(path).plays]
     for place in range(len(data)):
@@ -128,7 +128,7 @@ def test_a_changed_byte_is_noticed_with_its_offset(tmp_path: Path) -> None:
 @pytest.mark.parametrize("seed", range(200))
 def test_any_bytes_are_a_replay_or_a_value_error(tmp_path: Path, seed: int) -> None:
     generator = random.Random(seed)
-    path = record(tmp_path / "a.a26", steps=8)
+    path = record(tmp_path / "a.a26r", steps=8)
     data = bytearray(path.read_bytes())
     for _ in range(generator.randint(1, 6)):
         place = generator.randrange(8, len(data))
@@ -169,14 +169,14 @@ def _with_right_checksums(data: bytes) -> bytes:
     ],
 )
 def test_what_is_no_replay(tmp_path: Path, data: bytes, text: str) -> None:
-    (tmp_path / "a.a26").write_bytes(data)
+    (tmp_path / "a.a26r").write_bytes(data)
     with pytest.raises(Corrupt, match=text):
-        read(tmp_path / "a.a26")
+        read(tmp_path / "a.a26r")
 
 
 def test_another_version_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(file_format, "FORMAT", 2)
-    path = write(tmp_path / "a.a26")
+    path = write(tmp_path / "a.a26r")
     monkeypatch.undo()
     with pytest.raises(Corrupt, match="the format is 2, and this release of atari-envs reads 1"):
         read(path)
@@ -196,17 +196,17 @@ def test_another_version_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ],
 )
 def test_chunks_that_make_no_sense(tmp_path: Path, chunks: list[tuple[bytes, bytes]], text: str) -> None:
-    (tmp_path / "a.a26").write_bytes(b"ATARIRPL" + b"".join(file_format._chunk(*chunk) for chunk in chunks))
+    (tmp_path / "a.a26r").write_bytes(b"ATARIRPL" + b"".join(file_format._chunk(*chunk) for chunk in chunks))
     with pytest.raises(Corrupt, match=text):
-        read(tmp_path / "a.a26")
+        read(tmp_path / "a.a26r")
 
 
 def test_a_wrong_name_and_a_bad_place(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"must end in '\.a26', got '.*a\.mp4'"):
+    with pytest.raises(ValueError, match=r"must end in '\.a26r', got '.*a\.mp4'"):
         ReplayFileWriter(tmp_path / "a.mp4", {})
     (tmp_path / "file").touch()
     with pytest.raises(OSError, match="file"):
-        ReplayFileWriter(tmp_path / "file" / "a.a26", {})
+        ReplayFileWriter(tmp_path / "file" / "a.a26r", {})
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file"]
 
 
@@ -215,7 +215,7 @@ def options_of(path: Path) -> Any:
 
 
 def test_the_header_says_what_was_played(tmp_path: Path) -> None:
-    path = record(tmp_path / "a.a26", "seaquest", 3, mode=0, frameskip=(2, 5), obs_type="ram")
+    path = record(tmp_path / "a.a26r", "seaquest", 3, mode=0, frameskip=(2, 5), obs_type="ram")
     header = read(path).header
     assert {name: header[name] for name in ("game", "core", "source", "id")} == {
         "game": "seaquest",

@@ -85,23 +85,23 @@ def changed(facts: dict[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def test_headers_and_ends(tmp_path: Path) -> None:
-    content = file_format.read(record(tmp_path / "a.a26", steps=3))
+    content = file_format.read(record(tmp_path / "a.a26r", steps=3))
     play = content.plays[0].pack()
     end = {"episodes": [], "check": 0} if content.end is None else content.end
     results = []
     for header in changed(content.header):
         chunks = (b"H", json.dumps(header).encode()), (b"P", play), (b"E", json.dumps(end).encode())
-        results.append(use(write(tmp_path / "b.a26", *chunks)))
+        results.append(use(write(tmp_path / "b.a26r", *chunks)))
     for other in changed(end):
         chunks = (b"H", json.dumps(content.header).encode()), (b"P", play), (b"E", json.dumps(other).encode())
-        results.append(use(write(tmp_path / "b.a26", *chunks)))
+        results.append(use(write(tmp_path / "b.a26r", *chunks)))
     assert results.count(False) > 150
     assert results.count(True) > 10
 
 
 @pytest.mark.parametrize("core", ["native", "ale"])
 def test_events(tmp_path: Path, core: str) -> None:
-    content = file_format.read(record(tmp_path / "a.a26", steps=3))
+    content = file_format.read(record(tmp_path / "a.a26r", steps=3))
     header = (b"H", json.dumps(content.header).encode())
     rng = random.Random(0)
     for _ in range(150 if core == "native" else 15):
@@ -114,29 +114,29 @@ def test_events(tmp_path: Path, core: str) -> None:
             events += [Event(kind, numbers[:count]), Event(Kind.ACT, (rng.randrange(18), 2), strength)]
         play = file_format.PlayChunk(0, bytes(12), (), pack(events)).pack()
         definition = rng.choice(_DEFINITIONS)
-        use(write(tmp_path / "b.a26", header, (b"W", definition), (b"P", play)), core)
+        use(write(tmp_path / "b.a26r", header, (b"W", definition), (b"P", play)), core)
 
 
 @pytest.mark.parametrize("definition", _DEFINITIONS[1:])
 def test_a_forged_write_is_refused(definition: bytes, tmp_path: Path) -> None:
-    content = file_format.read(record(tmp_path / "a.a26", steps=3))
+    content = file_format.read(record(tmp_path / "a.a26r", steps=3))
     header = (b"H", json.dumps(content.header).encode())
     for events, good in (([Event(Kind.RESET)], True), ([Event(Kind.ADD_WRITE, (0, 1))], False)):
         play = file_format.PlayChunk(0, b"", (), pack(events)).pack()
-        assert use(write(tmp_path / "b.a26", header, (b"W", definition), (b"P", play))) == good
+        assert use(write(tmp_path / "b.a26r", header, (b"W", definition), (b"P", play))) == good
 
 
 def test_snapshots(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26r")
     other = atari.AtariEnv("breakout")
     other.reset(seed=1)
     env.reset(seed=0)
     env.unwrapped.restore(other.snapshot())
     env.step(0)
     env.close()
-    content = file_format.read(tmp_path / "a.a26")
+    content = file_format.read(tmp_path / "a.a26r")
     (good,) = content.snapshots
-    assert use(tmp_path / "a.a26")
+    assert use(tmp_path / "a.a26r")
     facts, blobs = snapshot.unpack(good)
     header, plays = (b"H", json.dumps(content.header).encode()), [(b"P", play.pack()) for play in content.plays]
     for forged in (
@@ -148,21 +148,21 @@ def test_snapshots(tmp_path: Path) -> None:
         snapshot.pack({**facts, "game": []}, blobs),
         snapshot.pack(facts, {"state": b"?"}),
     ):
-        assert not use(write(tmp_path / "b.a26", header, plays[0], (b"S", forged), *plays[1:]))
+        assert not use(write(tmp_path / "b.a26r", header, plays[0], (b"S", forged), *plays[1:]))
 
 
 def test_a_replay_does_not_choose_files(tmp_path: Path) -> None:
-    content = file_format.read(record(tmp_path / "a.a26", steps=3))
+    content = file_format.read(record(tmp_path / "a.a26r", steps=3))
     os.mkfifo(tmp_path / "pipe.toml")
     header = {**content.header, "game": str(tmp_path / "pipe.toml")}
-    write(tmp_path / "b.a26", (b"H", json.dumps(header).encode()))
+    write(tmp_path / "b.a26r", (b"H", json.dumps(header).encode()))
     with pytest.raises(ValueError, match=r"there is no game '.*pipe\.toml'.*pass the game file .* as game="):
-        Replay.load(tmp_path / "b.a26")
+        Replay.load(tmp_path / "b.a26r")
 
 
 def test_pipes_and_devices_are_refused(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "pipe.a26")
-    (tmp_path / "device.a26").symlink_to("/dev/zero")
+    os.mkfifo(tmp_path / "pipe.a26r")
+    (tmp_path / "device.a26r").symlink_to("/dev/zero")
     for name in ("pipe", "device"):
-        with pytest.raises(ValueError, match=rf"{name}\.a26 is a device or a pipe; give a regular file"):
-            Replay.load(tmp_path / f"{name}.a26")
+        with pytest.raises(ValueError, match=rf"{name}\.a26r is a device or a pipe; give a regular file"):
+            Replay.load(tmp_path / f"{name}.a26r")

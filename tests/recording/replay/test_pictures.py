@@ -17,7 +17,7 @@ from atari.recording.video.overlay import CURVE_ROWS
 @pytest.fixture(scope="module")
 def replay(tmp_path_factory: pytest.TempPathFactory) -> Replay:
     """Several episodes of Breakout."""
-    found = Replay.load(record(tmp_path_factory.mktemp("replay") / "a.a26", "breakout", 700))
+    found = Replay.load(record(tmp_path_factory.mktemp("replay") / "a.a26r", "breakout", 700))
     assert len(found.episodes) > 2
     assert found.best_episode > 0
     return found

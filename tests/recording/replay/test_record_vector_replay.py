@@ -61,11 +61,11 @@ def check(path: Path, rams: list[np.ndarray[Any, Any]], core: str = "ale") -> Re
 )
 def test_every_rule_of_ale_py(mode: str, game: Any, options: dict[str, Any], tmp_path: Path) -> None:
     envs = RecordReplay(
-        atari.AtariVectorEnv(game, 3, autoreset_mode=mode, num_threads=1, **options), tmp_path / "a.a26", index=1
+        atari.AtariVectorEnv(game, 3, autoreset_mode=mode, num_threads=1, **options), tmp_path / "a.a26r", index=1
     )
     rams = play(envs, 110, 1)
     envs.close()
-    replay = check(tmp_path / "a.a26", rams)
+    replay = check(tmp_path / "a.a26r", rams)
     assert replay.header["source"] == "AtariEnv"
     assert replay.game == envs.env.unwrapped.games[1]
 
@@ -74,16 +74,16 @@ def test_every_rule_of_ale_py(mode: str, game: Any, options: dict[str, Any], tmp
 def test_every_preset(name: str, tmp_path: Path) -> None:
     mode = MODES[len(name) % 3]
     envs = RecordReplay(
-        atari.AtariVectorEnv("breakout", 2, preset=name, autoreset_mode=mode, num_threads=1), tmp_path / "a.a26", 1
+        atari.AtariVectorEnv("breakout", 2, preset=name, autoreset_mode=mode, num_threads=1), tmp_path / "a.a26r", 1
     )
     rams = play(envs, 80, 1)
     envs.close()
-    check(tmp_path / "a.a26", rams)
+    check(tmp_path / "a.a26r", rams)
 
 
 def test_without_a_seed_all_get_random_ones(tmp_path: Path) -> None:
     seeds = set()
-    for name in ("a.a26", "b.a26"):
+    for name in ("a.a26r", "b.a26r"):
         envs = RecordReplay(atari.AtariVectorEnv("seaquest", 2, num_threads=1), tmp_path / name)
         rams = play(envs, 40, 0, seed=None)
         envs.reset()
@@ -93,17 +93,17 @@ def test_without_a_seed_all_get_random_ones(tmp_path: Path) -> None:
 
 
 def test_several_seeds_and_resets(tmp_path: Path) -> None:
-    envs = RecordReplay(atari.AtariVectorEnv("pong", 2, num_threads=1), tmp_path / "a.a26", 1)
+    envs = RecordReplay(atari.AtariVectorEnv("pong", 2, num_threads=1), tmp_path / "a.a26r", 1)
     for seed in ([1, 2], None, [5, None], 9):
         play(envs, 10, 1, seed=seed)
     envs.close()
-    replay = check(tmp_path / "a.a26", [])
+    replay = check(tmp_path / "a.a26r", [])
     assert len(replay.episodes) == 4
 
 
 def test_results_are_those_of_the_vector(tmp_path: Path) -> None:
     plain = atari.AtariVectorEnv("breakout", 2, num_threads=1)
-    envs = RecordReplay(atari.AtariVectorEnv("breakout", 2, num_threads=1), tmp_path / "a.a26")
+    envs = RecordReplay(atari.AtariVectorEnv("breakout", 2, num_threads=1), tmp_path / "a.a26r")
     assert np.array_equal(plain.reset(seed=2)[0], envs.reset(seed=2)[0])
     for _ in range(20):
         actions = np.array([3, 1])
@@ -113,30 +113,30 @@ def test_results_are_those_of_the_vector(tmp_path: Path) -> None:
 
 
 def test_what_is_changed_from_outside_ends_the_recording(tmp_path: Path) -> None:
-    envs: Any = RecordReplay(atari.AtariVectorEnv("breakout", 2, num_threads=1), tmp_path / "a.a26")
+    envs: Any = RecordReplay(atari.AtariVectorEnv("breakout", 2, num_threads=1), tmp_path / "a.a26r")
     play(envs, 10, 0)
     envs.unwrapped.fork(1, [0])
     with pytest.raises(RuntimeError, match="environment 0 differs from its recording"):
         envs.step(np.array([1, 1]))
     envs.step(np.array([1, 1]))
     envs.close()
-    assert Replay.load(tmp_path / "a.a26").frames_total >= 40
+    assert Replay.load(tmp_path / "a.a26r").frames_total >= 40
 
 
 def test_a_vector_that_was_reset_needs_a_seed(tmp_path: Path) -> None:
     vector = atari.AtariVectorEnv("breakout", 2, num_threads=1)
     vector.reset()
-    envs = RecordReplay(vector, tmp_path / "a.a26")
+    envs = RecordReplay(vector, tmp_path / "a.a26r")
     with pytest.raises(ValueError, match="give this first reset a seed"):
         envs.reset()
     play(envs, 10, 0, seed=4)
     envs.reset()
     envs.close()
-    assert Replay.load(tmp_path / "a.a26").verify("ale")
+    assert Replay.load(tmp_path / "a.a26r").verify("ale")
 
 
 def test_wrong_uses(tmp_path: Path) -> None:
-    path = tmp_path / "a.a26"
+    path = tmp_path / "a.a26r"
     with pytest.raises(TypeError, match=r"records an AtariEnv or an AtariVectorEnv, got SyncVectorEnv"):
         RecordReplay(SyncVectorEnv([lambda: atari.make("pong")]), path)
     with pytest.raises(ValueError, match=r"index must be within 0\.\.1, got 2"):
@@ -152,21 +152,21 @@ def test_wrong_uses(tmp_path: Path) -> None:
 
 
 def test_single_environments_of_gymnasiums_vectors_are_recorded_by_the_other_wrapper(tmp_path: Path) -> None:
-    makers = [lambda i=i: RecordReplay(atari.make("pong"), tmp_path / f"{i}.a26") for i in range(2)]  # type: ignore[misc]
+    makers = [lambda i=i: RecordReplay(atari.make("pong"), tmp_path / f"{i}.a26r") for i in range(2)]  # type: ignore[misc]
     envs = SyncVectorEnv(makers)
     envs.reset(seed=0)
     for _ in range(10):
         envs.step(envs.action_space.sample())
     envs.close()
-    assert all(Replay.load(tmp_path / f"{i}.a26").verify() for i in range(2))
+    assert all(Replay.load(tmp_path / f"{i}.a26r").verify() for i in range(2))
 
 
 def test_a_task_of_ones_own(tmp_path: Path) -> None:
     own = {"noops": (3, 9), "pool_rgb": False, "end_frames": "envpool", "padding": "reset", "frameskip": (2, 5)}
     envs = atari.AtariVectorEnv("breakout", 2, preset="baselines", **own)
-    envs = RecordReplay(envs, tmp_path / "a.a26", index=1)
+    envs = RecordReplay(envs, tmp_path / "a.a26r", index=1)
     rams = play(envs, 300, 1)
     envs.close()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.verify().frames == replay.frames_total > 800
     assert np.array_equal(list(replay.frames())[-1].ram, rams[-1])

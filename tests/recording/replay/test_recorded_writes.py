@@ -37,7 +37,7 @@ def environment(path: Path, **options: Any) -> RecordReplay:
 
 
 def test_all_kinds_of_writes(tmp_path: Path) -> None:
-    env = environment(tmp_path / "a.a26", interventions=["infinite_lives"])
+    env = environment(tmp_path / "a.a26r", interventions=["infinite_lives"])
     env.reset(seed=0)
     rams = play(env, 20)
     with Freeze(env, {99: 9, 98: "old + random(0, 2)"}), Freeze(env, player_x=80):
@@ -48,7 +48,7 @@ def test_all_kinds_of_writes(tmp_path: Path) -> None:
     Ram(env)["player_x"] = 100
     rams += play(env, 30)
     env.close()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert rams_of(replay) == rams
     assert replay.verify("native")
     assert replay.verify("plain")
@@ -57,7 +57,7 @@ def test_all_kinds_of_writes(tmp_path: Path) -> None:
 
 
 def test_two_of_a_byte_end_in_any_order(tmp_path: Path) -> None:
-    env = environment(tmp_path / "a.a26")
+    env = environment(tmp_path / "a.a26r")
     env.reset(seed=0)
     first, second, third = Freeze(env, {99: 1}), Freeze(env, {99: 1}), Freeze(env, {99: "old"})
     rams = play(env, 5)
@@ -69,11 +69,11 @@ def test_two_of_a_byte_end_in_any_order(tmp_path: Path) -> None:
         freeze.release()
         rams += play(env, 5)
     env.close()
-    assert rams_of(Replay.load(tmp_path / "a.a26")) == rams
+    assert rams_of(Replay.load(tmp_path / "a.a26r")) == rams
 
 
 def test_snapshots_and_later_passes(tmp_path: Path) -> None:
-    env = environment(tmp_path / "a.a26", interventions=["infinite_lives"])
+    env = environment(tmp_path / "a.a26r", interventions=["infinite_lives"])
     env.reset(seed=0)
     Poke(env, {98: 2}, frame=300)
     rams = play(env, 299)
@@ -83,7 +83,7 @@ def test_snapshots_and_later_passes(tmp_path: Path) -> None:
         env.restore(before)
         rams += play(env, 700)
     env.close()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert rams_of(replay) == rams
     for start in (250, 590, 1000):  # from checkpoints
         assert [frame.ram.tobytes() for frame in replay.frames(start, start + 50)] == rams[start : start + 50]
@@ -98,7 +98,7 @@ def test_writes_made_before_the_recording(tmp_path: Path) -> None:
     ended.release()
     for _ in range(5):
         env.step(0)
-    recorded = RecordReplay(env, tmp_path / "a.a26")
+    recorded = RecordReplay(env, tmp_path / "a.a26r")
     recorded.action_space.seed(0)
     rams = play(recorded, 10)
     recorded.env.unwrapped.driver.make_sound()  # type: ignore[attr-defined]
@@ -109,13 +109,13 @@ def test_writes_made_before_the_recording(tmp_path: Path) -> None:
     recorded.stop()
     again.release()
     assert not [write for write in env.core.writes if write][1:]  # only the poke
-    assert rams_of(Replay.load(tmp_path / "a.a26")) == rams
+    assert rams_of(Replay.load(tmp_path / "a.a26r")) == rams
 
 
 @pytest.mark.parametrize("options", [{}, {"preset": "dqn2015"}, {"autoreset_mode": "Disabled"}])
 def test_a_vector(options: dict[str, Any], tmp_path: Path) -> None:
     envs: Any = atari.AtariVectorEnv("breakout", 3, num_threads=1, **options)
-    envs = RecordReplay(envs, tmp_path / "a.a26", index=1)
+    envs = RecordReplay(envs, tmp_path / "a.a26r", index=1)
     envs.reset(seed=3)
     generator = np.random.default_rng(0)
     rams = []
@@ -133,7 +133,7 @@ def test_a_vector(options: dict[str, Any], tmp_path: Path) -> None:
     Ram(envs)["player_x"] = np.array([70, 80, 90])
     steps(20)
     envs.close()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.verify("native")
     played = iter(rams_of(replay))
     assert all(ram in played for ram, _ in itertools.groupby(rams))  # in this order
@@ -143,13 +143,13 @@ def test_a_vector_with_writes_already(tmp_path: Path) -> None:
     envs = atari.AtariVectorEnv("breakout", 2)
     freeze = Freeze(envs, {99: 1}, index=1)
     with pytest.raises(ValueError, match="release it, and make it after RecordReplay"):
-        RecordReplay(envs, tmp_path / "a.a26", index=1)
+        RecordReplay(envs, tmp_path / "a.a26r", index=1)
     freeze.release()
-    RecordReplay(envs, tmp_path / "a.a26", index=1).close()
+    RecordReplay(envs, tmp_path / "a.a26r", index=1).close()
 
 
 def test_writes_that_are_refused_are_not_recorded(tmp_path: Path) -> None:
-    env = environment(tmp_path / "a.a26")
+    env = environment(tmp_path / "a.a26r")
     env.reset(seed=0)
     core: Any = env.unwrapped.core
     with Freeze(env, {SCORE: 5}):
@@ -157,6 +157,6 @@ def test_writes_that_are_refused_are_not_recorded(tmp_path: Path) -> None:
             core.writes = core.writes * 1000
         rams = play(env, 60)
     env.close()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.verify()
     assert rams_of(replay)[-60:] == rams

@@ -35,7 +35,7 @@ def test_what_ale_has_set_and_no_task_has_is_refused(setting: str, value: Any, p
     with pytest.raises(
         ValueError, match=f"a replay needs {played}, and env.ale has set {value}; set it back, and reset"
     ):
-        RecordReplay(env, tmp_path / "a.a26")
+        RecordReplay(env, tmp_path / "a.a26r")
     assert not list(tmp_path.iterdir())
 
 
@@ -43,7 +43,7 @@ def test_what_ale_has_set_and_no_task_has_is_refused(setting: str, value: Any, p
 def test_every_game_plays_as_recorded_on_the_other_core(game: str, tmp_path: Path) -> None:
     number = GAMES.index(game)
     recorded_on, core = ("native", "ale")[:: (1, -1)[number % 2]]
-    path = record(tmp_path / "a.a26", game, 16, seed=number, core=recorded_on)
+    path = record(tmp_path / "a.a26r", game, 16, seed=number, core=recorded_on)
     replay = Replay.load(path)
     assert replay.header["core"] == recorded_on
     assert 60 <= replay.frames_total <= 64
@@ -63,7 +63,7 @@ def test_every_game_plays_as_recorded_on_the_other_core(game: str, tmp_path: Pat
     ],
 )
 def test_options_are_kept(options: dict[str, Any], tmp_path: Path) -> None:
-    replay = Replay.load(record(tmp_path / "a.a26", "breakout", 120, **options))
+    replay = Replay.load(record(tmp_path / "a.a26r", "breakout", 120, **options))
     assert {name: replay.options[name] for name in options} == options
     assert replay.verify("native")
     assert replay.verify("ale")
@@ -74,13 +74,13 @@ def test_options_are_kept(options: dict[str, Any], tmp_path: Path) -> None:
 
 
 def test_continuous_actions_are_kept(tmp_path: Path) -> None:
-    replay = Replay.load(record(tmp_path / "a.a26", "pong", 40, continuous=True))
+    replay = Replay.load(record(tmp_path / "a.a26r", "pong", 40, continuous=True))
     assert replay.verify("ale")
     assert len({frame.strength for frame in replay.frames()}) == 40
 
 
 def test_frames_show_what_was_played(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("breakout", obs_type="ram"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("breakout", obs_type="ram"), tmp_path / "a.a26r")
     played = play(env, 150, seed=4)
     env.close()
     frames = list(Replay.load(env.path).frames())
@@ -95,7 +95,7 @@ def test_frames_show_what_was_played(tmp_path: Path) -> None:
 
 
 def test_a_seed_gives_the_game_it_always_gives(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("seaquest", obs_type="ram"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("seaquest", obs_type="ram"), tmp_path / "a.a26r")
     recorded = [result[0] for result in play(env, 50, seed=8)]
     plain = [result[0] for result in play(atari.AtariEnv("seaquest", obs_type="ram"), 50, seed=8)]
     env.close()
@@ -104,7 +104,7 @@ def test_a_seed_gives_the_game_it_always_gives(tmp_path: Path) -> None:
 
 def test_a_game_without_a_seed_is_another_each_time_and_plays_again(tmp_path: Path) -> None:
     checks = set()
-    for name in ("a.a26", "b.a26"):
+    for name in ("a.a26r", "b.a26r"):
         replay = Replay.load(record(tmp_path / name, "seaquest", 60, seed=None))
         assert replay.verify("ale")
         checks.add(b"".join(frame.ram.tobytes() for frame in replay.frames()))
@@ -112,7 +112,7 @@ def test_a_game_without_a_seed_is_another_each_time_and_plays_again(tmp_path: Pa
 
 
 def test_episodes_are_listed(tmp_path: Path) -> None:
-    env = RecordReplay(atari.make("breakout", max_num_frames_per_episode=2000), tmp_path / "a.a26")
+    env = RecordReplay(atari.make("breakout", max_num_frames_per_episode=2000), tmp_path / "a.a26r")
     play(env, 900, seed=2)
     env.close()
     replay = Replay.load(env.path)
@@ -123,13 +123,13 @@ def test_episodes_are_listed(tmp_path: Path) -> None:
     frames = list(replay.frames())
     for number, episode in enumerate(replay.episodes):
         assert sum(frame.reward for frame in frames if frame.episode == number) == episode.score
-    cut = Replay.load(tmp_path / "a.a26")
+    cut = Replay.load(tmp_path / "a.a26r")
     cut._content = ReplayContent(replay._content.header, replay._content.plays, (), None)
     assert cut.episodes == replay.episodes
 
 
 def test_steps_after_the_end_are_kept_and_are_no_frames(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("pong", max_num_frames_per_episode=10), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("pong", max_num_frames_per_episode=10), tmp_path / "a.a26r")
     env.reset(seed=0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of steps after the end
@@ -149,14 +149,14 @@ def test_steps_after_the_end_are_kept_and_are_no_frames(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["dqn2015", "baselines", "envpool"])
 def test_wrappers_may_be_inside_or_outside(name: str, tmp_path: Path) -> None:
-    outside = RecordReplay(atari.make("breakout", preset=name), tmp_path / "outside.a26")
+    outside = RecordReplay(atari.make("breakout", preset=name), tmp_path / "outside.a26r")
     inside = wrappers.preset(
-        RecordReplay(atari.AtariEnv("breakout", **wrappers.preset_options(name)), tmp_path / "inside.a26"), name
+        RecordReplay(atari.AtariEnv("breakout", **wrappers.preset_options(name)), tmp_path / "inside.a26r"), name
     )
     for env in (outside, inside):
         play(env, 120, seed=5)
         env.close()
-    first, second = (Replay.load(tmp_path / f"{name}.a26") for name in ("outside", "inside"))
+    first, second = (Replay.load(tmp_path / f"{name}.a26r") for name in ("outside", "inside"))
     assert first.frames_total == second.frames_total > 400
     assert first.verify("ale")
     assert second.verify("ale")
@@ -166,7 +166,7 @@ def test_wrappers_may_be_inside_or_outside(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("core", CORES)
 def test_restoring_snapshots_plays_on_every_core(core: str, tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("breakout", core="native" if core == "ale" else "ale"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("breakout", core="native" if core == "ale" else "ale"), tmp_path / "a.a26r")
     inner: Any = env.unwrapped
     play(env, 30)
     early = inner.snapshot()
@@ -186,7 +186,7 @@ def test_restoring_snapshots_plays_on_every_core(core: str, tmp_path: Path) -> N
 
 
 def test_pokes_and_modes_are_kept(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26r")
     core: Any = env.unwrapped.core  # type: ignore[attr-defined]
     play(env, 20)
     core.set_ram(57, 1)
@@ -194,7 +194,7 @@ def test_pokes_and_modes_are_kept(tmp_path: Path) -> None:
     play(env, 20, seed=None)
     env.close()
     assert Replay.load(env.path).verify("ale")
-    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "b.a26")
+    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "b.a26r")
     env.unwrapped.core.set_mode(12)  # type: ignore[attr-defined]
     env.unwrapped.core.set_difficulty(1)  # type: ignore[attr-defined]
     play(env, 40)
@@ -204,7 +204,7 @@ def test_pokes_and_modes_are_kept(tmp_path: Path) -> None:
 
 
 def test_what_is_set_by_ale_is_recorded_or_refused(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26r")
     ale: Any = env.unwrapped.ale  # type: ignore[attr-defined]
     play(env, 20)
     ale.setMode(8)
@@ -224,7 +224,7 @@ def test_from_the_middle_on_it_plays_on_its_own_core_only(tmp_path: Path) -> Non
     for core, sound in (("native", False), ("native", True), ("ale", False)):
         env: Any = atari.AtariEnv("breakout", core=core, sound_obs=sound)
         play(env, 30)
-        recorded = RecordReplay(env, tmp_path / "a.a26")
+        recorded = RecordReplay(env, tmp_path / "a.a26r")
         for _ in range(30):
             recorded.step(3)
         recorded.close()
@@ -237,7 +237,7 @@ def test_from_the_middle_on_it_plays_on_its_own_core_only(tmp_path: Path) -> Non
 
 
 def test_cloned_states_are_kept_on_the_native_core_and_refused_on_ale_py(tmp_path: Path) -> None:
-    env: Any = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26")
+    env: Any = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26r")
     play(env, 20)
     state = env.unwrapped.clone_state()
     play(env, 20, seed=None)
@@ -246,7 +246,7 @@ def test_cloned_states_are_kept_on_the_native_core_and_refused_on_ale_py(tmp_pat
         env.step(2)
     env.close()
     assert Replay.load(env.path).verify()
-    env = RecordReplay(atari.AtariEnv("breakout", core="ale"), tmp_path / "b.a26")
+    env = RecordReplay(atari.AtariEnv("breakout", core="ale"), tmp_path / "b.a26r")
     play(env, 20)
     ram = env.unwrapped.core.ram()
     state = env.unwrapped.clone_state()
@@ -260,7 +260,7 @@ def test_cloned_states_are_kept_on_the_native_core_and_refused_on_ale_py(tmp_pat
 def changed(path: Path, frame: int) -> Path:
     """The replay with another action at a frame."""
     content = read(path)
-    writer = ReplayFileWriter(path.with_name("changed.a26"), {name: content.header[name] for name in content.header})
+    writer = ReplayFileWriter(path.with_name("changed.a26r"), {name: content.header[name] for name in content.header})
     for chunk in content.plays:
         events, at = [], chunk.first
         for event in unpack(chunk.events):
@@ -279,7 +279,7 @@ def changed(path: Path, frame: int) -> Path:
 
 
 def test_a_changed_action_is_found_near_its_frame(tmp_path: Path) -> None:
-    path = record(tmp_path / "a.a26", "pong", 200, repeat_action_probability=0.0, frameskip=1)
+    path = record(tmp_path / "a.a26r", "pong", 200, repeat_action_probability=0.0, frameskip=1)
     assert Replay.load(path).verify()
     lateness = []
     for frame in range(70, 190, 13):
@@ -295,10 +295,10 @@ def test_a_changed_action_is_found_near_its_frame(tmp_path: Path) -> None:
 
 
 def test_a_difference_that_only_the_full_hashes_report(tmp_path: Path) -> None:
-    path = record(tmp_path / "a.a26", "pong", 50)
+    path = record(tmp_path / "a.a26r", "pong", 50)
     content = read(path)
     (chunk,) = content.plays
-    writer = ReplayFileWriter(tmp_path / "b.a26", content.header)
+    writer = ReplayFileWriter(tmp_path / "b.a26r", content.header)
     writer.play(chunk._replace(full_hashes=(chunk.full_hashes[0], chunk.full_hashes[1] ^ 1, chunk.full_hashes[2])))
     writer.end(content.end or {})
     result = Replay.load(writer.path).verify()
@@ -306,14 +306,14 @@ def test_a_difference_that_only_the_full_hashes_report(tmp_path: Path) -> None:
     assert str(result.divergence) == (
         "frame 119 differs in RAM, screen, reward, lives or end; it may have begun at frame 60"
     )
-    writer = ReplayFileWriter(tmp_path / "c.a26", content.header)
+    writer = ReplayFileWriter(tmp_path / "c.a26r", content.header)
     writer.play(chunk)
     writer.end({**(content.end or {}), "check": 1})
     assert Replay.load(writer.path).verify().divergence == Divergence(199, 180, "how it ends")
 
 
 def test_a_game_that_ends_elsewhere_is_a_difference(tmp_path: Path) -> None:
-    path = record(tmp_path / "a.a26", "pong", 40, max_num_frames_per_episode=100)
+    path = record(tmp_path / "a.a26r", "pong", 40, max_num_frames_per_episode=100)
     for limit in (90, 110):
         replay = Replay.load(path)
         replay.header["options"]["max_num_frames_per_episode"] = limit
@@ -323,7 +323,7 @@ def test_a_game_that_ends_elsewhere_is_a_difference(tmp_path: Path) -> None:
 
 
 def test_frames_from_the_middle_are_those_of_the_whole(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26r")
     play(env, 300)
     data = env.unwrapped.snapshot()  # type: ignore[attr-defined]
     play(env, 400, seed=None)
@@ -353,7 +353,7 @@ def test_frames_from_the_middle_are_those_of_the_whole(tmp_path: Path) -> None:
 
 
 def test_a_replay_becomes_a_video_with_sound(tmp_path: Path) -> None:
-    replay = Replay.load(record(tmp_path / "a.a26", "space_invaders", 60))
+    replay = Replay.load(record(tmp_path / "a.a26r", "space_invaders", 60))
     counted: list[int] = []
     path = replay.render(tmp_path / "a.mp4", scale=1, start=20, stop=200, progress=counted.append)
     with av.open(str(path)) as container:
@@ -374,7 +374,7 @@ def test_a_replay_becomes_a_video_with_sound(tmp_path: Path) -> None:
 def test_a_part_without_frames_is_refused_and_keeps_the_file(
     name: str, start: int, stop: int | None, tmp_path: Path
 ) -> None:
-    replay = Replay.load(record(tmp_path / "a.a26", "pong", 30))
+    replay = Replay.load(record(tmp_path / "a.a26r", "pong", 30))
     (tmp_path / name).write_bytes(b"mine")
     with pytest.raises(ValueError, match="there are no frames to render: the replay has"):
         replay.render(tmp_path / name, start=replay.frames_total if stop is None else start, stop=stop)
@@ -385,18 +385,18 @@ def test_a_part_without_frames_is_refused_and_keeps_the_file(
 def test_a_video_can_be_recorded_with_it(video_inside: bool, tmp_path: Path) -> None:
     env: Any = atari.make("breakout")
     if video_inside:
-        env = RecordReplay(RecordVideo(env, tmp_path / "v"), tmp_path / "a.a26")
+        env = RecordReplay(RecordVideo(env, tmp_path / "v"), tmp_path / "a.a26r")
     else:
-        env = RecordVideo(RecordReplay(env, tmp_path / "a.a26"), tmp_path / "v")
+        env = RecordVideo(RecordReplay(env, tmp_path / "a.a26r"), tmp_path / "v")
     play(env, 30)
     env.close()
-    assert Replay.load(tmp_path / "a.a26").verify("ale")
+    assert Replay.load(tmp_path / "a.a26r").verify("ale")
     assert len(list((tmp_path / "v").iterdir())) == 1
 
 
 def test_half_an_hour_of_random_play_fits_in_a_hundred_kilobytes(tmp_path: Path) -> None:
     steps = 2700  # a tenth of it
-    size = record(tmp_path / "a.a26", "seaquest", steps, obs_type="ram").stat().st_size
+    size = record(tmp_path / "a.a26r", "seaquest", steps, obs_type="ram").stat().st_size
     assert 10 * size < 100_000
 
 
@@ -408,18 +408,18 @@ class AtariVecEnv:
 
 def test_wrong_uses(tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="records an AtariEnv or an AtariVectorEnv, got CartPoleEnv"):
-        RecordReplay(gymnasium.make("CartPole-v1"), tmp_path / "a.a26")
+        RecordReplay(gymnasium.make("CartPole-v1"), tmp_path / "a.a26r")
     with pytest.raises(TypeError, match="records an AtariEnv or an AtariVectorEnv, got str"):
-        RecordReplay("pong", tmp_path / "a.a26")  # type: ignore[call-overload]
+        RecordReplay("pong", tmp_path / "a.a26r")  # type: ignore[call-overload]
     with pytest.raises(TypeError, match="index"):
-        RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26", index=1)  # type: ignore[call-overload]
+        RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r", index=1)  # type: ignore[call-overload]
     with pytest.raises(TypeError, match=r"no AtariVecEnv of Stable-Baselines3; use atari\.sb3\.RecordReplay"):
-        RecordReplay(AtariVecEnv(), tmp_path / "a.a26")  # type: ignore[call-overload]
+        RecordReplay(AtariVecEnv(), tmp_path / "a.a26r")  # type: ignore[call-overload]
     with pytest.raises(ValueError, match="must end in"):
         RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.mp4")
-    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r")
     with pytest.raises(ValueError, match="recorded already"):
-        RecordReplay(env, tmp_path / "b.a26")
+        RecordReplay(env, tmp_path / "b.a26r")
     with pytest.raises(TypeError, match="cannot be copied or pickled"):
         copy.deepcopy(env)
     env.reset()
@@ -428,24 +428,24 @@ def test_wrong_uses(tmp_path: Path) -> None:
     env.step(1)
     env.close()
     assert Replay.load(env.path).frames_total == 4
-    assert not (tmp_path / "b.a26").exists()
+    assert not (tmp_path / "b.a26r").exists()
 
 
 def test_another_rom_is_refused(tmp_path: Path) -> None:
-    path = record(tmp_path / "a.a26", "pong", 3)
+    path = record(tmp_path / "a.a26r", "pong", 3)
     content = read(path)
-    ReplayFileWriter(tmp_path / "b.a26", {**content.header, "rom": "0" * 32}).end({})
+    ReplayFileWriter(tmp_path / "b.a26r", {**content.header, "rom": "0" * 32}).end({})
     with pytest.raises(ValueError, match=f"recorded with a ROM of MD5 {'0' * 32}, but the ROM of pong here"):
-        Replay.load(tmp_path / "b.a26")
-    ReplayFileWriter(tmp_path / "c.a26", {"game": 3}).end({})
+        Replay.load(tmp_path / "b.a26r")
+    ReplayFileWriter(tmp_path / "c.a26r", {"game": 3}).end({})
     with pytest.raises(ValueError, match="its header has no game"):
-        Replay.load(tmp_path / "c.a26")
+        Replay.load(tmp_path / "c.a26r")
     with pytest.raises(FileNotFoundError):
-        Replay.load(tmp_path / "none.a26")
+        Replay.load(tmp_path / "none.a26r")
 
 
 def test_a_whole_file_gives_no_warning(tmp_path: Path) -> None:
-    path = record(tmp_path / "a.a26", "pong", 3)
+    path = record(tmp_path / "a.a26r", "pong", 3)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert Replay.load(path).complete
@@ -458,12 +458,12 @@ def test_without_minari_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.M
     monkeypatch.setitem(sys.modules, "minari", None)
     monkeypatch.setitem(sys.modules, "h5py", None)
     with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'minari>=0.5.3'"):
-        to_minari(record(tmp_path / "a.a26", steps=3), "a-v0")
+        to_minari(record(tmp_path / "a.a26r", steps=3), "a-v0")
 
 
 def test_a_game_of_your_own(tmp_path: Path) -> None:
     folder = Path(__file__).parents[3] / "examples" / "catch"
-    env = RecordReplay(atari.AtariEnv(folder / "catch.toml", rom=folder / "catch.bin"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv(folder / "catch.toml", rom=folder / "catch.bin"), tmp_path / "a.a26r")
     play(env, 60)
     env.close()
     replay = Replay.load(env.path, game=folder / "catch.toml", rom=folder / "catch.bin")
@@ -476,7 +476,7 @@ def test_a_game_of_your_own(tmp_path: Path) -> None:
 
 
 def test_it_knows_its_seeds(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r")
     words = [int(env.reset(seed=seed)[1]["seeds"][1]) for seed in (3, 4)]
     env.close()
     assert list(Replay.load(env.path).seeds) == words
@@ -484,11 +484,11 @@ def test_it_knows_its_seeds(tmp_path: Path) -> None:
 
 def test_the_task_is_kept_with_its_wrappers(tmp_path: Path) -> None:
     task = atari.Task.of("breakout", preset="dqn2015", frameskip=3, interventions=["strong_ball"])
-    with RecordReplay(task.make(), tmp_path / "a.a26") as env:
+    with RecordReplay(task.make(), tmp_path / "a.a26r") as env:
         env.reset(seed=0)
         for step in range(20):
             env.step(step % 4)
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.task == task
     assert replay.options["frameskip"] == 1
     assert replay.verify()
@@ -507,10 +507,10 @@ def test_settings_of_ale_before_the_recording_are_in_it(tmp_path: Path) -> None:
     env.ale.setFloat("repeat_action_probability", 0.0)
     env.load_game()
     env.reset(seed=0)
-    with RecordReplay(env, tmp_path / "a.a26") as recorder:
+    with RecordReplay(env, tmp_path / "a.a26r") as recorder:
         recorder.reset(seed=1)
         for step in range(30):
             recorder.step(step % 4)
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.task.repeat_action_probability == replay.options["repeat_action_probability"] == 0.0
     assert replay.verify()

@@ -28,10 +28,10 @@ KILLED = """if True:
 
 
 def test_a_killed_recording_leaves_all_but_the_last_seconds(tmp_path: Path) -> None:
-    path = tmp_path / "a.a26"
+    path = tmp_path / "a.a26r"
     result = subprocess.run([sys.executable, "-c", KILLED, str(path)], cwd=tmp_path, timeout=120, check=False)
     assert result.returncode == -signal.SIGKILL
-    with pytest.warns(UserWarning, match=r"a\.a26 was cut while it was recorded; its first [\d,]+ frames are whole"):
+    with pytest.warns(UserWarning, match=r"a\.a26r was cut while it was recorded; its first [\d,]+ frames are whole"):
         replay = Replay.load(path)
     assert not replay.complete
     assert 3700 < replay.frames_total <= 4000
@@ -40,7 +40,7 @@ def test_a_killed_recording_leaves_all_but_the_last_seconds(tmp_path: Path) -> N
 
 
 def test_a_cut_file_plays_up_to_the_cut(tmp_path: Path) -> None:
-    path = record(tmp_path / "a.a26", "pong", 900)
+    path = record(tmp_path / "a.a26r", "pong", 900)
     whole = [frame.ram for frame in Replay.load(path).frames()]
     data = path.read_bytes()
     path.write_bytes(data[: len(data) // 2])
@@ -75,7 +75,7 @@ FULL_DISK = """if True:
 
 
 def test_a_full_disk_is_a_deferred_error_once_and_the_game_continues(tmp_path: Path) -> None:
-    path = tmp_path / "a.a26"
+    path = tmp_path / "a.a26r"
     words = [sys.executable, "-c", FULL_DISK, str(path), "900"]
     result = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
     assert result.stderr == ""
@@ -89,7 +89,7 @@ def test_a_full_disk_is_a_deferred_error_once_and_the_game_continues(tmp_path: P
 
 
 def test_stopping_lets_the_game_go_on(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r")
     play(env, 10)
     env.stop()
     size = env.path.stat().st_size
@@ -97,38 +97,38 @@ def test_stopping_lets_the_game_go_on(tmp_path: Path) -> None:
     copy.deepcopy(env.env)
     assert env.path.stat().st_size == size
     assert Replay.load(env.path).frames_total == 40
-    again = RecordReplay(env.env, tmp_path / "b.a26")
+    again = RecordReplay(env.env, tmp_path / "b.a26r")
     again.close()
 
 
 def test_a_recording_is_completed_without_close(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r")
     play(env, 10)
     del env
     gc.collect()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.complete
     assert replay.frames_total == 40
-    assert repr(replay) == f"Replay({str(tmp_path / 'a.a26')!r}, pong, 40 frames)"
+    assert repr(replay) == f"Replay({str(tmp_path / 'a.a26r')!r}, pong, 40 frames)"
 
 
 def test_a_reset_with_a_seed_keeps_the_summary_of_the_episode_before(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("pong", frameskip=1), tmp_path / "a.a26")
+    env = RecordReplay(atari.AtariEnv("pong", frameskip=1), tmp_path / "a.a26r")
     for seed, steps in ((1, 300), (2, 200)):
         env.reset(seed=seed)
         for _ in range(steps):
             env.step(0)
     env.close()
-    assert [episode.frames for episode in Replay.load(tmp_path / "a.a26").episodes] == [300, 200]
+    assert [episode.frames for episode in Replay.load(tmp_path / "a.a26r").episodes] == [300, 200]
 
 
 def test_an_environment_that_is_closed_inside_completes_the_file(tmp_path: Path) -> None:
     env = atari.AtariEnv("breakout")
-    with RecordReplay(env, tmp_path / "a.a26") as recorded:
+    with RecordReplay(env, tmp_path / "a.a26r") as recorded:
         recorded.reset(seed=0)
         recorded.step(1)
         env.close()
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.complete
     assert replay.verify()
     assert [episode.end for episode in replay.episodes] == ["open"]

@@ -44,8 +44,8 @@ def record(path: Path, game: str = "pong", frames: int = 300, **options: Any) ->
 
 @pytest.mark.parametrize("game", GAMES)
 def test_a_game_plays_again(game: str, tmp_path: Path) -> None:
-    played = record(tmp_path / "a.a26", game, 700, seed=7, repeat_action_probability=0.25, **GAMES[game])
-    replay = Replay.load(tmp_path / "a.a26")
+    played = record(tmp_path / "a.a26r", game, 700, seed=7, repeat_action_probability=0.25, **GAMES[game])
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.verify()
     assert replay.complete
     assert frames_of(replay) == played
@@ -57,8 +57,8 @@ def test_a_game_plays_again(game: str, tmp_path: Path) -> None:
 def test_the_caption_has_all_players(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     captions = []
     monkeypatch.setattr(VideoWriter, "write", lambda self, image, audio, caption: captions.append(caption))
-    record(tmp_path / "a.a26", frames=400)
-    replay = Replay.load(tmp_path / "a.a26")
+    record(tmp_path / "a.a26r", frames=400)
+    replay = Replay.load(tmp_path / "a.a26r")
     replay.render(tmp_path / "a.gif", overlay=("score", "action"))
     *_, last = replay.frames()
     first, second = (atari.Action(action).name for action in last.actions)
@@ -72,14 +72,14 @@ def test_the_caption_has_all_players(tmp_path: Path, monkeypatch: pytest.MonkeyP
 def test_writes_are_recorded(when: str, tmp_path: Path) -> None:
     core = MultiplayerCore("pong", seed=7)
     frozen = [Freeze(core, {13: 5})] if when == "before" else []
-    with RecordReplay(core, tmp_path / "a.a26") as match:
+    with RecordReplay(core, tmp_path / "a.a26r") as match:
         match.reset()
         frozen = frozen or [Freeze(match, {13: 5})]
         played = play(match, 90)
         for freeze in frozen:
             freeze.release()
         played += play(match, 30)
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.verify()
     assert frames_of(replay) == played
     assert {ram[13] for ram, *_ in played[:90]} == {5}
@@ -87,8 +87,8 @@ def test_writes_are_recorded(when: str, tmp_path: Path) -> None:
 
 def test_options_may_be_numpy_s(tmp_path: Path) -> None:
     options: dict[str, Any] = {"difficulty": np.int64(0), "max_num_frames_per_episode": np.int64(500)}
-    record(tmp_path / "a.a26", frames=10, **options)
-    assert Replay.load(tmp_path / "a.a26").header["options"]["max_num_frames_per_episode"] == 500
+    record(tmp_path / "a.a26r", frames=10, **options)
+    assert Replay.load(tmp_path / "a.a26r").header["options"]["max_num_frames_per_episode"] == 500
 
 
 def test_options_are_kept(tmp_path: Path) -> None:
@@ -102,22 +102,22 @@ def test_options_are_kept(tmp_path: Path) -> None:
         "end_of_reset": "ale_py",
         "random_words": "ale_py",
     }
-    played = record(tmp_path / "a.a26", "pong", 500, **{**options, "mode": 3})
-    replay = Replay.load(tmp_path / "a.a26")
+    played = record(tmp_path / "a.a26r", "pong", 500, **{**options, "mode": 3})
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.verify()
     assert frames_of(replay) == played
     assert {episode.end for episode in replay.episodes[:-1]} == {"truncated"}
     kept = MultiplayerCore("pong", **{**options, "mode": 3}).options
     assert replay.options == kept
     assert MultiplayerCore("pong", **kept).options == kept
-    with RecordReplay(MultiplayerCore("flag_capture", corrected_scores=True), tmp_path / "b.a26") as match:
+    with RecordReplay(MultiplayerCore("flag_capture", corrected_scores=True), tmp_path / "b.a26r") as match:
         match.reset()
-    assert Replay.load(tmp_path / "b.a26").options["corrected_scores"] is True
+    assert Replay.load(tmp_path / "b.a26r").options["corrected_scores"] is True
 
 
 def test_episodes_have_the_scores_of_all(tmp_path: Path) -> None:
-    played = record(tmp_path / "a.a26", "pong", 1500, max_num_frames_per_episode=700)
-    first, *rest = Replay.load(tmp_path / "a.a26").episodes
+    played = record(tmp_path / "a.a26r", "pong", 1500, max_num_frames_per_episode=700)
+    first, *rest = Replay.load(tmp_path / "a.a26r").episodes
     assert first.end == "truncated"
     assert first.scores is not None
     assert first.score == first.scores[0]
@@ -131,7 +131,7 @@ def test_from_the_middle_on_and_with_snapshots_writes_and_seeds(tmp_path: Path) 
     core = MultiplayerCore("combat", seed=5)
     core.reset()
     play(core, 50)
-    with RecordReplay(core, tmp_path / "a.a26") as match:
+    with RecordReplay(core, tmp_path / "a.a26r") as match:
         before = match.snapshot()
         played = play(match, 100)
         match.restore(before)
@@ -141,7 +141,7 @@ def test_from_the_middle_on_and_with_snapshots_writes_and_seeds(tmp_path: Path) 
         match.seed(9)
         match.reset()
         played += play(match, 10)
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.verify()
     assert frames_of(replay) == played
     assert replay.seeds == (5, 9)
@@ -150,8 +150,8 @@ def test_from_the_middle_on_and_with_snapshots_writes_and_seeds(tmp_path: Path) 
 
 
 def test_a_replay_becomes_a_video(tmp_path: Path) -> None:
-    played = record(tmp_path / "a.a26", "joust", 120, seed=2)
-    replay = Replay.load(tmp_path / "a.a26")
+    played = record(tmp_path / "a.a26r", "joust", 120, seed=2)
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.frames_total == 120
     assert replay.episodes[0].scores == [sum(rewards[player] for _, rewards, _ in played) for player in range(2)]
     pytest.importorskip("av")
@@ -160,8 +160,8 @@ def test_a_replay_becomes_a_video(tmp_path: Path) -> None:
 
 def test_wrong_uses(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="frameskip=1, got 4"):
-        RecordReplay(MultiplayerCore("pong", frameskip=4), tmp_path / "a.a26")
-    with RecordReplay(MultiplayerCore("pong"), tmp_path / "a.a26") as match:
+        RecordReplay(MultiplayerCore("pong", frameskip=4), tmp_path / "a.a26r")
+    with RecordReplay(MultiplayerCore("pong"), tmp_path / "a.a26r") as match:
         match.reset()
         for call in (lambda: match.act(0), lambda: match.set_mode(3), lambda: match.set_difficulty(1)):
             with pytest.raises(RuntimeError):
@@ -169,7 +169,7 @@ def test_wrong_uses(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match="2 players"):
             match.act_players([0])
         match.act_players([1, 1])
-    replay = Replay.load(tmp_path / "a.a26")
+    replay = Replay.load(tmp_path / "a.a26r")
     assert replay.verify()
     for wrong in (lambda: replay.make_env(), lambda: replay.verify("ale"), lambda: list(replay.frames(core="plain"))):
         with pytest.raises(ValueError, match="players"):
@@ -197,8 +197,8 @@ def use(path: Path) -> bool:
 
 
 def test_changed_headers_and_ends(tmp_path: Path) -> None:
-    record(tmp_path / "a.a26", frames=20)
-    content = file_format.read(tmp_path / "a.a26")
+    record(tmp_path / "a.a26r", frames=20)
+    content = file_format.read(tmp_path / "a.a26r")
     play_chunk, header, end = (b"P", content.plays[0].pack()), content.header, content.end
     assert end is not None
     values: list[Any] = [
@@ -226,18 +226,18 @@ def test_changed_headers_and_ends(tmp_path: Path) -> None:
         changed += [{**header, "options": {**header["options"], name: value}} for name in ("game", "rom", "sound", "x")]
         for one in changed:
             chunks = (b"H", json.dumps(one).encode()), play_chunk, (b"E", json.dumps(end).encode())
-            results.append(use(write(tmp_path / "b.a26", *chunks)))
+            results.append(use(write(tmp_path / "b.a26r", *chunks)))
         for name in ("score", "scores", "frames", "end", "more"):
             other = {**end, "episodes": [{**end["episodes"][0], name: value}]}
             chunks = (b"H", json.dumps(header).encode()), play_chunk, (b"E", json.dumps(other).encode())
-            results.append(use(write(tmp_path / "b.a26", *chunks)))
+            results.append(use(write(tmp_path / "b.a26r", *chunks)))
     assert results.count(False) > 250
     assert results.count(True) > 10
 
 
 def test_changed_events(tmp_path: Path) -> None:
-    record(tmp_path / "a.a26", frames=20)
-    content = file_format.read(tmp_path / "a.a26")
+    record(tmp_path / "a.a26r", frames=20)
+    content = file_format.read(tmp_path / "a.a26r")
     header = b"H", json.dumps(content.header).encode()
     events = unpack(content.plays[0].events)
     wrong = [
@@ -256,26 +256,26 @@ def test_changed_events(tmp_path: Path) -> None:
     ]
     for change in wrong:
         chunk = content.plays[0]._replace(events=pack([*change, *events]))
-        assert not use(write(tmp_path / "b.a26", header, (b"P", chunk.pack()))), change
-    data = (tmp_path / "a.a26").read_bytes()
+        assert not use(write(tmp_path / "b.a26r", header, (b"P", chunk.pack()))), change
+    data = (tmp_path / "a.a26r").read_bytes()
     source = random.Random(1)
     for size in source.sample(range(len(data)), 60):
-        (tmp_path / "b.a26").write_bytes(data[:size])
-        use(tmp_path / "b.a26")
+        (tmp_path / "b.a26r").write_bytes(data[:size])
+        use(tmp_path / "b.a26r")
     for _ in range(60):
         damaged = bytearray(data)
         damaged[source.randrange(len(data))] ^= 1 << source.randrange(8)
-        (tmp_path / "b.a26").write_bytes(damaged)
-        assert not use(tmp_path / "b.a26")
+        (tmp_path / "b.a26r").write_bytes(damaged)
+        assert not use(tmp_path / "b.a26r")
 
 
 def test_actions_of_several_players_in_a_replay_of_one_are_refused(tmp_path: Path) -> None:
     from replay_tools import record as record_one
 
-    content = file_format.read(record_one(tmp_path / "a.a26", steps=3))
+    content = file_format.read(record_one(tmp_path / "a.a26r", steps=3))
     events = [Event(Kind.ACTIONS, (0, 1)), *unpack(content.plays[0].events)]
     chunk = content.plays[0]._replace(events=pack(events))
     header = b"H", json.dumps(content.header).encode()
-    assert not use(write(tmp_path / "b.a26", header, (b"P", chunk.pack())))
+    assert not use(write(tmp_path / "b.a26r", header, (b"P", chunk.pack())))
     several = b"H", json.dumps({**content.header, "players": 2}).encode()
-    assert not use(write(tmp_path / "b.a26", several, (b"P", content.plays[0].pack())))
+    assert not use(write(tmp_path / "b.a26r", several, (b"P", content.plays[0].pack())))

@@ -14,11 +14,11 @@ av = pytest.importorskip("av")
 def test_a_video_has_the_frames_and_the_sound_of_the_game(tmp_path: Path) -> None:
     source = np.random.default_rng(0)
     actions = source.integers(0, 18, (120, 2)).tolist()
-    with RecordReplay(MultiplayerCore("combat"), tmp_path / "match.a26") as match:
+    with RecordReplay(MultiplayerCore("combat"), tmp_path / "match.a26r") as match:
         match.reset()
         for action in actions:
             match.act_players(action)
-    Replay.load(tmp_path / "match.a26").render(tmp_path / "match.mkv")
+    Replay.load(tmp_path / "match.a26r").render(tmp_path / "match.mkv")
 
     again = MultiplayerCore("combat", sound=True)
     again.reset()

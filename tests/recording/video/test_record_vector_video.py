@@ -316,4 +316,4 @@ def test_presets_are_recorded(preset: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("recorder", [RecordVideo, RecordReplay])
 def test_a_vector_of_several_players_is_refused(recorder: Any, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"records vectors of one player, got players=2; .*MultiplayerCore"):
-        recorder(atari.AtariVectorEnv("pong", 2, players=2), tmp_path / "a.a26")
+        recorder(atari.AtariVectorEnv("pong", 2, players=2), tmp_path / "a.a26r")

@@ -76,7 +76,7 @@ def test_recorded_episodes(tmp_path: Path) -> None:
 
 
 def test_a_replay(tmp_path: Path) -> None:
-    replay = Replay.load(record(tmp_path / "a.a26", "pong", 10))
+    replay = Replay.load(record(tmp_path / "a.a26r", "pong", 10))
     path = replay.render(tmp_path / "a.mkv", scale=1, speed=4)
     assert len(video_frames(path)) == replay.frames_total
     assert frame_times(path)[-1] == pytest.approx((replay.frames_total - 1) / (4 * NTSC), abs=0.0011)

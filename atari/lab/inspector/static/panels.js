@@ -173,7 +173,7 @@ export class ExportPanel {
     this.element = link.exportUrl ? h("div", { class: "exports" },
       h("div", { class: "line" }, file("Labels", "labels.toml", "the names that you gave, for a game definition"), h("span", { class: "dim" }, "your names, TOML")),
       h("div", { class: "line" }, file("Interventions", "interventions.toml", "what you froze and poked"), h("span", { class: "dim" }, "what you froze and poked, TOML")),
-      h("div", { class: "line" }, file("Replay", "replay.a26", "what was played up to here"), h("span", { class: "dim" }, "all that was played up to here, .a26")),
+      h("div", { class: "line" }, file("Replay", "replay.a26r", "what was played up to here"), h("span", { class: "dim" }, "all that was played up to here, .a26r")),
       h("div", { class: "line" }, button("Clip", "a video with sound", clip, { "data-export": "clip.mp4" }), "the last", seconds, h("span", { class: "dim" }, "seconds, MP4")))
       : h("p", { class: "status" }, "In a notebook, call session.export(folder).");
   }
