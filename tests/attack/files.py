@@ -3,6 +3,7 @@
 import contextlib
 import io
 import random
+import re
 import tarfile
 import tempfile
 import zipfile
@@ -15,6 +16,7 @@ from atari.cores import snapshot
 from atari.lab import Freeze, Poke
 from atari.recording import RecordReplay, Replay
 from atari.recording.replay import file_format
+from atari.roms import search
 from atari.roms.locations import path as own_folder
 from attack.findings import ALLOWED, attempt
 
@@ -63,6 +65,7 @@ def attack(seed: int) -> None:
         attack_replays(source, folder)
         attack_definitions(source, folder)
         attack_archives(source, folder)
+        attack_names(source, folder / "names")
 
 
 def attack_snapshots(source: random.Random) -> None:
@@ -83,7 +86,7 @@ def attack_snapshots(source: random.Random) -> None:
 
 def attack_replays(source: random.Random, folder: Path) -> None:
     """A damaged replay is refused, or read."""
-    path = folder / "a.a26r"
+    path = folder / f"a{file_format.SUFFIX}"
     env = RecordReplay(atari.AtariEnv("pong", obs_type="ram"), path)
     env.reset(seed=2)
     for _ in range(10):
@@ -93,7 +96,7 @@ def attack_replays(source: random.Random, folder: Path) -> None:
         for _ in range(10):
             env.step(source.randrange(6))
     env.close()
-    files = sorted(folder.rglob("*.a26r"))
+    files = sorted(folder.rglob(f"*{file_format.SUFFIX}"))
     assert files, "no replay was written"
     if source.random() < 0.5:
         forge_writes(source, files[0])
@@ -140,6 +143,32 @@ def attack_archives(source: random.Random, folder: Path) -> None:
     with contextlib.suppress(*ALLOWED):
         roms.import_from(given)
     assert sorted(own_folder().glob("*")) == before, "an image that is of no game was stored"
+
+
+def attack_names(source: random.Random, folder: Path) -> None:
+    """A file is what it contains, whatever its name and its neighbours are: a replay is never played as a ROM."""
+    folder.mkdir()
+    definition, image = folder / "own.toml", source.randbytes(4096)
+    text = Path(atari.games.__path__[0], "data", "pong.toml").read_text(encoding="utf-8")
+    definition.write_text(re.sub(r"\[rom\][^[]*", "", text), encoding="utf-8")  # without hashes, any image will do
+    endings = (file_format.SUFFIX, *search.ENDINGS)
+    replay = folder / f"own{file_format.SUFFIX}"
+    env = RecordReplay(atari.AtariEnv("pong", obs_type="ram"), replay)
+    env.reset(seed=source.randrange(100))
+    env.close()
+    name, other = source.sample(endings, 2)
+    replay = replay.rename(replay.with_suffix(name))
+    assert Replay.load(replay).verify(), f"a replay named {replay.name} does not open"
+    try:
+        atari.AtariEnv(definition)
+    except FileNotFoundError:
+        pass
+    else:
+        raise AssertionError(f"the replay {replay.name} was taken for the ROM of {definition.name}")
+    definition.with_suffix(other).write_bytes(image)
+    if other in search.ENDINGS:
+        found = roms.find(atari.games.resolve(definition))
+        assert found.read_bytes() == image, f"{found.name} was taken for the ROM in place of own{other}"
 
 
 def archive_of(source: random.Random, depth: int) -> bytes:
