@@ -4,9 +4,7 @@
 `python -m atari.classic script.py` runs a script in which `import gym` means this package.
 """
 
-import gymnasium.error as error
-
-from atari.classic import configuration, envs, logger, spaces, utils, vector, version, wrappers
+from atari.classic import configuration, envs, error, logger, spaces, utils, vector, version, wrappers
 from atari.classic.benchmarks import benchmark_spec
 from atari.classic.configuration import undo_logger_setup
 from atari.classic.core import ActionWrapper, Env, GoalEnv, ObservationWrapper, RewardWrapper, Wrapper

@@ -1,12 +1,10 @@
 """`env.monitor.start(directory)` and `env.monitor.close()`, as in 2016, before `Monitor` was a wrapper."""
 
-import atexit
 from os import PathLike
 from typing import Any, Protocol
 
-import gymnasium
-
-from atari.classic.episode_recorder import EpisodeRecorder, Monitored
+from atari.classic import error
+from atari.classic.monitor_hooks import Monitored, MonitorHooks
 
 
 class MonitoredByMethods(Monitored, Protocol):
@@ -31,7 +29,7 @@ class EnvMonitor:
 
     def __init__(self, env: MonitoredByMethods) -> None:
         self._env = env
-        self._recorder: EpisodeRecorder | None = None
+        self._hooks: MonitorHooks | None = None
 
     def start(self, directory: str | PathLike[str], *, seed: int | None = None, **options: Any) -> None:
         """Begin to record, after seeding the environment if `seed` is given; `options` are options of `Monitor`.
@@ -39,32 +37,32 @@ class EnvMonitor:
         Raises:
             gymnasium.error.Error: it records already, or see `Monitor`.
         """
-        if self._recorder is not None:
-            raise gymnasium.error.Error("env.monitor is started already; call env.monitor.close() first")
+        if self._hooks is not None:
+            raise error.Error("env.monitor is started already; call env.monitor.close() first")
         if seed is not None:
             self._env.seed(seed)
-        self._recorder = recorder = EpisodeRecorder(self._env, directory, **options)
+        hooks = MonitorHooks(self._env)
+        hooks._start(directory, **options)
+        self._hooks = hooks
         env: Any = self._env
         kind = type(env)
 
         def step(action: Any) -> tuple[Any, Any, bool, dict[str, Any]]:
-            recorder.check_running()
+            hooks._before_step(action)
             observation, reward, done, info = kind.step(env, action)
-            recorder.add_step(reward, done)
-            return observation, reward, done, info
+            return observation, reward, hooks._after_step(observation, reward, done, info), info
 
         def reset(**options: Any) -> Any:
+            hooks._before_reset()
             observation = kind.reset(env, **options)
-            recorder.begin_episode()
+            hooks._after_reset(observation)
             return observation
 
         vars(env).update(step=step, reset=reset)
-        atexit.register(self.close)
 
     def close(self) -> None:
         """Write the files, and stop recording."""
-        recorder, self._recorder = self._recorder, None
-        if recorder is not None:
-            atexit.unregister(self.close)
+        hooks, self._hooks = self._hooks, None
+        if hooks is not None:
             del vars(self._env)["step"], vars(self._env)["reset"]
-            recorder.close()
+            hooks.close()

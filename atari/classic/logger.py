@@ -2,14 +2,46 @@
 
 import sys
 from functools import cache
+from types import ModuleType
 from typing import Any
 
 from gymnasium import logger as _logger
-from gymnasium.logger import error, warn
+from gymnasium.logger import deprecation, error, warn
 
 DEBUG, INFO, WARN, ERROR, DISABLED = 10, 20, 30, 40, 50
 
-__all__ = ["DEBUG", "DISABLED", "ERROR", "INFO", "WARN", "debug", "error", "info", "setLevel", "set_level", "warn"]
+__all__ = [
+    "DEBUG",
+    "DISABLED",
+    "ERROR",
+    "INFO",
+    "WARN",
+    "debug",
+    "deprecation",
+    "error",
+    "info",
+    "setLevel",
+    "set_level",
+    "warn",
+]
+
+
+class _Logger(ModuleType):
+    """This module, whose level is Gymnasium's, under both of its names in Gym."""
+
+    @property
+    def min_level(self) -> int:
+        """The least level that is printed; a script may assign it."""
+        return _logger.min_level
+
+    @min_level.setter
+    def min_level(self, level: int) -> None:
+        _logger.min_level = level
+
+    MIN_LEVEL = min_level
+
+
+sys.modules[__name__].__class__ = _Logger
 
 
 def set_level(level: int) -> None:
@@ -20,19 +52,19 @@ def set_level(level: int) -> None:
 setLevel = set_level  # its name before 2018
 
 
-def debug(text: str, *values: Any) -> None:
+def debug(msg: str, *args: Any) -> None:
     """Print a message of level 10."""
-    _print(DEBUG, text, values)
+    _print(DEBUG, msg, args)
 
 
-def info(text: str, *values: Any) -> None:
+def info(msg: str, *args: Any) -> None:
     """Print a message of level 20."""
-    _print(INFO, text, values)
+    _print(INFO, msg, args)
 
 
-def _print(level: int, text: str, values: tuple[Any, ...]) -> None:
+def _print(level: int, msg: str, args: tuple[Any, ...]) -> None:
     if _logger.min_level <= level:
-        print({DEBUG: "DEBUG", INFO: "INFO"}[level] + ": " + (text % values if values else text))
+        print({DEBUG: "DEBUG", INFO: "INFO"}[level] + ": " + (msg % args if args else msg))
 
 
 @cache

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import atari.classic as gym
-from atari.classic.episode_recorder import cubes_then_thousands
+from atari.classic.monitor_files import capped_cubic_video_schedule, load_results
 from atari.classic.wrappers import Monitor
 
 
@@ -90,7 +90,9 @@ def test_a_video_is_what_was_shown(tmp_path: Path) -> None:
     assert [frame.shape for frame in frames] == [(10, 14, 3)] * 4  # doubled: H.264 has even sides
     for n, frame in enumerate(frames):
         assert abs(frame.astype(int) - 60 * n).max() <= 4
-    assert read(tmp_path, "video.*") == {"episode_id": 0, "content_type": "video/mp4", "frames_per_second": 10.0}
+    facts = read(tmp_path, "video.*")
+    assert facts.pop("encoder_version") == {"backend": "PyAV", "version": av.__version__}
+    assert facts == {"episode_id": 0, "content_type": "video/mp4", "frames_per_second": 10.0}
 
 
 def test_a_video_of_a_game_has_its_own_rate_and_wide_pixels(tmp_path: Path) -> None:
@@ -109,7 +111,20 @@ def test_a_video_of_cartpole_has_square_pixels(tmp_path: Path) -> None:
 
 
 def test_which_episodes_are_recorded(tmp_path: Path) -> None:
-    assert [n for n in range(3000) if cubes_then_thousands(n)] == [0, 1, 8, 27, 64, 125, 216, 343, 512, 729, 1000, 2000]
+    assert [n for n in range(3000) if capped_cubic_video_schedule(n)] == [
+        0,
+        1,
+        8,
+        27,
+        64,
+        125,
+        216,
+        343,
+        512,
+        729,
+        1000,
+        2000,
+    ]
     with Monitor(Clip(), tmp_path, video_callable=lambda episode: episode % 2 == 1) as env:
         play(env, 4)
     names = sorted(path.name.split(".")[-2] for path in tmp_path.glob("*.mp4"))
@@ -126,7 +141,8 @@ def test_an_episode_may_be_left_early(tmp_path: Path) -> None:
         env.reset()
         env.step(0)
     assert read(tmp_path, "episode_batch")["episode_lengths"] == [1, 3, 1]
-    assert len(decode(min(tmp_path.glob("*.mp4")))[1]) == 2
+    frames = [len(decode(path)[1]) for path in sorted(tmp_path.glob("*.mp4"))]
+    assert frames == [1, 2]  # of resets 0 and 1, as in Gym
 
 
 def test_the_end_of_an_episode_is_the_end(tmp_path: Path) -> None:
@@ -152,9 +168,10 @@ def test_files_of_other_monitors_are_kept_or_removed_only_on_request(tmp_path: P
     assert (tmp_path / "notes.txt").read_text() == "mine"
 
 
-def test_statistics_may_be_written_after_every_episode(tmp_path: Path) -> None:
+def test_statistics_may_be_written_upon_every_reset(tmp_path: Path) -> None:
     env = Monitor(Clip(), tmp_path, video_callable=False, write_upon_reset=True)
     play(env, 2)
+    env.reset()
     assert read(tmp_path, "episode_batch")["episode_lengths"] == [3, 3]
     env.close()
     env.close()
@@ -186,6 +203,103 @@ def test_files_are_written_without_close(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-c", program, str(tmp_path)], check=True, timeout=60)
     assert read(tmp_path, "episode_batch")["episode_lengths"] == [7]
     assert len(decode(next(tmp_path.glob("*.mp4")))[1]) == 8
+
+
+class Hooked(Monitor):
+    """Notes the calls of its hooks, and records no video of episode 1."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        self.calls: list[str] = []
+        super().__init__(*arguments, **options)
+
+    def _start(self, directory: Any, *arguments: Any, **options: Any) -> None:
+        super()._start(directory, *arguments, **options)
+        self.calls.append("start")
+
+    def _before_reset(self) -> None:
+        self.calls.append("before_reset")
+        super()._before_reset()
+
+    def _after_reset(self, observation: Any) -> None:
+        self.calls.append(f"after_reset {observation}")
+        super()._after_reset(observation)
+
+    def _before_step(self, action: Any) -> None:
+        self.calls.append(f"before_step {action}")
+        super()._before_step(action)
+
+    def _after_step(self, observation: Any, reward: Any, done: bool, info: Any) -> bool:
+        self.calls.append(f"after_step {observation} {reward} {done}")
+        return super()._after_step(observation, reward, done, info) or observation == 2
+
+    def reset_video_recorder(self) -> None:
+        self.calls.append(f"reset_video_recorder {self.episode_id}")
+        super().reset_video_recorder()
+
+    def _close_video_recorder(self) -> None:
+        self.calls.append("close_video_recorder")
+        super()._close_video_recorder()
+
+    def _video_enabled(self) -> bool:
+        return self.episode_id != 1
+
+    def _env_info(self) -> dict[str, Any]:
+        return {**super()._env_info(), "env_id": "mine"}
+
+    def _flush(self, force: bool = False) -> None:
+        self.calls.append(f"flush {force}")
+        super()._flush(force)
+
+
+def test_hooks_of_a_subclass_are_called_as_in_gym(tmp_path: Path) -> None:
+    with Hooked(Clip(), tmp_path) as env:
+        for _ in range(2):
+            env.reset()
+            env.step(7)
+            assert env.step(7)[2]  # `_after_step` ends the episode
+            env.stats_recorder.done = True  # type: ignore[attr-defined]
+    episode = ["after_reset 0", "reset_video_recorder {}", "flush False"]
+    episode += ["before_step 7", "after_step 1 1.5 False", "before_step 7", "after_step 2 1.5 False"]
+    first, second = ([call.format(number) for call in episode] for number in range(2))
+    closed = ["close_video_recorder", "flush True"]
+    second.insert(2, "close_video_recorder")
+    assert env.calls == ["start", "before_reset", *first, "before_reset", *second, *closed]  # type: ignore[attr-defined]
+    assert [path.name.split(".")[-2] for path in tmp_path.glob("*.mp4")] == ["video000000"]
+    assert read(tmp_path, "manifest")["env_info"]["env_id"] == "mine"
+    assert read(tmp_path, "episode_batch")["episode_lengths"] == [2, 2]
+
+
+def test_results_of_several_monitors_are_in_the_order_of_time(tmp_path: Path) -> None:
+    first = Monitor(Clip(), tmp_path, video_callable=False, resume=True, mode="evaluation")
+    second = Monitor(Clip(), tmp_path, resume=True)
+    play(first, 1)
+    play(second, 1, steps=2)
+    second.reset()
+    play(first, 1)
+    first.close(), second.close()
+    results = load_results(tmp_path)
+    assert results is not None
+    assert (results["episode_lengths"], results["episode_types"]) == ([3, 2, 3], ["e", "t", "e"])
+    assert results["timestamps"] == sorted(results["timestamps"])
+    assert results["data_sources"] in ([0, 1, 0], [1, 0, 1])
+    assert all(Path(path).exists() for video in results["videos"] for path in video)
+    assert len(results["videos"]) == 2
+    assert load_results(tmp_path / "nothing") is None
+
+
+def test_texts_are_recorded_as_json(tmp_path: Path) -> None:
+    class Text(Clip):
+        metadata = {"render.modes": ["human", "ansi"]}  # noqa: RUF012
+
+        def render(self, mode: str = "human") -> Any:
+            return f"step\n{self.n}\n"
+
+    with Monitor(Text(), tmp_path, uid="me") as env:
+        play(env, 1)
+    (path,) = (each for each in tmp_path.glob("*.video000000.json"))
+    video = json.loads(path.read_text())
+    assert (video["width"], video["height"], len(video["stdout"])) == (6, 3, 4)
+    assert video["stdout"][3] == [0.5, "\x1b[2J\x1b[1;1Hstep\r\n3\r\n"]
 
 
 @pytest.mark.parametrize(

@@ -179,13 +179,15 @@ def _is_overload(function: Function) -> bool:
 
 def _calls_on_self(tree: ast.AST) -> Iterator[str]:
     for each in ast.walk(tree):
-        if isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute):
-            if isinstance(each.func.value, ast.Name) and each.func.value.id == "self":
-                yield each.func.attr
+        if isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute) and _is_self(each.func.value):
+            yield each.func.attr
 
 
 def _set_on_self(tree: ast.AST) -> Iterator[str]:
     for each in ast.walk(tree):
-        if isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Store):
-            if isinstance(each.value, ast.Name) and each.value.id == "self":
-                yield each.attr
+        if isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Store) and _is_self(each.value):
+            yield each.attr
+
+
+def _is_self(tree: ast.expr) -> bool:
+    return isinstance(tree, ast.Name) and tree.id == "self"

@@ -187,9 +187,9 @@ def accepts(theirs: inspect.Signature, ours: inspect.Signature) -> str | None:
                 return f"{each.name} is {default!r} by default, not {each.default!r}"
     for each in own.values():
         required = each.default is _KIND.empty and each.kind not in (_KIND.VAR_POSITIONAL, _KIND.VAR_KEYWORD)
-        if required and each.name not in theirs.parameters:
-            if each.kind is _KIND.KEYWORD_ONLY or by_position.index(each) >= place:
-                return f"{each.name} is required"
+        given = each.kind is not _KIND.KEYWORD_ONLY and by_position.index(each) < place if required else True
+        if not given and each.name not in theirs.parameters:
+            return f"{each.name} is required"
     return None
 
 

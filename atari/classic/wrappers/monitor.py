@@ -1,28 +1,57 @@
 """`Monitor`: videos and statistics of the episodes of an environment, in the files that Gym's Monitor wrote."""
 
-import atexit
 import os
-from pathlib import Path
+from contextlib import suppress
 from typing import Any, Literal
 
 from atari.classic.core import Env, Step, Wrapper
-from atari.classic.episode_recorder import EpisodeRecorder, EpisodeStatistics, VideoCallable
+from atari.classic.monitor_files import (
+    FILE_PREFIX,
+    MANIFEST_PREFIX,
+    capped_cubic_video_schedule,
+    clear_monitor_files,
+    collapse_env_infos,
+    detect_monitor_files,
+    detect_training_manifests,
+    disable_videos,
+    load_env_info_from_manifests,
+    load_results,
+    merge_stats_files,
+)
+from atari.classic.monitor_hooks import MonitorHooks, VideoCallable, monitor_closer
+
+__all__ = [
+    "FILE_PREFIX",
+    "MANIFEST_PREFIX",
+    "Monitor",
+    "capped_cubic_video_schedule",
+    "clear_monitor_files",
+    "collapse_env_infos",
+    "detect_monitor_files",
+    "detect_training_manifests",
+    "disable_videos",
+    "load_env_info_from_manifests",
+    "load_results",
+    "merge_stats_files",
+    "monitor_closer",
+]
 
 
-class Monitor(Wrapper):
+class Monitor(MonitorHooks, Wrapper):
     """Writes videos of episodes 0, 1, 8, 27, ..., 1000, 2000, ..., and the statistics of all episodes.
 
     An episode ends when it is done, or with the next `reset`. A monitor that is open when the interpreter exits is
-    closed then.
+    closed then. A subclass may replace `_before_step`, `_after_step`, `_before_reset`, `_after_reset`, `_video_enabled`,
+    `_env_info`, `_start`, `_flush`, `_set_mode`, `reset_video_recorder` and `_close_video_recorder`.
 
     Args:
         env: an environment.
         directory: the folder for the files; it is made if necessary.
         video_callable: a function of the number of an episode that returns whether to record it. None records the
-            episodes above, False none. Environments that cannot render "rgb_array" are not recorded.
+            episodes above, False none. Environments that cannot render "rgb_array" or "ansi" are not recorded.
         force: remove the files of other monitors in the directory.
         resume: keep these files, and add to them.
-        write_upon_reset: write the statistics after every episode, not only when closed.
+        write_upon_reset: write the statistics after every reset, not only when closed.
         uid: a name in place of the process's number.
         mode: "training" or "evaluation", recorded with each episode.
 
@@ -31,6 +60,18 @@ class Monitor(Wrapper):
             episode is over.
         gymnasium.error.DependencyNotInstalled: PyAV is not installed (extra `video`); `video_callable=False` does not
             need it.
+
+    Example:
+        >>> import tempfile
+        >>> import atari.classic as gym
+        >>> class Silent(gym.wrappers.Monitor):
+        ...     def _video_enabled(self):
+        ...         return False
+        >>> with Silent(gym.make("CartPole-v0"), tempfile.mkdtemp()) as env:
+        ...     observation = env.reset()
+        ...     result = env.step(0)
+        >>> env.videos, env.get_episode_lengths()
+        ([], [1])
     """
 
     def __init__(
@@ -44,47 +85,50 @@ class Monitor(Wrapper):
         uid: str | None = None,
         mode: Literal["training", "evaluation"] | None = None,
     ) -> None:
-        super().__init__(env)
-        self._recorder = EpisodeRecorder(env, directory, video_callable, force, resume, write_upon_reset, uid, mode)
-        self.directory = self._recorder.directory
-        self.file_infix = self._recorder.file_infix
-        self.videos = self._recorder.videos
-        atexit.register(self.close)
+        Wrapper.__init__(self, env)
+        self._initialise(env)
+        self._start(directory, video_callable, force, resume, write_upon_reset, uid, mode)
 
-    @property
-    def stats_path(self) -> Path:
-        """The file of the statistics."""
-        return self._recorder.stats_path
+    def set_monitor_mode(self, mode: Literal["training", "evaluation"]) -> None:
+        """Record the next episodes as training or evaluation.
 
-    @property
-    def stats_recorder(self) -> EpisodeStatistics:
-        """The statistics; a script sets its `done` to end an episode without steps to its end."""
-        return self._recorder.statistics
+        Raises:
+            gymnasium.error.Error: it is neither.
+        """
+        self._set_mode(mode)
 
     def get_total_steps(self) -> int:
         """Steps so far."""
-        return self._recorder.statistics.total_steps
+        return self.stats_recorder.total_steps  # type: ignore[no-any-return]
 
     def get_episode_rewards(self) -> list[float]:
         """The return of each episode that ended."""
-        return self._recorder.statistics.rewards
+        return self.stats_recorder.episode_rewards  # type: ignore[no-any-return]
 
     def get_episode_lengths(self) -> list[int]:
         """The number of steps of each episode that ended."""
-        return self._recorder.statistics.lengths
+        return self.stats_recorder.episode_lengths  # type: ignore[no-any-return]
+
+    def close(self) -> None:
+        """Write the files, and close the environment."""
+        Wrapper.close(self)
 
     def _reset(self, **options: Any) -> Any:
+        self._before_reset()
         observation = self.env.reset(**options)
-        self._recorder.begin_episode()
+        self._after_reset(observation)
         return observation
 
     def _step(self, action: Any) -> Step:
-        self._recorder.check_running()
+        self._before_step(action)
         observation, reward, done, info = self.env.step(action)
-        self._recorder.add_step(reward, done)
+        done = self._after_step(observation, reward, done, info)
         return observation, reward, done, info
 
     def _close(self) -> None:
-        atexit.unregister(self.close)
-        self._recorder.close()
+        self._finish()
         self.env.close()
+
+    def __del__(self) -> None:
+        with suppress(Exception):  # a finalizer has no caller; its modules may be gone
+            self._finish()

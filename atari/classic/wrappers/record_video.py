@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from atari.classic.core import Env, Step, Wrapper
-from atari.classic.episode_recorder import cubes_then_thousands
+from atari.classic.monitor_files import capped_cubic_video_schedule
 from atari.classic.video_recorder import VideoRecorder
 
 Trigger = Callable[[int], bool]
@@ -43,7 +43,7 @@ class RecordVideo(Wrapper):
         super().__init__(env)
         self.video_folder = Path(video_folder).absolute()
         self.video_folder.mkdir(parents=True, exist_ok=True)
-        self.episode_trigger = episode_trigger or (None if step_trigger else cubes_then_thousands)
+        self.episode_trigger = episode_trigger or (None if step_trigger else capped_cubic_video_schedule)
         self.step_trigger = step_trigger
         self.video_length = video_length
         self.name_prefix = name_prefix

@@ -34,7 +34,7 @@ def facts(archives: Path | None = None) -> Versions:
 def write(archives: Path) -> None:
     """Keep the facts of the archives in the file."""
     found = facts(archives)
-    excused = [each for each in reasons("gym")]
+    excused = reasons("gym")
     kept = {
         fact: found[fact]
         for fact in found

@@ -1,0 +1,219 @@
+"""`MonitorHooks`: what a monitor does around `reset` and `step`, in methods that subclasses replace.
+
+The files are those of Gym's Monitor. A folder has, for each monitor that wrote to it, a manifest, statistics of all
+episodes (`*.stats.json`) and some videos, each with a `*.meta.json`. Their names share the numbers of the monitor and of
+the process, which scripts expect.
+"""
+
+import json
+import os
+from collections.abc import Callable
+from typing import Any, Literal, Protocol
+
+import atari
+from atari.classic import error
+from atari.classic.monitor_files import (
+    FILE_PREFIX,
+    capped_cubic_video_schedule,
+    clear_monitor_files,
+    detect_monitor_files,
+    disable_videos,
+)
+from atari.classic.stats_recorder import StatsRecorder
+from atari.classic.utils.atomic_write import atomic_write
+from atari.classic.utils.closer import Closer
+from atari.classic.utils.json_utils import json_encode_np
+from atari.classic.video_recorder import Renderable, VideoRecorder
+
+VideoCallable = Callable[[int], bool]
+
+_TYPES = {"training": "t", "evaluation": "e"}
+
+monitor_closer = Closer()
+"""Closes the monitors that are open when the interpreter exits."""
+
+
+class Monitored(Renderable, Protocol):
+    """The part of an environment that a monitor needs."""
+
+    spec: Any
+
+
+class MonitorHooks:
+    """What a monitor does before and after a reset and a step.
+
+    The owner calls `_before_reset`, `_after_reset`, `_before_step` and `_after_step`, and `_finish` at the end.
+
+    Attributes:
+        env: the environment.
+        directory: the folder of the files.
+        stats_recorder: the statistics. A subclass may assign another one in its `_start`.
+        video_recorder: the recorder of the present episode; it is disabled if `_video_enabled` returned False.
+        episode_id: the number of resets.
+        videos: the path of each video and that of its description.
+        enabled: False after the end.
+    """
+
+    def __init__(self, env: Monitored) -> None:
+        self.env = env
+        self._initialise(env)
+
+    def _initialise(self, env: Monitored) -> None:
+        self.videos: list[tuple[str, str]] = []
+        self.stats_recorder: Any = None
+        self.video_recorder: VideoRecorder | None = None
+        self.enabled = False
+        self.episode_id = 0
+        self._monitor_id: int | None = None
+        self.env_semantics_autoreset = env.metadata.get("semantics.autoreset")
+
+    def _start(
+        self,
+        directory: str | os.PathLike[str],
+        video_callable: VideoCallable | Literal[False] | None = None,
+        force: bool = False,
+        resume: bool = False,
+        write_upon_reset: bool = False,
+        uid: str | None = None,
+        mode: Literal["training", "evaluation"] | None = None,
+    ) -> None:
+        """Prepare the folder and begin to record; the arguments are those of `Monitor`."""
+        if mode is not None:
+            _type_of(mode)
+        if video_callable not in (None, False) and not callable(video_callable):
+            raise error.Error(
+                f"video_callable is a function of the episode's number, None or False, got {video_callable!r}"
+            )
+        self.directory = os.path.abspath(directory)
+        _prepare(self.directory, force, resume)
+        chosen = disable_videos if video_callable is False else video_callable or capped_cubic_video_schedule
+        self.video_callable: VideoCallable = chosen
+        self._monitor_id = monitor_closer.register(self)
+        self.enabled = True
+        self.file_prefix = FILE_PREFIX
+        self.file_infix = f"{self._monitor_id}.{uid or os.getpid()}"
+        self.stats_recorder = StatsRecorder(
+            self.directory,
+            f"{self.file_prefix}.episode_batch.{self.file_infix}",
+            autoreset=bool(self.env_semantics_autoreset),
+            env_id=self.env.spec.id if self.env.spec else "(unknown)",
+        )
+        self.write_upon_reset = write_upon_reset
+        if mode is not None:
+            self._set_mode(mode)
+
+    def _set_mode(self, mode: Literal["training", "evaluation"]) -> None:
+        """Record the next episodes as training or evaluation."""
+        self.stats_recorder.type = _type_of(mode)
+
+    def _before_step(self, action: Any) -> None:
+        if self.enabled:
+            self.stats_recorder.before_step(action)
+
+    def _after_step(self, observation: Any, reward: Any, done: bool, info: dict[str, Any]) -> bool:
+        """Record a step; returns `done`."""
+        if not self.enabled:
+            return done
+        if done and self.env_semantics_autoreset:  # the observation is the first of the next episode
+            self.reset_video_recorder()
+            self.episode_id += 1
+            self._flush()
+        self.stats_recorder.after_step(observation, reward, done, info)
+        if self.video_recorder is not None:
+            self.video_recorder.capture_frame()
+        return done
+
+    def _before_reset(self) -> None:
+        if self.enabled:
+            self.stats_recorder.before_reset()
+
+    def _after_reset(self, observation: Any) -> None:
+        """Begin to record an episode."""
+        if not self.enabled:
+            return
+        self.stats_recorder.after_reset(observation)
+        self.reset_video_recorder()
+        self.episode_id += 1
+        self._flush()
+
+    def reset_video_recorder(self) -> None:
+        """End the video of the last episode, and begin that of the next if `_video_enabled` returns true."""
+        if self.video_recorder is not None:
+            self._close_video_recorder()
+        name = f"{self.file_prefix}.video.{self.file_infix}.video{self.episode_id:06}"
+        self.video_recorder = VideoRecorder(
+            env=self.env,
+            base_path=os.path.join(self.directory, name),
+            metadata={"episode_id": self.episode_id},
+            enabled=bool(self._video_enabled()),
+        )
+        self.video_recorder.capture_frame()
+
+    def _reset_video_recorder(self) -> None:  # its name in 2017
+        self.reset_video_recorder()
+
+    def _close_video_recorder(self) -> None:
+        """End the video of the last episode."""
+        recorder = self.video_recorder
+        assert recorder is not None
+        recorder.close()
+        if recorder.functional:
+            self.videos.append((recorder.path, recorder.metadata_path))
+
+    def _video_enabled(self) -> bool:
+        """Whether the next episode, `episode_id`, is recorded."""
+        return self.video_callable(self.episode_id)
+
+    def _env_info(self) -> dict[str, Any]:
+        """The facts of the environment in the manifest."""
+        spec = self.env.spec
+        return {"gym_version": f"atari-envs {atari.__version__}", "env_id": spec and spec.id}
+
+    def _flush(self, force: bool = False) -> None:
+        """Write the statistics and the manifest, with `force` or if they are written after each reset."""
+        if not self.write_upon_reset and not force:
+            return
+        self.stats_recorder.flush()
+        manifest = {
+            "stats": os.path.basename(self.stats_recorder.path),
+            "videos": [tuple(map(os.path.basename, video)) for video in self.videos],
+            "env_info": self._env_info(),
+        }
+        name = f"{self.file_prefix}.manifest.{self.file_infix}.manifest.json"
+        with atomic_write(os.path.join(self.directory, name)) as file:
+            json.dump(manifest, file, default=json_encode_np)
+
+    def _finish(self) -> None:
+        """Write the files; later calls do nothing."""
+        if not self.enabled:
+            return
+        self.enabled = False
+        self.stats_recorder.close()
+        if self.video_recorder is not None:
+            self._close_video_recorder()
+        self._flush(force=True)
+        assert self._monitor_id is not None
+        monitor_closer.unregister(self._monitor_id)
+
+    def close(self) -> None:
+        """See `_finish`."""
+        self._finish()
+
+
+def _type_of(mode: str) -> str:
+    if mode not in _TYPES:
+        raise error.Error(f"mode must be 'training' or 'evaluation', got {mode!r}")
+    return _TYPES[mode]
+
+
+def _prepare(directory: str, force: bool, resume: bool) -> None:
+    os.makedirs(directory, exist_ok=True)
+    if force:
+        clear_monitor_files(directory)
+        return
+    written = detect_monitor_files(directory)
+    if written and not resume:
+        raise error.Error(
+            f"{directory} has files of another Monitor, such as {os.path.basename(written[0])}; use another folder, "
+            "force=True to remove them, or resume=True to add to them"
+        )
