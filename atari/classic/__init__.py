@@ -4,7 +4,7 @@
 `python -m atari.classic script.py` runs a script in which `import gym` means this package.
 """
 
-from atari.classic import configuration, envs, error, logger, spaces, utils, vector, version, wrappers
+from atari.classic import configuration, envs, error, gym_modules, logger, spaces, utils, vector, version, wrappers
 from atari.classic.benchmarks import benchmark_spec
 from atari.classic.configuration import undo_logger_setup
 from atari.classic.core import ActionWrapper, Env, GoalEnv, ObservationWrapper, RewardWrapper, Wrapper
@@ -13,6 +13,8 @@ from atari.classic.scoreboard import upload
 from atari.classic.spaces import Space
 
 __version__ = version.VERSION
+
+gym_modules.load()
 
 __all__ = [
     "ActionWrapper",

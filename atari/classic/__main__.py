@@ -29,8 +29,9 @@ def stand_in() -> None:
     sys.modules["gym"] = atari.classic
     for module in pkgutil.walk_packages(atari.classic.__path__, f"{name}."):
         if not module.name.endswith("__main__"):
-            sys.modules["gym" + module.name.removeprefix(name)] = importlib.import_module(module.name)
-    sys.modules["gym.error"] = atari.classic.error
+            importlib.import_module(module.name)
+    for module_name in [each for each in sys.modules if each.startswith(f"{name}.")]:
+        sys.modules["gym" + module_name.removeprefix(name)] = sys.modules[module_name]
     folder = str(Path(__file__).parent / "spawned")
     if folder not in sys.path:
         sys.path.insert(0, folder)  # `multiprocessing` gives the path to its processes

@@ -12,6 +12,7 @@ from typing import Any
 from atari.classic.env_monitor import EnvMonitor
 from atari.classic.spaces import Space
 from atari.classic.spec import Spec
+from atari.classic.utils import seeding
 
 Step = tuple[Any, Any, bool, dict[str, Any]]
 """The result of `step`: observation, reward, done, info."""
@@ -43,6 +44,9 @@ class Env:
     reward_range: tuple[float, float] = (-float("inf"), float("inf"))
     spec: Spec | None = None
     """The ID and limits with which `make` made the environment; None without `make`."""
+
+    render_mode: str | None = None
+    """None: the mode is an argument of `render`."""
 
     action_space: Space[Any]
     observation_space: Space[Any]
@@ -79,6 +83,17 @@ class Env:
     def seed(self, seed: int | None = None) -> list[int]:
         """Seed the random generators and return the seeds; an environment without any returns none."""
         return list(self._call("seed", seed) or []) if callable(getattr(self, "_seed", None)) else []
+
+    @property
+    def np_random(self) -> Any:
+        """A generator, NumPy's `RandomState`; an environment may assign another one."""
+        if "_np_random" not in vars(self):
+            self._np_random: Any = seeding.np_random()[0]
+        return self._np_random
+
+    @np_random.setter
+    def np_random(self, generator: Any) -> None:
+        self._np_random = generator
 
     @property
     def unwrapped(self) -> "Env":
@@ -157,6 +172,24 @@ class Wrapper(Env):
         if name.startswith("_") or name == "env":
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         return getattr(self.env, name)
+
+    @classmethod
+    def class_name(cls) -> str:
+        """The name of the wrapper."""
+        return cls.__name__
+
+    @property
+    def np_random(self) -> Any:
+        """The generator of the environment."""
+        return self.env.np_random
+
+    @np_random.setter
+    def np_random(self, generator: Any) -> None:
+        self.env.np_random = generator
+
+    def compute_reward(self, achieved_goal: Any, desired_goal: Any, info: dict[str, Any]) -> Any:
+        """See `GoalEnv`."""
+        return self.env.compute_reward(achieved_goal, desired_goal, info)  # type: ignore[attr-defined]
 
     def reset(self, **options: Any) -> Any:  # noqa: D102
         return self._call("reset", **options)

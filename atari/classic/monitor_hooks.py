@@ -1,8 +1,8 @@
 """`MonitorHooks`: what a monitor does around `reset` and `step`, in methods that subclasses replace.
 
 The files are those of Gym's Monitor. A folder has, for each monitor that wrote to it, a manifest, statistics of all
-episodes (`*.stats.json`) and some videos, each with a `*.meta.json`. Their names share the numbers of the monitor and of
-the process, which scripts expect.
+episodes (`*.stats.json`) and some videos, each with a `*.meta.json`. Their names share the numbers of the monitor and
+of the process, which scripts expect.
 """
 
 import json

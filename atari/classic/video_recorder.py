@@ -34,8 +34,8 @@ class VideoRecorder:
 
     Args:
         env: an environment that renders "rgb_array" or "ansi".
-        path: the file of the video, with the ending `.mp4`, or `.json` for texts; without `path` and `base_path`, a file
-            in a new temporary folder.
+        path: the file of the video, with the ending `.mp4`, or `.json` for texts; without `path` and `base_path`, a
+            file in a new temporary folder.
         metadata: more fields of the description.
         enabled: False writes nothing.
         base_path: `path` without its ending, instead of `path`.
@@ -172,7 +172,8 @@ class ImageEncoder:
         pixel_aspect: columns and rows of the video for a pixel of an image.
 
     Raises:
-        gymnasium.error.InvalidFrame: the shape is another one; from `capture_frame`: the image has another shape or dtype.
+        gym.error.InvalidFrame: the shape is another one; from `capture_frame`: the image has another shape or
+            dtype.
         gymnasium.error.DependencyNotInstalled: PyAV is not installed (extra `video`).
     """
 
@@ -233,7 +234,7 @@ class TextEncoder:
         frames_per_sec: has no effect.
 
     Raises:
-        gymnasium.error.InvalidFrame: from `capture_frame`: it is no text, or does not end with a newline.
+        gym.error.InvalidFrame: from `capture_frame`: it is no text, or does not end with a newline.
     """
 
     def __init__(self, output_path: str | os.PathLike[str], frames_per_sec: float) -> None:

@@ -16,12 +16,13 @@ class Box(Shared, gymnasium.spaces.Box):
         high: the upper bounds.
         shape: the shape of the arrays, if the bounds are numbers.
         dtype: the dtype of the arrays; None means float32.
+        seed: the seed of `sample`.
     """
 
-    def __init__(self, low: Any, high: Any, shape: Any = None, dtype: Any = None) -> None:
+    def __init__(self, low: Any, high: Any, shape: Any = None, dtype: Any = None, seed: Any = None) -> None:
         dtype = np.dtype(np.float32 if dtype is None else dtype)
         low, high = (_bound(bound, dtype) for bound in (low, high))
-        super().__init__(low, high, shape, dtype)
+        super().__init__(low, high, shape, dtype, seed)
 
     def contains(self, x: Any) -> bool:
         """Whether `x` has the shape and lies within the bounds; its dtype does not matter."""

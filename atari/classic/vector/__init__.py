@@ -5,13 +5,18 @@ from typing import Any
 from atari.classic.envs.registration import make as make_one
 from atari.classic.vector.async_vector_env import AsyncVectorEnv
 from atari.classic.vector.sync_vector_env import SyncVectorEnv
-from atari.classic.vector.vector_env import VectorEnv, WrapMany
+from atari.classic.vector.vector_env import VectorEnv, VectorEnvWrapper, WrapMany
 
-__all__ = ["AsyncVectorEnv", "SyncVectorEnv", "VectorEnv", "make"]
+__all__ = ["AsyncVectorEnv", "SyncVectorEnv", "VectorEnv", "VectorEnvWrapper", "make"]
 
 
 def make(
-    id: str, num_envs: int = 1, asynchronous: bool = True, wrappers: WrapMany | None = None, **options: Any
+    id: str,
+    num_envs: int = 1,
+    asynchronous: bool = True,
+    wrappers: WrapMany | None = None,
+    disable_env_checker: bool | None = None,
+    **kwargs: Any,
 ) -> VectorEnv:
     """Make several environments of an ID.
 
@@ -20,7 +25,8 @@ def make(
         num_envs: their number.
         asynchronous: each in a process of its own.
         wrappers: a wrapper, or several from the innermost to the outermost, around each environment.
-        **options: arguments of the environment.
+        disable_env_checker: has no effect.
+        **kwargs: arguments of the environment.
 
     Raises:
         ValueError: `num_envs` is less than 1.
@@ -33,7 +39,7 @@ def make(
     """
 
     def make_env() -> Any:
-        env: Any = make_one(id, **options)
+        env: Any = make_one(id, **kwargs)
         for wrap in [wrappers] if callable(wrappers) else wrappers or []:
             env = wrap(env)
         return env

@@ -1,24 +1,25 @@
 """`SyncVectorEnv`: several environments in this process, one after another."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from atari.classic.core import Env
 from atari.classic.spaces import Space
-from atari.classic.vector.vector_env import Lane, VectorEnv, check_env_fns
+from atari.classic.vector.vector_env import Batches, Lane, NoCallError, Results, check_env_fns
 
 
-class SyncVectorEnv(VectorEnv):
+class SyncVectorEnv(Batches):
     """Steps its environments one after another.
 
     Args:
         env_fns: functions that make the environments.
         observation_space: the space of one environment's observations; None means the first environment's.
         action_space: the space of one environment's actions; likewise.
-        copy: has no effect; observations are new arrays.
+        copy: False returns the same array of observations, `observations`, from each step.
 
     Raises:
         ValueError: there are none.
+        RuntimeError: the shapes of their observations differ.
 
     Example:
         >>> from atari import classic
@@ -37,28 +38,63 @@ class SyncVectorEnv(VectorEnv):
         action_space: Space[Any] | None = None,
         copy: bool = True,
     ) -> None:
-        self.envs = [make() for make in check_env_fns(env_fns)]
+        self.env_fns = check_env_fns(env_fns)
+        self.envs = [make() for make in self.env_fns]
         self._lanes = [Lane(env) for env in self.envs]
+        self._options: dict[str, Any] = {}
+        self._actions: list[Any] | None = None
+        self._called: list[Any] = []
         first = self.envs[0]
         self.metadata, self.reward_range, self.spec = first.metadata, first.reward_range, first.spec
         spaces = observation_space or first.observation_space, action_space or first.action_space
-        super().__init__(len(self.envs), *spaces)
+        super().__init__(len(self.envs), *spaces, is_copied=copy)
+        self._check_spaces()
 
-    def close(self) -> None:
-        """Close the environments; later calls do nothing."""
-        if not self.closed:
-            self.closed = True
-            for lane in self._lanes:
-                lane.close()
+    def reset_async(self, **options: Any) -> None:  # noqa: D102
+        self._options = options
 
-    def _reset_all(self, options: dict[str, Any]) -> list[Any]:
-        return [lane.reset(options) for lane in self._lanes]
+    def reset_wait(self, **kwargs: Any) -> Any:  # noqa: D102
+        options, self._options, self._actions = {**self._options, **kwargs}, {}, None
+        return self._batch([lane.reset(options) for lane in self._lanes])
 
-    def _step_all(self, actions: Sequence[Any]) -> list[Any]:
-        return [lane.step(action) for lane, action in zip(self._lanes, actions, strict=True)]
+    def step_async(self, actions: Any) -> None:
+        """Take the actions for the next `step_wait`.
 
-    def _call_all(self, name: str, arguments: Sequence[Any], options: dict[str, Any]) -> list[Any]:
-        return [lane.call(name, arguments, options) for lane in self._lanes]
+        Raises:
+            ValueError: their number is not that of the environments.
+        """
+        self._actions = self._checked_actions(actions)
 
-    def _seed_all(self, seeds: Sequence[int | None]) -> list[Any]:
-        return [lane.seed(seed) for lane, seed in zip(self._lanes, seeds, strict=True)]
+    def step_wait(self, **kwargs: Any) -> Results:
+        """Step with the actions of `step_async`.
+
+        Raises:
+            gymnasium.error.Error: there are no actions.
+        """
+        actions, self._actions = self._actions, None
+        if actions is None:
+            raise NoCallError(
+                "step_wait() came before step_async(actions); call it first, or step(actions)", "step_async"
+            )
+        return self._results([lane.step(action) for lane, action in zip(self._lanes, actions, strict=True)])
+
+    def call_async(self, name: str, *args: Any, **kwargs: Any) -> None:  # noqa: D102
+        self._called = [lane.call(name, args, kwargs) for lane in self._lanes]
+
+    def call_wait(self, **kwargs: Any) -> list[Any]:  # noqa: D102
+        called, self._called = self._called, []
+        return called
+
+    def set_attr(self, name: str, values: Any) -> None:  # noqa: D102
+        for lane, value in zip(self._lanes, self._checked_values(values), strict=True):
+            lane.set(name, value)
+
+    def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # noqa: D102
+        return [lane.seed(own) for lane, own in zip(self._lanes, self._checked_seeds(seeds, seed), strict=True)]
+
+    def close_extras(self, **kwargs: Any) -> None:  # noqa: D102
+        for lane in self._lanes:
+            lane.close()
+
+    def _check_observation_spaces(self) -> bool:
+        return self._check_fit(env.observation_space for env in self.envs)

@@ -1,14 +1,16 @@
 """`VectorEnv`: several environments that step together."""
 
+import copy
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium.vector.utils import batch_space, concatenate, create_empty_array
 
-from atari.classic.core import Env
-from atari.classic.spaces import Space, Tuple, from_gymnasium
+from atari.classic import error
+from atari.classic.core import Env, Wrapper
+from atari.classic.spaces import Space, Tuple
+from atari.classic.vector.utils import batch_space, concatenate, create_empty_array
 
 WrapMany = Callable[[Env], Env] | Iterable[Callable[[Env], Env]]
 
@@ -20,7 +22,8 @@ class VectorEnv(Env):
     """Several environments with equal spaces; each begins a new episode by itself.
 
     `step` returns the first observation of the new episode; `info["terminal_observation"]` is the last of the old one.
-    A subclass defines `_reset_all`, `_step_all`, `_call_all` and `_seed_all`.
+    `reset`, `step` and `call` begin with `reset_async`, `step_async` or `call_async` and return what `reset_wait`,
+    `step_wait` or `call_wait` returns. A subclass defines these, and `close_extras`.
 
     Args:
         num_envs: their number.
@@ -34,80 +37,226 @@ class VectorEnv(Env):
         self.num_envs = num_envs
         self.single_observation_space = observation_space
         self.single_action_space = action_space
-        self.observation_space = from_gymnasium(batch_space(observation_space, num_envs))
+        self.observation_space = batch_space(observation_space, num_envs)
         self.action_space = Tuple([action_space] * num_envs)
         self.closed = False
-        self._actions: list[Any] | None = None
+        self.viewer: Any = None
+
+    def reset_async(self, **options: Any) -> None:
+        """Begin to reset the environments, for the next `reset_wait`."""
+
+    def reset_wait(self, **kwargs: Any) -> Any:
+        """The first observations, after `reset_async`."""
+        raise NotImplementedError(f"{type(self).__name__} has no reset_wait(); define it")
 
     def reset(self, **options: Any) -> Any:
         """Begin an episode in each environment, and return the observations."""
-        self._actions = None
-        return self._batch(self._reset_all(options))
+        self.reset_async(**options)
+        return self.reset_wait()
 
     def step_async(self, actions: Any) -> None:
-        """Take the actions for the next `step_wait`.
+        """Take the actions for the next `step_wait`."""
+
+    def step_wait(self, **kwargs: Any) -> Results:
+        """The results of a step, after `step_async`."""
+        raise NotImplementedError(f"{type(self).__name__} has no step_wait(); define it")
+
+    def step(self, actions: Any) -> Any:
+        """Take an action in each environment.
 
         Raises:
-            ValueError: their number is not that of the environments.
+            ValueError: the number of actions is not that of the environments.
         """
-        actions = list(actions)
-        if len(actions) != self.num_envs:
-            raise ValueError(f"there are {self.num_envs} environments, got {len(actions)} actions")
-        self._actions = actions
-
-    def step_wait(self) -> Results:
-        """Step with the actions of `step_async`.
-
-        Raises:
-            gymnasium.error.Error: there are no actions.
-        """
-        actions, self._actions = self._actions, None
-        if actions is None:
-            raise gymnasium.error.Error("step_wait() came before step_async(actions); call it first, or step(actions)")
-        observations, rewards, dones, infos = zip(*self._step_all(actions), strict=True)
-        return self._batch(observations), np.array(rewards, np.float64), np.array(dones, np.bool_), list(infos)
-
-    def step(self, action: Any) -> Any:
-        """Take an action in each environment."""
-        self.step_async(action)
+        self.step_async(actions)
         return self.step_wait()
 
-    def seed(self, seed: int | Sequence[int | None] | None = None) -> list[Any]:
-        """Seed the environments: with the seeds of a list, or with `seed`, `seed + 1`, ...
+    def call_async(self, name: str, *args: Any, **kwargs: Any) -> None:
+        """Begin to call a method of each environment, for the next `call_wait`."""
 
-        Raises:
-            ValueError: the number of seeds is not that of the environments.
-        """
-        seeds = [seed + i for i in range(self.num_envs)] if isinstance(seed, (int, np.integer)) else seed
-        seeds = [None] * self.num_envs if seeds is None else list(seeds)
-        if len(seeds) != self.num_envs:
-            raise ValueError(f"there are {self.num_envs} environments, got {len(seeds)} seeds")
-        return self._seed_all(seeds)
+    def call_wait(self, **kwargs: Any) -> list[Any]:
+        """The results of the methods, after `call_async`."""
+        raise NotImplementedError(f"{type(self).__name__} has no call_wait(); define it")
 
-    def call(self, name: str, *arguments: Any, **options: Any) -> list[Any]:
+    def call(self, name: str, *args: Any, **kwargs: Any) -> list[Any]:
         """The results of a method of each environment, or the values of an attribute."""
-        return self._call_all(name, arguments, options)
+        self.call_async(name, *args, **kwargs)
+        return self.call_wait()
 
     def get_attr(self, name: str) -> list[Any]:
         """The values of an attribute."""
         return self.call(name)
 
-    def _reset_all(self, options: dict[str, Any]) -> Sequence[Any]:
-        raise NotImplementedError
+    def set_attr(self, name: str, values: Any) -> None:
+        """Set an attribute of each environment: to one of a list or tuple, or all to one value.
 
-    def _step_all(self, actions: Sequence[Any]) -> Sequence[Any]:
-        raise NotImplementedError
+        Raises:
+            ValueError: the number of values is not that of the environments.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no set_attr(); define it")
 
-    def _call_all(self, name: str, arguments: Sequence[Any], options: dict[str, Any]) -> list[Any]:
-        raise NotImplementedError
+    def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:
+        """Seed the environments: with the seeds of a list, or with `seeds`, `seeds + 1`, ...; `seed` means the same.
 
-    def _seed_all(self, seeds: Sequence[int | None]) -> list[Any]:
-        raise NotImplementedError
+        Raises:
+            ValueError: the number of seeds is not that of the environments.
+        """
+        return []
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close the environments."""
+
+    def close(self, **kwargs: Any) -> None:
+        """Close the environments; later calls do nothing. `kwargs` are arguments of `close_extras`."""
+        if self.closed:
+            return
+        self.closed = True
+        if self.viewer is not None:
+            self.viewer.close()
+        self.close_extras(**kwargs)
+
+    def __del__(self) -> None:
+        if not vars(self).get("closed", True):
+            with suppress(Exception):  # a finalizer has no caller
+                self.close()
+
+    def __str__(self) -> str:
+        return f"{type(self).__name__}({f'{self.spec.id}, ' if self.spec else ''}{self.num_envs})"
+
+    __repr__ = __str__
+
+
+class Batches(VectorEnv):
+    """The parts that vectors in one process and in several share: batches, and checks of numbers."""
+
+    def __init__(
+        self, num_envs: int, observation_space: Space[Any], action_space: Space[Any], is_copied: bool = True
+    ) -> None:
+        super().__init__(num_envs, observation_space, action_space)
+        self.copy = is_copied
+        self.observations: Any = create_empty_array(observation_space, num_envs)
 
     def _batch(self, observations: Iterable[Any]) -> Any:
-        space = self.single_observation_space
-        empty: Any = create_empty_array(space, self.num_envs)
-        return concatenate(space, list(observations), empty)
+        items = list(observations)
+        self.observations = concatenate(items, self.observations, self.single_observation_space)
+        return copy.deepcopy(self.observations) if self.copy else self.observations
+
+    def _results(self, results: Iterable[Any]) -> Results:
+        observations, rewards, dones, infos = zip(*results, strict=True)
+        return self._batch(observations), np.array(rewards, np.float64), np.array(dones, np.bool_), list(infos)
+
+    def _checked_actions(self, actions: Any) -> list[Any]:
+        actions = list(actions)
+        if len(actions) != self.num_envs:
+            raise ValueError(f"there are {self.num_envs} environments, got {len(actions)} actions")
+        return actions
+
+    def _checked_values(self, values: Any) -> list[Any]:
+        each = list(values) if isinstance(values, (list, tuple)) else [values] * self.num_envs
+        if len(each) != self.num_envs:
+            raise ValueError(f"there are {self.num_envs} environments, got {len(each)} values")
+        return each
+
+    def _checked_seeds(self, seeds: int | Sequence[int | None] | None, seed: Any) -> list[int | None]:
+        chosen = seed if seeds is None else seeds
+        each: list[int | None]
+        if isinstance(chosen, (int, np.integer)):
+            each = [int(chosen) + i for i in range(self.num_envs)]
+        else:
+            each = [None] * self.num_envs if chosen is None else list(chosen)
+        if len(each) != self.num_envs:
+            raise ValueError(f"there are {self.num_envs} environments, got {len(each)} seeds")
+        return each
+
+    def _check_spaces(self) -> bool:
+        """Whether the observations of all environments fit into the batch.
+
+        Raises:
+            RuntimeError: the observations of one have another shape.
+        """
+        return self._check_observation_spaces()
+
+    def _check_observation_spaces(self) -> bool:
+        raise NotImplementedError
+
+    def _check_fit(self, spaces: Iterable[Space[Any]]) -> bool:
+        for space in spaces:
+            if space.shape != self.single_observation_space.shape:
+                raise RuntimeError(
+                    f"a vector needs observations of one shape, got {space} beside {self.single_observation_space}"
+                )
+        return True
+
+
+class VectorEnvWrapper(VectorEnv, Wrapper):
+    """A vector around another one, `env`, whose methods and attributes it has unless it defines its own.
+
+    Raises:
+        TypeError: `env` is no `VectorEnv`.
+
+    Example:
+        >>> import atari.classic as gym
+        >>> class Halved(gym.vector.VectorEnvWrapper):
+        ...     def step_wait(self):
+        ...         observations, rewards, dones, infos = self.env.step_wait()
+        ...         return observations, rewards / 2, dones, infos
+        >>> envs = Halved(gym.vector.make("CartPole-v1", 2, asynchronous=False))
+        >>> envs.reset().shape, envs.step([0, 1])[1].tolist()
+        ((2, 4), [0.5, 0.5])
+    """
+
+    def __init__(self, env: VectorEnv) -> None:
+        if not isinstance(env, VectorEnv):
+            raise TypeError(f"a VectorEnvWrapper goes around a vector, such as gym.vector.make(...), got {env!r}")
+        Wrapper.__init__(self, env)
+        self.env: Any = env
+
+    def reset_async(self, **options: Any) -> None:  # noqa: D102
+        self.env.reset_async(**options)
+
+    def reset_wait(self, **kwargs: Any) -> Any:  # noqa: D102
+        return self.env.reset_wait(**kwargs)
+
+    def step_async(self, actions: Any) -> None:  # noqa: D102
+        self.env.step_async(actions)
+
+    def step_wait(self, **kwargs: Any) -> Any:  # noqa: D102
+        return self.env.step_wait(**kwargs)
+
+    def call(self, name: str, *args: Any, **kwargs: Any) -> list[Any]:  # noqa: D102
+        return self.env.call(name, *args, **kwargs)  # type: ignore[no-any-return]
+
+    def call_async(self, name: str, *args: Any, **kwargs: Any) -> None:  # noqa: D102
+        self.env.call_async(name, *args, **kwargs)
+
+    def call_wait(self, **kwargs: Any) -> list[Any]:  # noqa: D102
+        return self.env.call_wait(**kwargs)  # type: ignore[no-any-return]
+
+    def set_attr(self, name: str, values: Any) -> None:  # noqa: D102
+        self.env.set_attr(name, values)
+
+    def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # noqa: D102
+        return self.env.seed(seed if seeds is None else seeds)  # type: ignore[no-any-return]
+
+    def close(self, **kwargs: Any) -> None:  # noqa: D102
+        self.env.close(**kwargs)
+
+    def close_extras(self, **kwargs: Any) -> None:  # noqa: D102
+        self.env.close_extras(**kwargs)
+
+    @property
+    def unwrapped(self) -> Env:  # noqa: D102
+        return self.env.unwrapped  # type: ignore[no-any-return]
+
+    def render(self, *args: Any, **options: Any) -> Any:  # noqa: D102
+        return self.env.render(*args, **options)
+
+    def __del__(self) -> None:
+        """The vector inside closes itself."""
+
+    def __str__(self) -> str:
+        return f"<{type(self).__name__}, {self.env}>"
+
+    __repr__ = __str__
 
 
 class Lane:
@@ -116,9 +265,9 @@ class Lane:
     def __init__(self, env: Env) -> None:
         self.env = env
 
-    def reset(self, options: dict[str, Any]) -> Any:
+    def reset(self, options: dict[str, Any] | None) -> Any:
         """Begin an episode."""
-        return self.env.reset(**options)
+        return self.env.reset(**options or {})
 
     def step(self, action: Any) -> tuple[Any, Any, bool, dict[str, Any]]:
         """Take an action; after the end of an episode, the observation is the first of the next."""
@@ -133,6 +282,10 @@ class Lane:
         value = getattr(self.env, name)
         return value(*arguments, **options) if callable(value) else value
 
+    def set(self, name: str, value: Any) -> None:
+        """Set an attribute."""
+        setattr(self.env, name, value)
+
     def seed(self, seed: int | None) -> list[int]:
         """Seed the environment."""
         return self.env.seed(seed)
@@ -140,6 +293,18 @@ class Lane:
     def close(self) -> None:
         """Close the environment."""
         self.env.close()
+
+
+class NoCallError(error.Error, error.NoAsyncCallError):  # type: ignore[misc]
+    """A result was requested before it was begun; `name` is the method that begins it."""
+
+
+class PendingCallError(error.Error, error.AlreadyPendingCallError):  # type: ignore[misc]
+    """Another result is pending; `name` is its method."""
+
+
+class ClosedError(error.Error, error.ClosedEnvironmentError):  # type: ignore[misc]
+    """The vector is closed, or one of its processes has ended."""
 
 
 def check_env_fns(env_fns: Iterable[Callable[[], Env]]) -> list[Callable[[], Env]]:

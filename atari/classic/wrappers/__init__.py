@@ -1,11 +1,23 @@
 """Wrappers with the old interface."""
 
+from atari.classic import error
+from atari.classic.monitor_files import capped_cubic_video_schedule
 from atari.classic.wrappers import monitoring, normalize
 from atari.classic.wrappers.atari_preprocessing import AtariPreprocessing
+from atari.classic.wrappers.conversions import (
+    EnvCompatibility,
+    OrderEnforcing,
+    PassiveEnvChecker,
+    StepAPICompatibility,
+    VectorListInfo,
+)
 from atari.classic.wrappers.frame_stack import FrameStack, LazyFrames
 from atari.classic.wrappers.monitor import Monitor
+from atari.classic.wrappers.normalize import NormalizeObservation, NormalizeReward
+from atari.classic.wrappers.observations import FilterObservation, PixelObservationWrapper, TimeAwareObservation
 from atari.classic.wrappers.record_episode_statistics import RecordEpisodeStatistics
 from atari.classic.wrappers.record_video import RecordVideo
+from atari.classic.wrappers.rendering import AutoResetWrapper, HumanRendering, RenderCollection
 from atari.classic.wrappers.time_limit import TimeLimit
 from atari.classic.wrappers.transforms import (
     ClipAction,
@@ -14,26 +26,43 @@ from atari.classic.wrappers.transforms import (
     GrayScaleObservation,
     RescaleAction,
     ResizeObservation,
+    SkipWrapper,
     TransformObservation,
     TransformReward,
 )
 
 __all__ = [
     "AtariPreprocessing",
+    "AutoResetWrapper",
     "ClipAction",
+    "EnvCompatibility",
+    "FilterObservation",
     "FlattenDictWrapper",
     "FlattenObservation",
     "FrameStack",
     "GrayScaleObservation",
+    "HumanRendering",
     "LazyFrames",
     "Monitor",
+    "NormalizeObservation",
+    "NormalizeReward",
+    "OrderEnforcing",
+    "PassiveEnvChecker",
+    "PixelObservationWrapper",
     "RecordEpisodeStatistics",
     "RecordVideo",
+    "RenderCollection",
     "RescaleAction",
     "ResizeObservation",
+    "SkipWrapper",
+    "StepAPICompatibility",
+    "TimeAwareObservation",
     "TimeLimit",
     "TransformObservation",
     "TransformReward",
+    "VectorListInfo",
+    "capped_cubic_video_schedule",
+    "error",
     "monitoring",
     "normalize",
 ]

@@ -41,8 +41,8 @@ class Monitor(MonitorHooks, Wrapper):
     """Writes videos of episodes 0, 1, 8, 27, ..., 1000, 2000, ..., and the statistics of all episodes.
 
     An episode ends when it is done, or with the next `reset`. A monitor that is open when the interpreter exits is
-    closed then. A subclass may replace `_before_step`, `_after_step`, `_before_reset`, `_after_reset`, `_video_enabled`,
-    `_env_info`, `_start`, `_flush`, `_set_mode`, `reset_video_recorder` and `_close_video_recorder`.
+    closed then. A subclass may replace `_before_step`, `_after_step`, `_before_reset`, `_after_reset`,
+    `_video_enabled`, `_env_info`, `_start`, `_flush`, `_set_mode`, `reset_video_recorder` and `_close_video_recorder`.
 
     Args:
         env: an environment.

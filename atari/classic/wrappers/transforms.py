@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from gymnasium import wrappers
 
-from atari.classic.core import ActionWrapper, Env, ObservationWrapper, RewardWrapper, Step
+from atari.classic.core import ActionWrapper, Env, ObservationWrapper, RewardWrapper, Step, Wrapper
 from atari.classic.spaces import Box
 from atari.classic.wrappers.bridge import Bridge
 
@@ -109,3 +109,34 @@ class TransformReward(RewardWrapper):
     def reward(self, reward: Any) -> Any:
         """The reward to return instead."""
         return self.f(reward)
+
+
+def SkipWrapper(repeat_count: int) -> type[Wrapper]:
+    """A wrapper class whose environments take each action `repeat_count` times more.
+
+    `info["skip.stepcount"]` is the number of steps in the episode.
+    """
+
+    class SkipWrapper(Wrapper):
+        """Takes each action several times and returns the sum of the rewards; `stepcount` counts the steps."""
+
+        def __init__(self, env: Env) -> None:
+            super().__init__(env)
+            self.repeat_count = repeat_count
+            self.stepcount = 0
+
+        def _step(self, action: Any) -> Step:
+            total = 0.0
+            for _ in range(self.repeat_count + 1):
+                self.stepcount += 1
+                observation, reward, done, info = self.env.step(action)
+                total += reward
+                if done:
+                    break
+            return observation, total, done, {**info, "skip.stepcount": self.stepcount}
+
+        def _reset(self, **options: Any) -> Any:
+            self.stepcount = 0
+            return self.env.reset(**options)
+
+    return SkipWrapper

@@ -144,7 +144,7 @@ def test_make(asynchronous: bool) -> None:
 
 def test_closing_twice_ends_the_processes() -> None:
     envs = AsyncVectorEnv([Counter] * 2)
-    processes = list(envs._processes)
+    processes = list(envs.processes)
     envs.close()
     envs.close()
     assert [process.exitcode for process in processes] == [0, 0]
@@ -153,8 +153,8 @@ def test_closing_twice_ends_the_processes() -> None:
 def test_a_killed_process_is_an_error() -> None:
     with closing(AsyncVectorEnv([Counter] * 2)) as envs:
         envs.reset()
-        envs._processes[1].kill()
-        envs._processes[1].join()
+        envs.processes[1].kill()
+        envs.processes[1].join()
         with pytest.raises(gymnasium.error.Error, match=r"^the vector is closed, or one of its processes has ended; "):
             envs.get_attr("end")
 

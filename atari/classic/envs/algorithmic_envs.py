@@ -1,0 +1,59 @@
+"""The algorithmic tasks: copy, reverse and add the content of a tape (see `atari.algorithmic`)."""
+
+from typing import Any
+
+from atari import algorithmic
+from atari.classic.envs.adapted import Adapted
+
+__all__ = ["CopyEnv", "DuplicatedInputEnv", "RepeatCopyEnv", "ReverseEnv", "ReversedAdditionEnv"]
+
+
+class _Task(Adapted):
+    def __init__(self, **options: Any) -> None:
+        options.pop("chars", None)  # whether digits or letters are printed, which the task decides
+        super().__init__(**options)
+
+
+class CopyEnv(_Task):
+    """Write the letters of the tape."""
+
+    original = algorithmic.CopyEnv
+
+    def __init__(self, base: int = 5, chars: bool = True) -> None:
+        super().__init__(base=base, chars=chars)
+
+
+class DuplicatedInputEnv(_Task):
+    """Each letter occurs `duplication` times in a row; write it once."""
+
+    original = algorithmic.DuplicatedInputEnv
+
+    def __init__(self, duplication: int = 2, base: int = 5) -> None:
+        super().__init__(duplication=duplication, base=base)
+
+
+class RepeatCopyEnv(_Task):
+    """Write the tape forwards, then backwards, then forwards again."""
+
+    original = algorithmic.RepeatCopyEnv
+
+    def __init__(self, base: int = 5) -> None:
+        super().__init__(base=base)
+
+
+class ReverseEnv(_Task):
+    """Write the tape backwards."""
+
+    original = algorithmic.ReverseEnv
+
+    def __init__(self, base: int = 2) -> None:
+        super().__init__(base=base)
+
+
+class ReversedAdditionEnv(_Task):
+    """Add the numbers of `rows` rows, whose least digit comes first."""
+
+    original = algorithmic.ReversedAdditionEnv
+
+    def __init__(self, rows: int = 2, base: int = 3) -> None:
+        super().__init__(rows=rows, base=base)

@@ -1,0 +1,106 @@
+"""The modules of Gym whose names stand in other modules here: one table in place of a file each."""
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+
+_PACKAGE = __name__.rpartition(".")[0]
+
+MODULES: dict[str, dict[str, str]] = {
+    "envs.algorithmic": {
+        "envs.algorithmic_envs": "CopyEnv DuplicatedInputEnv RepeatCopyEnv ReverseEnv ReversedAdditionEnv"
+    },
+    "envs.algorithmic.copy_": {"envs.algorithmic_envs": "CopyEnv"},
+    "envs.algorithmic.duplicated_input": {"envs.algorithmic_envs": "DuplicatedInputEnv"},
+    "envs.algorithmic.repeat_copy": {"envs.algorithmic_envs": "RepeatCopyEnv"},
+    "envs.algorithmic.reverse": {"envs.algorithmic_envs": "ReverseEnv"},
+    "envs.algorithmic.reversed_addition": {"envs.algorithmic_envs": "ReversedAdditionEnv"},
+    "monitoring": {
+        "stats_recorder": "StatsRecorder",
+        "video_recorder": "VideoRecorder",
+        "wrappers.monitor": "detect_training_manifests load_env_info_from_manifests load_results",
+    },
+    "monitoring.stats_recorder": {"stats_recorder": "StatsRecorder"},
+    "monitoring.video_recorder": {"video_recorder": "ImageEncoder TextEncoder VideoRecorder touch"},
+    "spaces.graph": {"gymnasium.spaces.graph": "Graph GraphInstance"},
+    "spaces.sequence": {"gymnasium.spaces": "Sequence"},
+    "spaces.space": {"spaces": "Space"},
+    "spaces.text": {"gymnasium.spaces.text": "Text alphanumeric"},
+    "spaces.tuple_space": {"spaces.tuple": "Tuple"},
+    "utils.colorize": {"gymnasium.utils.colorize": "color2num colorize"},
+    "utils.ezpickle": {"gymnasium.utils": "EzPickle"},
+    "utils.passive_env_checker": {
+        "gymnasium.utils.passive_env_checker": (
+            "check_action_space check_obs check_observation_space check_space env_render_passive_checker "
+            "env_reset_passive_checker env_step_passive_checker"
+        )
+    },
+    "utils.reraise_impl_py2": {"utils.reraise": "reraise_impl"},
+    "utils.reraise_impl_py3": {"utils.reraise": "reraise_impl"},
+    "vector.utils.misc": {"vector.utils": "CloudpickleWrapper clear_mpi_env_vars"},
+    "vector.utils.numpy_utils": {"vector.utils": "concatenate create_empty_array"},
+    "vector.utils.shared_memory": {
+        "vector.utils": "create_shared_memory read_from_shared_memory write_to_shared_memory"
+    },
+    "vector.utils.spaces": {"vector.utils": "BaseGymSpaces STANDARD_SPACES batch_space iterate"},
+    "wrappers.autoreset": {"wrappers.rendering": "AutoResetWrapper"},
+    "wrappers.clip_action": {"wrappers.transforms": "ClipAction"},
+    "wrappers.compatibility": {"wrappers.conversions": "EnvCompatibility LegacyEnv"},
+    "wrappers.env_checker": {"wrappers.conversions": "PassiveEnvChecker"},
+    "wrappers.filter_observation": {"wrappers.observations": "FilterObservation"},
+    "wrappers.flatten_observation": {"wrappers.transforms": "FlattenObservation"},
+    "wrappers.frame_skipping": {"wrappers.transforms": "SkipWrapper"},
+    "wrappers.gray_scale_observation": {"wrappers.transforms": "GrayScaleObservation"},
+    "wrappers.human_rendering": {"wrappers.rendering": "HumanRendering"},
+    "wrappers.monitoring.stats_recorder": {"stats_recorder": "StatsRecorder"},
+    "wrappers.order_enforcing": {"wrappers.conversions": "OrderEnforcing"},
+    "wrappers.pixel_observation": {"wrappers.observations": "PixelObservationWrapper STATE_KEY"},
+    "wrappers.render_collection": {"wrappers.rendering": "RenderCollection"},
+    "wrappers.rescale_action": {"wrappers.transforms": "RescaleAction"},
+    "wrappers.resize_observation": {"wrappers.transforms": "ResizeObservation"},
+    "wrappers.step_api_compatibility": {"wrappers.conversions": "StepAPICompatibility"},
+    "wrappers.time_aware_observation": {"wrappers.observations": "TimeAwareObservation"},
+    "wrappers.transform_observation": {"wrappers.transforms": "TransformObservation"},
+    "wrappers.transform_reward": {"wrappers.transforms": "TransformReward"},
+    "wrappers.vector_list_info": {"wrappers.conversions": "VectorListInfo"},
+}
+"""The names of a module of Gym, by the module that has them here: one of Gymnasium, or else of this package."""
+
+
+class _Finder(MetaPathFinder, Loader):
+    """Makes the modules of the table."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """The spec of a module of the table; None for others."""
+        name = fullname.removeprefix(f"{_PACKAGE}.")
+        if name not in MODULES or name == fullname:
+            return None
+        is_package = any(other.startswith(f"{name}.") for other in MODULES)
+        return ModuleSpec(fullname, self, origin=f"{_PACKAGE}.gym_modules", is_package=is_package)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Give a module its names."""
+        homes = MODULES[module.__name__.removeprefix(f"{_PACKAGE}.")]
+        for home, names in homes.items():
+            found = import_module(home if home.startswith("gymnasium.") else f"{_PACKAGE}.{home}")
+            vars(module).update({name: getattr(found, name) for name in names.split()})
+        module.__all__ = sorted(" ".join(homes.values()).split())  # type: ignore[attr-defined]
+        module.__doc__ = f"Gym's module of this name; its names stand in {', '.join(homes)}."
+
+
+def load() -> None:
+    """Import all modules of the table, as `import gym` did; a function of a module's name keeps the name."""
+    if not any(isinstance(finder, _Finder) for finder in sys.meta_path):
+        sys.meta_path.append(_Finder())
+    for name in MODULES:
+        parent_name, _, last = f"{_PACKAGE}.{name}".rpartition(".")
+        parent = import_module(parent_name)
+        before = vars(parent).get(last)
+        import_module(f"{_PACKAGE}.{name}")
+        if before is not None:
+            setattr(parent, last, before)
