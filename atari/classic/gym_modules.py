@@ -18,6 +18,10 @@ MODULES: dict[str, dict[str, str]] = {
     "envs.algorithmic.repeat_copy": {"envs.algorithmic_envs": "RepeatCopyEnv"},
     "envs.algorithmic.reverse": {"envs.algorithmic_envs": "ReverseEnv"},
     "envs.algorithmic.reversed_addition": {"envs.algorithmic_envs": "ReversedAdditionEnv"},
+    "envs.classic_control.utils": {
+        "gymnasium.envs.classic_control.utils": "maybe_parse_reset_bounds verify_number_and_cast"
+    },
+    "envs.toy_text.utils": {"gymnasium.envs.toy_text.utils": "categorical_sample"},
     "monitoring": {
         "stats_recorder": "StatsRecorder",
         "video_recorder": "VideoRecorder",
@@ -41,11 +45,31 @@ MODULES: dict[str, dict[str, str]] = {
     "utils.reraise_impl_py2": {"utils.reraise": "reraise_impl"},
     "utils.reraise_impl_py3": {"utils.reraise": "reraise_impl"},
     "vector.utils.misc": {"vector.utils": "CloudpickleWrapper clear_mpi_env_vars"},
-    "vector.utils.numpy_utils": {"vector.utils": "concatenate create_empty_array"},
-    "vector.utils.shared_memory": {
-        "vector.utils": "create_shared_memory read_from_shared_memory write_to_shared_memory"
+    "vector.utils.numpy_utils": {
+        "vector.utils": (
+            "concatenate create_empty_array concatenate_base=concatenate concatenate_custom=concatenate "
+            "concatenate_dict=concatenate concatenate_tuple=concatenate create_empty_array_base=create_empty_array "
+            "create_empty_array_custom=create_empty_array create_empty_array_dict=create_empty_array "
+            "create_empty_array_tuple=create_empty_array"
+        )
     },
-    "vector.utils.spaces": {"vector.utils": "BaseGymSpaces STANDARD_SPACES batch_space iterate"},
+    "vector.utils.shared_memory": {
+        "vector.utils": (
+            "create_shared_memory read_from_shared_memory write_to_shared_memory "
+            "create_base_shared_memory=create_shared_memory create_dict_shared_memory=create_shared_memory "
+            "create_tuple_shared_memory=create_shared_memory read_base_from_shared_memory=read_from_shared_memory "
+            "read_dict_from_shared_memory=read_from_shared_memory "
+            "read_tuple_from_shared_memory=read_from_shared_memory "
+            "write_base_to_shared_memory=write_to_shared_memory write_dict_to_shared_memory=write_to_shared_memory "
+            "write_tuple_to_shared_memory=write_to_shared_memory"
+        )
+    },
+    "vector.utils.spaces": {
+        "vector.utils": (
+            "BaseGymSpaces STANDARD_SPACES batch_space iterate batch_space_base=batch_space "
+            "batch_space_custom=batch_space batch_space_dict=batch_space batch_space_tuple=batch_space"
+        )
+    },
     "wrappers.autoreset": {"wrappers.rendering": "AutoResetWrapper"},
     "wrappers.clip_action": {"wrappers.transforms": "ClipAction"},
     "wrappers.compatibility": {"wrappers.conversions": "EnvCompatibility LegacyEnv"},
@@ -67,7 +91,10 @@ MODULES: dict[str, dict[str, str]] = {
     "wrappers.transform_reward": {"wrappers.transforms": "TransformReward"},
     "wrappers.vector_list_info": {"wrappers.conversions": "VectorListInfo"},
 }
-"""The names of a module of Gym, by the module that has them here: one of Gymnasium, or else of this package."""
+"""The names of a module of Gym, by the module that has them here: one of Gymnasium, or else of this package.
+
+`name=other` has another name there.
+"""
 
 
 class _Finder(MetaPathFinder, Loader):
@@ -86,10 +113,13 @@ class _Finder(MetaPathFinder, Loader):
     def exec_module(self, module: ModuleType) -> None:
         """Give a module its names."""
         homes = MODULES[module.__name__.removeprefix(f"{_PACKAGE}.")]
-        for home, names in homes.items():
+        for home, listed in homes.items():
             found = import_module(home if home.startswith("gymnasium.") else f"{_PACKAGE}.{home}")
-            vars(module).update({name: getattr(found, name) for name in names.split()})
-        module.__all__ = sorted(" ".join(homes.values()).split())  # type: ignore[attr-defined]
+            for each in listed.split():
+                name, _, there = each.partition("=")
+                setattr(module, name, getattr(found, there or name))
+        names = " ".join(homes.values()).split()
+        module.__all__ = sorted(name.partition("=")[0] for name in names)  # type: ignore[attr-defined]
         module.__doc__ = f"Gym's module of this name; its names stand in {', '.join(homes)}."
 
 

@@ -141,11 +141,12 @@ class MonitorHooks:
         if self.video_recorder is not None:
             self._close_video_recorder()
         name = f"{self.file_prefix}.video.{self.file_infix}.video{self.episode_id:06}"
+        enabled = bool(self._video_enabled())
         self.video_recorder = VideoRecorder(
             env=self.env,
             base_path=os.path.join(self.directory, name),
             metadata={"episode_id": self.episode_id},
-            enabled=bool(self._video_enabled()),
+            enabled=enabled and bool({"rgb_array", "ansi"} & set(self.env.metadata.get("render.modes", ()))),
         )
         self.video_recorder.capture_frame()
 

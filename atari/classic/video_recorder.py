@@ -29,8 +29,8 @@ class Renderable(Protocol):
 class VideoRecorder:
     """Writes a video, `path`, and its description, with the ending `.meta.json`.
 
-    An environment that renders texts alone is recorded as texts, in a JSON file in asciinema's format 1. One that
-    renders neither is not recorded. A video without frames leaves no file.
+    An environment that renders texts alone, by its metadata, is recorded as texts, in a JSON file in asciinema's format
+    1. A video without frames leaves no file.
 
     Args:
         env: an environment that renders "rgb_array" or "ansi".
@@ -66,7 +66,7 @@ class VideoRecorder:
         self.env = env
         self.ansi_mode = "ansi" in modes and "rgb_array" not in modes
         self.render_mode = "ansi" if self.ansi_mode else "rgb_array"
-        self.enabled = enabled and (self.ansi_mode or "rgb_array" in modes)
+        self.enabled = enabled
         ending = ".json" if self.ansi_mode else ".mp4"
         if path is None:
             path = f"{os.path.join(tempfile.mkdtemp(), 'video') if base_path is None else os.fspath(base_path)}{ending}"

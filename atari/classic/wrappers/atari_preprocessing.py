@@ -49,3 +49,33 @@ class AtariPreprocessing(Bridge):
             "scale_obs": scale_obs,
         }
         super().__init__(env, lambda inside: gymnasium.wrappers.AtariPreprocessing(inside, **options))
+        self.noop_max, self.frame_skip, self.screen_size = noop_max, frame_skip, screen_size
+        self.terminal_on_life_loss, self.scale_obs = terminal_on_life_loss, scale_obs
+        self.grayscale_obs, self.grayscale_newaxis = grayscale_obs, grayscale_newaxis
+        self._preprocessing: Any = self._wrapped.modern
+        self._see = self._preprocessing._get_obs
+        self._preprocessing._get_obs = self._get_obs  # a subclass may replace it
+
+    @property
+    def ale(self) -> Any:
+        """The emulator."""
+        return self.env.unwrapped.ale  # type: ignore[attr-defined]
+
+    @property
+    def lives(self) -> int:
+        """The lives after the last step, with `terminal_on_life_loss`."""
+        return int(self._preprocessing.lives)
+
+    @property
+    def game_over(self) -> bool:
+        """Whether the game is over, with `terminal_on_life_loss`."""
+        return bool(self._preprocessing.game_over)
+
+    @property
+    def obs_buffer(self) -> Any:
+        """The last two frames, of which an observation is the maximum."""
+        return self._preprocessing.obs_buffer
+
+    def _get_obs(self) -> Any:
+        """The observation of the frames in `obs_buffer`."""
+        return self._see()

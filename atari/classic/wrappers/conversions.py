@@ -21,7 +21,7 @@ class OrderEnforcing(Wrapper):
         gymnasium.error.ResetNeeded: from `step`, and from `render` unless `disable_render_order_enforcing`.
     """
 
-    def __init__(self, env: Env, disable_render_order_enforcing: bool = True) -> None:
+    def __init__(self, env: Env, disable_render_order_enforcing: bool = False) -> None:
         super().__init__(env)
         self._has_reset = False
         self._disable_render_order_enforcing = disable_render_order_enforcing
@@ -122,6 +122,10 @@ class EnvCompatibility(Modern):
         super().__init__(old_env, render_mode)
         self.env = old_env
         self.reward_range = old_env.reward_range
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Seed the environment, if `seed` is given, and start a new episode. `options` are ignored."""
+        return super().reset(seed=seed, options=options)
 
 
 class VectorListInfo(Wrapper):

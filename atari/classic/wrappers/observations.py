@@ -55,6 +55,7 @@ class TimeAwareObservation(ObservationWrapper):
             raise TypeError(f"TimeAwareObservation adds to the arrays of float32 of a Box space, got {space}")
         self.observation_space = Box(np.append(space.low, 0.0), np.append(space.high, np.inf), dtype=np.float32)
         self.t = 0
+        self.is_vector_env: bool = getattr(env, "is_vector_env", False)
 
     def observation(self, observation: Any) -> Any:
         """The observation to return instead."""

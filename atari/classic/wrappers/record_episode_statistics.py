@@ -30,6 +30,16 @@ class RecordEpisodeStatistics(Wrapper):
         self.episode_returns = np.zeros(self.num_envs)
         self.episode_lengths = np.zeros(self.num_envs, np.int32)
 
+    @property
+    def episode_return(self) -> float:
+        """The return of the present episode."""
+        return float(self.episode_returns[0])
+
+    @property
+    def episode_length(self) -> int:
+        """The steps of the present episode."""
+        return int(self.episode_lengths[0])
+
     def _reset(self, **options: Any) -> Any:
         observation = self.env.reset(**options)
         self.episode_returns[:], self.episode_lengths[:] = 0, 0
@@ -51,3 +61,21 @@ class RecordEpisodeStatistics(Wrapper):
         self.length_queue.append(length)
         self.episode_count += 1
         self.episode_returns[lane], self.episode_lengths[lane] = 0, 0
+
+
+def add_vector_episode_statistics(
+    info: dict[str, Any], episode_info: dict[str, Any], num_envs: int, env_num: int
+) -> dict[str, Any]:
+    """Add the statistics of an environment's episode to the one info of a vector, as Gym 0.26 did.
+
+    Args:
+        info: the info of the vector, whose "episode" has arrays and whose "_episode" says for which environments.
+        episode_info: "r", "l" and "t" of the episode.
+        num_envs: the number of environments.
+        env_num: the number of the environment.
+    """
+    episodes = info.setdefault("episode", {key: np.zeros(num_envs) for key in episode_info})
+    for key, value in episode_info.items():
+        episodes[key][env_num] = value
+    info.setdefault("_episode", np.zeros(num_envs, np.bool_))[env_num] = True
+    return info

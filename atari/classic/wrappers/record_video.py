@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 from atari.classic.core import Env, Step, Wrapper
@@ -41,57 +40,64 @@ class RecordVideo(Wrapper):
         if episode_trigger is not None and step_trigger is not None:
             raise ValueError("RecordVideo takes episode_trigger or step_trigger, got both; leave one out")
         super().__init__(env)
-        self.video_folder = Path(video_folder).absolute()
-        self.video_folder.mkdir(parents=True, exist_ok=True)
+        self.video_folder = os.path.abspath(video_folder)
+        os.makedirs(self.video_folder, exist_ok=True)
         self.episode_trigger = episode_trigger or (None if step_trigger else capped_cubic_video_schedule)
         self.step_trigger = step_trigger
         self.video_length = video_length
         self.name_prefix = name_prefix
         self.step_id, self.episode_id, self.recorded_frames = 0, 0, 0
+        self.is_vector_env: bool = getattr(env, "is_vector_env", False)
+        self.recording = False
         self.video_recorder: VideoRecorder | None = None
 
-    @property
-    def recording(self) -> bool:
-        """Whether a video is being recorded."""
-        return self.video_recorder is not None
+    def start_video_recorder(self) -> None:
+        """Begin a video."""
+        self.close_video_recorder()
+        name = f"episode-{self.episode_id}" if self.step_trigger is None else f"step-{self.step_id}"
+        self.video_recorder = VideoRecorder(
+            env=self.env,
+            base_path=os.path.join(self.video_folder, f"{self.name_prefix}-{name}"),
+            metadata={"step_id": self.step_id, "episode_id": self.episode_id},
+        )
+        self.video_recorder.capture_frame()
+        self.recorded_frames = 1
+        self.recording = True
+
+    def close_video_recorder(self) -> None:
+        """End the video."""
+        if self.recording and self.video_recorder is not None:
+            self.video_recorder.close()
+        self.recording = False
+
+    def _video_enabled(self) -> bool:
+        """Whether a video begins now."""
+        if self.step_trigger is not None:
+            return self.step_trigger(self.step_id)
+        assert self.episode_trigger is not None
+        return self.episode_trigger(self.episode_id)
 
     def _reset(self, **options: Any) -> Any:
         observation = self.env.reset(**options)
-        self._begin_if_chosen()
+        if not self.recording and self._video_enabled():
+            self.start_video_recorder()
         return observation
 
     def _step(self, action: Any) -> Step:
         result = self.env.step(action)
-        done = result[2]
+        done = bool(result[2][0] if self.is_vector_env else result[2])  # of a vector, the first environment counts
         self.step_id += 1
-        self.episode_id += bool(done)
-        if self.video_recorder is None:
-            self._begin_if_chosen()
-            return result
-        self.video_recorder.capture_frame()
-        self.recorded_frames += 1
-        if self.recorded_frames > self.video_length if self.video_length else done:
-            self._end()
+        self.episode_id += done
+        if self.recording:
+            assert self.video_recorder is not None
+            self.video_recorder.capture_frame()
+            self.recorded_frames += 1
+            if self.recorded_frames > self.video_length if self.video_length else done:
+                self.close_video_recorder()
+        elif self._video_enabled():
+            self.start_video_recorder()
         return result
 
     def _close(self) -> None:
-        self._end()
+        self.close_video_recorder()
         self.env.close()
-
-    def _begin_if_chosen(self) -> None:
-        if self.step_trigger is not None:
-            chosen, name = self.step_trigger(self.step_id), f"step-{self.step_id}"
-        else:
-            assert self.episode_trigger is not None
-            chosen, name = self.episode_trigger(self.episode_id), f"episode-{self.episode_id}"
-        if chosen and self.video_recorder is None:
-            facts = {"step_id": self.step_id, "episode_id": self.episode_id}
-            path = self.video_folder / f"{self.name_prefix}-{name}"
-            self.video_recorder = VideoRecorder(self.env, base_path=path, metadata=facts)
-            self.video_recorder.capture_frame()
-            self.recorded_frames = 1
-
-    def _end(self) -> None:
-        recorder, self.video_recorder = self.video_recorder, None
-        if recorder is not None:
-            recorder.close()

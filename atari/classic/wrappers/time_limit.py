@@ -34,7 +34,11 @@ class TimeLimit(Wrapper):
     def _step(self, action: Any) -> Step:
         observation, reward, done, info = self.env.step(action)
         self._elapsed_steps += 1
-        if self._elapsed_steps >= self._max_episode_steps:
+        if self._past_limit():
             info["TimeLimit.truncated"] = not done
             done = True
         return observation, reward, done, info
+
+    def _past_limit(self) -> bool:
+        """Whether the episode ends at this step."""
+        return self._elapsed_steps >= self._max_episode_steps

@@ -4,12 +4,11 @@ from collections.abc import Callable, Iterable
 from functools import partial
 from typing import Any
 
+import gymnasium
 import numpy as np
-from gymnasium import wrappers
 
 from atari.classic.core import ActionWrapper, Env, ObservationWrapper, RewardWrapper, Step, Wrapper
-from atari.classic.spaces import Box
-from atari.classic.wrappers.bridge import Bridge
+from atari.classic.spaces import Box, flatten, flatten_space
 
 
 class GrayScaleObservation(ObservationWrapper):
@@ -19,7 +18,7 @@ class GrayScaleObservation(ObservationWrapper):
         import cv2  # imported here because the import is slow
 
         super().__init__(env)
-        self._keep_dim = keep_dim
+        self.keep_dim = keep_dim
         self._to_gray = partial(cv2.cvtColor, code=cv2.COLOR_RGB2GRAY)
         rows, columns, _ = env.observation_space.shape or ()
         self.observation_space = Box(0, 255, (rows, columns, 1)[: 3 if keep_dim else 2], np.uint8)
@@ -27,33 +26,38 @@ class GrayScaleObservation(ObservationWrapper):
     def observation(self, observation: Any) -> Any:
         """The observation to return instead."""
         gray = self._to_gray(observation)
-        return gray[..., None] if self._keep_dim else gray
+        return gray[..., None] if self.keep_dim else gray
 
 
-class ResizeObservation(Bridge):
-    """Images in another size, (rows, columns), or one number for both."""
+class ResizeObservation(ObservationWrapper):
+    """Images in another size, (rows, columns), or one number for both; `shape` is the size."""
 
     def __init__(self, env: Env, shape: int | tuple[int, int]) -> None:
-        size = (shape, shape) if isinstance(shape, int) else shape
-        super().__init__(env, lambda inside: wrappers.ResizeObservation(inside, size))
+        import cv2  # imported here because the import is slow
 
-    def _reset(self, **options: Any) -> Any:
-        return self._shaped(super()._reset(**options))
+        super().__init__(env)
+        self.shape = (shape, shape) if isinstance(shape, int) else tuple(shape)
+        if len(self.shape) != 2 or min(self.shape) < 1:
+            raise ValueError(f"shape is (rows, columns), each 1 or more, got {shape!r}")
+        self._resize = partial(cv2.resize, dsize=self.shape[::-1], interpolation=cv2.INTER_AREA)
+        old = env.observation_space.shape or ()
+        self.observation_space = Box(0, 255, self.shape + tuple(old[2:]), np.uint8)
 
-    def _step(self, action: Any) -> Step:
-        observation, reward, done, info = super()._step(action)
-        return self._shaped(observation), reward, done, info
-
-    def _shaped(self, observation: Any) -> Any:
-        """The image with its axis of one colour, which OpenCV drops and Gymnasium 1.1 does not restore."""
-        return observation.reshape(self.observation_space.shape)
+    def observation(self, observation: Any) -> Any:
+        """The observation to return instead."""
+        return self._resize(observation).reshape(self.observation_space.shape)  # OpenCV drops an axis of one colour
 
 
-class FlattenObservation(Bridge):
+class FlattenObservation(ObservationWrapper):
     """Observations as one array of numbers."""
 
     def __init__(self, env: Env) -> None:
-        super().__init__(env, wrappers.FlattenObservation)
+        super().__init__(env)
+        self.observation_space = flatten_space(env.observation_space)
+
+    def observation(self, observation: Any) -> Any:
+        """The observation to return instead."""
+        return flatten(self.env.observation_space, observation)
 
 
 class FlattenDictWrapper(ObservationWrapper):
@@ -80,11 +84,35 @@ class ClipAction(ActionWrapper):
         return np.clip(action, bounds.low, bounds.high)
 
 
-class RescaleAction(Bridge):
-    """Actions within `a` to `b`, stretched to the bounds of the environment."""
+class RescaleAction(ActionWrapper):
+    """Actions within `min_action` to `max_action`, stretched to the bounds of the environment.
 
-    def __init__(self, env: Env, a: Any, b: Any) -> None:
-        super().__init__(env, lambda inside: wrappers.RescaleAction(inside, a, b))
+    Their names until 2021 were `a` and `b`.
+
+    Raises:
+        TypeError: the actions are no Box, or a bound is missing.
+        ValueError: `min_action` is greater than `max_action`.
+    """
+
+    def __init__(
+        self, env: Env, min_action: Any = None, max_action: Any = None, *, a: Any = None, b: Any = None
+    ) -> None:
+        super().__init__(env)
+        space = env.action_space
+        low, high = a if min_action is None else min_action, b if max_action is None else max_action
+        if not isinstance(space, gymnasium.spaces.Box) or low is None or high is None:
+            raise TypeError(f"RescaleAction takes a Box of actions and its new bounds, got {space}, {low} and {high}")
+        self.min_action = self.a = np.broadcast_to(np.asarray(low, space.dtype), space.shape)
+        self.max_action = self.b = np.broadcast_to(np.asarray(high, space.dtype), space.shape)
+        if (self.min_action > self.max_action).any():
+            raise ValueError(f"min_action is at most max_action, got {low} and {high}")
+        self.action_space = Box(self.min_action, self.max_action, dtype=space.dtype)
+
+    def action(self, action: Any) -> Any:
+        """The action to take instead."""
+        space: Any = self.env.action_space
+        share = (np.asarray(action) - self.min_action) / (self.max_action - self.min_action)
+        return np.clip(space.low + (space.high - space.low) * share, space.low, space.high)
 
 
 class TransformObservation(ObservationWrapper):

@@ -33,6 +33,7 @@ def test_episodes_of_a_trigger(tmp_path: Path) -> None:
     (video,) = (tmp_path / "videos").glob("*.mp4")
     assert (video.name, frames(video)) == ("pong-episode-1.mp4", 5)
     assert json.loads(video.with_suffix(".meta.json").read_text()) == {
+        "encoder_version": {"backend": "PyAV", "version": av.__version__},
         "content_type": "video/mp4",
         "step_id": 4,
         "episode_id": 1,

@@ -1,8 +1,11 @@
 """`PendulumEnv`: swing up a pendulum."""
 
 from gymnasium.envs import classic_control
+from gymnasium.envs.classic_control.pendulum import DEFAULT_X, DEFAULT_Y, angle_normalize
 
 from atari.classic.envs.adapted import Adapted
+
+__all__ = ["DEFAULT_X", "DEFAULT_Y", "PendulumEnv", "angle_normalize"]
 
 
 class PendulumEnv(Adapted):

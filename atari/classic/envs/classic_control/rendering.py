@@ -9,7 +9,7 @@ from atari.classic.viewer import Viewer as Window
 
 
 class SimpleImageViewer(Window):
-    """A window that shows images.
+    """A window that shows images; `display` and `maxwidth` have no effect.
 
     Example:
         >>> import numpy, atari.classic as gym
@@ -18,8 +18,14 @@ class SimpleImageViewer(Window):
         >>> viewer.close()
     """
 
-    def __init__(self) -> None:
+    def __init__(self, display: Any = None, maxwidth: int = 500) -> None:
         super().__init__("SimpleImageViewer", frames_per_second=0)
+        self.display = display
+        self.maxwidth = maxwidth
+
+    def imshow(self, arr: Any) -> None:
+        """Show one image, (rows, columns, 3) uint8."""
+        super().imshow(arr)
 
 
 def __getattr__(name: str) -> Any:

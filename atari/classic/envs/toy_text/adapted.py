@@ -1,9 +1,10 @@
 """`ToyText`: the base of Gymnasium's environments with finitely many states, with the old interface."""
 
 from atari.classic.envs.adapted import Adapted
+from atari.classic.envs.toy_text.discrete import DiscreteEnv
 
 
-class ToyText(Adapted):
+class ToyText(Adapted, DiscreteEnv):
     """An environment that has a state before the first `reset`, as in Gym."""
 
     @property

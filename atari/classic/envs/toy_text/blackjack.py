@@ -4,9 +4,32 @@ import copy
 from typing import Any
 
 from gymnasium.envs import toy_text
-from gymnasium.envs.toy_text.blackjack import draw_hand
+from gymnasium.envs.toy_text.blackjack import (
+    cmp,
+    deck,
+    draw_card,
+    draw_hand,
+    is_bust,
+    is_natural,
+    score,
+    sum_hand,
+    usable_ace,
+)
 
 from atari.classic.envs.adapted import Adapted
+
+__all__ = [
+    "BlackjackEnv",
+    "cmp",
+    "deck",
+    "draw_card",
+    "draw_hand",
+    "is_bust",
+    "is_natural",
+    "score",
+    "sum_hand",
+    "usable_ace",
+]
 
 
 class BlackjackEnv(Adapted):
@@ -14,12 +37,13 @@ class BlackjackEnv(Adapted):
 
     Args:
         natural: an ace and a ten at the start win 1.5.
+        sab: the rules of Sutton and Barto: an ace and a ten at the start win, unless the dealer has them too.
     """
 
     original = toy_text.BlackjackEnv
 
-    def __init__(self, natural: bool = False) -> None:
-        super().__init__(natural=natural)
+    def __init__(self, natural: bool = False, sab: bool = False) -> None:
+        super().__init__(natural=natural, sab=sab)
 
     def reset(self, **options: Any) -> Any:
         """Deal the hands of the dealer and of the player, and return what the player sees."""

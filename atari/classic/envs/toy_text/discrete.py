@@ -60,6 +60,6 @@ class DiscreteEnv(Env):
     _seed, _reset, _step = seed, reset, step  # their names before 2018
 
 
-def categorical_sample(probabilities: "npt.ArrayLike", np_random: np.random.RandomState) -> int:
+def categorical_sample(prob_n: "npt.ArrayLike", np_random: np.random.RandomState) -> int:
     """Draw an index with the given probabilities."""
-    return int((np.cumsum(probabilities) > np_random.rand()).argmax())
+    return int((np.cumsum(prob_n) > np_random.rand()).argmax())

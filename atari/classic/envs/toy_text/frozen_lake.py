@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 
 from gymnasium.envs import toy_text
-from gymnasium.envs.toy_text.frozen_lake import DOWN, LEFT, MAPS, RIGHT, UP, generate_random_map
+from gymnasium.envs.toy_text.frozen_lake import DOWN, LEFT, MAPS, RIGHT, UP, generate_random_map, is_valid
 
 from atari.classic.envs.toy_text.adapted import ToyText
 
-__all__ = ["DOWN", "LEFT", "MAPS", "RIGHT", "UP", "FrozenLakeEnv", "generate_random_map"]
+__all__ = ["DOWN", "LEFT", "MAPS", "RIGHT", "UP", "FrozenLakeEnv", "generate_random_map", "is_valid"]
 
 
 class FrozenLakeEnv(ToyText):

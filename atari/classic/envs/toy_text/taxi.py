@@ -1,11 +1,11 @@
 """`TaxiEnv`: pick up a passenger and drop it at its goal (Dietterich 2000)."""
 
 from gymnasium.envs import toy_text
-from gymnasium.envs.toy_text.taxi import MAP
+from gymnasium.envs.toy_text.taxi import MAP, WINDOW_SIZE
 
 from atari.classic.envs.toy_text.adapted import ToyText
 
-__all__ = ["MAP", "TaxiEnv"]
+__all__ = ["MAP", "WINDOW_SIZE", "TaxiEnv"]
 
 
 class TaxiEnv(ToyText):
