@@ -1,17 +1,16 @@
 """The eighteen joystick actions of the Arcade Learning Environment, action spaces, and continuous actions."""
 
 from collections.abc import Sequence
-from enum import IntEnum
-from typing import Any
+from enum import Enum, IntEnum
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from gymnasium import spaces
+from numpy.typing import NDArray
 
 
 class Action(IntEnum):
     """An ALE action: what the stick and the fire button do during one frame.
-
-    `RESET` is the console's switch. It appears in the starting sequences of some games; an agent cannot press it.
 
     Example:
         >>> import atari
@@ -39,7 +38,6 @@ class Action(IntEnum):
     UPLEFTFIRE = 15
     DOWNRIGHTFIRE = 16
     DOWNLEFTFIRE = 17
-    RESET = 40
 
     @property
     def vertical(self) -> int:
@@ -57,8 +55,40 @@ class Action(IntEnum):
         return "FIRE" in self.name
 
 
-PLAYER_ACTIONS: tuple[Action, ...] = tuple(action for action in Action if action is not Action.RESET)
-"""The 18 actions an agent can take, in ALE's order; the number of an action is its index here."""
+class Switch(IntEnum):
+    """A switch of the console in the starting sequence of a game, with ALE's number. An agent cannot press it.
+
+    Example:
+        >>> import atari
+        >>> atari.games["keystone_kapers"].starting_actions
+        (<Switch.RESET: 40>,)
+    """
+
+    RESET = 40
+
+
+PLAYER_ACTIONS: tuple[Action, ...] = tuple(Action)
+"""The 18 actions in ALE's order; the number of an action is its index here."""
+
+
+class AleEnum(Enum):
+    """A base of ale-py's enumerations, whose members are no numbers: they are true, and equal themselves alone."""
+
+    __repr__ = Enum.__str__
+
+
+if TYPE_CHECKING:
+    AleAction = Action
+else:
+
+    class _AleAction(AleEnum):
+        """The base of `AleAction`, whose members are accepted for a number, also by ale-py itself."""
+
+        def __index__(self) -> int:
+            return self.value
+
+    AleAction = _AleAction("Action", {action.name: action.value for action in Action}, module="atari.ale_py")
+    AleAction.__doc__ = "ale-py's enumeration of the actions: `atari.Action` with ale-py's members."
 
 
 def make_action_space(actions: Sequence[Action], continuous: bool) -> spaces.Space[Any]:
@@ -69,9 +99,15 @@ def make_action_space(actions: Sequence[Action], continuous: bool) -> spaces.Spa
     return spaces.Discrete(len(actions))
 
 
-_ACTION_BY_MOTION = np.zeros((3, 3, 2), np.int64)  # indexed by vertical, horizontal (-1 is the last) and fire
-for _action in PLAYER_ACTIONS:
-    _ACTION_BY_MOTION[_action.vertical, _action.horizontal, int(_action.fire)] = int(_action)
+def actions_by_motion() -> NDArray[np.int64]:
+    """The numbers of the actions, (3, 3, 2): by the stick's 1 + horizontal and 1 + vertical position, and by fire."""
+    numbers = np.zeros((3, 3, 2), np.int64)
+    for action in Action:
+        numbers[1 + action.horizontal, 1 + action.vertical, int(action.fire)] = action
+    return numbers
+
+
+_ACTIONS_BY_MOTION = actions_by_motion()
 
 
 def in_continuous_space(radius: Any, angle: Any, fire: Any) -> Any:
@@ -93,4 +129,4 @@ def joystick_action(radius: Any, angle: Any, fire: Any, threshold: np.float32) -
     x, y = radius * np.cos(angle), radius * np.sin(angle)
     horizontal = np.int64(x > threshold) - np.int64(x < -threshold)
     vertical = np.int64(y > threshold) - np.int64(y < -threshold)
-    return _ACTION_BY_MOTION[vertical, horizontal, np.int64(fire > threshold)]
+    return _ACTIONS_BY_MOTION[1 + horizontal, 1 + vertical, np.int64(fire > threshold)]

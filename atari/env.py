@@ -16,7 +16,7 @@ from gymnasium import spaces
 from typing_extensions import Unpack
 
 from atari._renamed import missing_attribute
-from atari.actions import PLAYER_ACTIONS, Action, make_action_space
+from atari.actions import PLAYER_ACTIONS, Action, AleAction, make_action_space
 from atari.cores import CORES
 from atari.cores.ale_interface import AleInterface
 from atari.cores.options import check_difficulty, check_mode
@@ -246,8 +246,8 @@ class AtariEnv(EnvState):
         return self._task.continuous_action_threshold
 
     @property
-    def _action_set(self) -> list[Action]:
-        return list(self.driver.actions)
+    def _action_set(self) -> list[AleAction]:
+        return [AleAction(action) for action in self.driver.actions]
 
     @_action_set.setter
     def _action_set(self, actions: Sequence[Any]) -> None:
@@ -328,7 +328,7 @@ class AtariEnv(EnvState):
         return [action.name for action in self.driver.actions]
 
     @staticmethod
-    def map_action_idx(left_center_right: int, down_center_up: int, fire: bool) -> Action:
+    def map_action_idx(left_center_right: int, down_center_up: int, fire: bool) -> AleAction:
         """The action for a position of the stick and the fire button, like ale-py's method of this name.
 
         Args:
@@ -340,7 +340,7 @@ class AtariEnv(EnvState):
         """
         for action in PLAYER_ACTIONS:
             if (action.horizontal, action.vertical, action.fire) == (left_center_right, down_center_up, fire):
-                return action
+                return AleAction(action)
         raise LookupError(f"positions are -1, 0 and 1, got {left_center_right!r}, {down_center_up!r} and fire {fire!r}")
 
     def get_keys_to_action(self) -> dict[tuple[str, ...], int]:

@@ -1,6 +1,7 @@
 """Gymnasium's registry: every environment ID in the history of these games, and games of a user's own."""
 
 import os
+from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path
 
@@ -32,9 +33,13 @@ def register_all() -> None:
             "the environment variable ATARI_REGISTER must be 'all' (replace ale-py's IDs) or 'own' (keep them), "
             f"got {choice!r}"
         )
-    for env_id in ids():
-        if choice == "all" or env_id not in gymnasium.registry:
-            gymnasium.registry[env_id] = spec_of_id(env_id)  # gymnasium.register() warns when it replaces an ID
+    register_ids(env_id for env_id in ids() if choice == "all" or env_id not in gymnasium.registry)
+
+
+def register_ids(env_ids: Iterable[str]) -> None:
+    """Put these IDs of `ids` into Gymnasium's registry; an ID that is registered already is replaced."""
+    for env_id in env_ids:
+        gymnasium.registry[env_id] = spec_of_id(env_id)  # gymnasium.register() warns when it replaces an ID
 
 
 def resolve(env_id: str) -> tuple[Family, str]:

@@ -13,16 +13,20 @@ Example:
     (0, 5, (210, 160, 3))
 """
 
-from atari.actions import Action
-from atari.ale_py import env as env
-from atari.ale_py import roms
-from atari.ale_py import vector_env as vector_env
+from pathlib import Path
+
+from atari.actions import AleAction as Action
+from atari.ale_py import registration, roms
+from atari.ale_py.env import AtariEnv, AtariEnvStepMetadata
 from atari.ale_py.interface import ALEInterface, ALEState, LoggerMode
-from atari.env import AtariEnv
-from atari.vector import AtariVectorEnv
+from atari.ale_py.registration import register_v0_v4_envs, register_v5_envs
+from atari.ale_py.vector_env import ALEVectorInterface, AtariVectorEnv
 
 __version__ = "0.12.1"
 """The version of ale-py whose interface this is."""
+
+packagedir = str(Path(__file__).parent)
+"""The folder of this module."""
 
 SDL_SUPPORT = False
 """Whether the setting `display_screen` opens a window. Here it does not; `render_mode="human"` does."""
@@ -31,9 +35,14 @@ __all__ = [
     "SDL_SUPPORT",
     "ALEInterface",
     "ALEState",
+    "ALEVectorInterface",
     "Action",
     "AtariEnv",
+    "AtariEnvStepMetadata",
     "AtariVectorEnv",
     "LoggerMode",
+    "register_v0_v4_envs",
+    "register_v5_envs",
+    "registration",
     "roms",
 ]

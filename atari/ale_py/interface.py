@@ -1,10 +1,10 @@
 """`ALEInterface`: games loaded from ROM files, under the method names of ale-py's class."""
 
-import enum
 from os import PathLike, fspath
 from typing import Any
 
 from atari import _emulator
+from atari.actions import AleEnum
 from atari.cores import NativeCore
 from atari.cores.ale_game import AleGame
 from atari.cores.ale_interface import AleInterface, AleSettings
@@ -16,7 +16,7 @@ ALEState = _emulator.State
 """The class of the states that `ALEInterface.cloneState` returns."""
 
 
-class LoggerMode(enum.Enum):
+class LoggerMode(AleEnum):
     """The messages that ale-py prints. Nothing is printed here.
 
     Example:
@@ -55,13 +55,22 @@ class ALEInterface(AleInterface):
         Raises:
             AleError: there is no such file, or it is the ROM of no game.
         """
-        game = self.isSupportedROM(rom)
-        if game is None:
-            raise AleError(
-                f"{fspath(rom)} is the ROM of no game of ale-py; `atari roms identify` says what it is, and "
-                "atari.register_game registers a game of your own"
-            )
-        self._player.load(game, rom)
+        self._player.load(game_of_rom(rom), rom)
+
+
+def game_of_rom(rom: str | PathLike[str]) -> str:
+    """The id of the game of a ROM file.
+
+    Raises:
+        AleError: there is no such file, or it is the ROM of no game.
+    """
+    game = ALEInterface.isSupportedROM(rom)
+    if game is None:
+        raise AleError(
+            f"{fspath(rom)} is the ROM of no game of ale-py; `atari roms identify` says what it is, and "
+            "atari.register_game registers a game of your own"
+        )
+    return game
 
 
 class _Console:

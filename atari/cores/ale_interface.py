@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from atari.actions import Action
+from atari.actions import AleAction
 from atari.cores.core import ByteArray, Core
 from atari.cores.options import SEED_LIMIT
 from atari.files import durable
@@ -228,11 +228,11 @@ class AleInterface:
     def getAudioSize(self) -> int:
         return 512
 
-    def getMinimalActionSet(self) -> list[Action]:
-        return list(self._core.game.minimal_actions)
+    def getMinimalActionSet(self) -> list[AleAction]:
+        return [AleAction(action) for action in self._core.game.minimal_actions]
 
-    def getLegalActionSet(self) -> list[Action]:
-        return list(self._core.game.legal_actions)
+    def getLegalActionSet(self) -> list[AleAction]:
+        return [AleAction(action) for action in self._core.game.legal_actions]
 
     def getAvailableModes(self) -> list[int]:
         return list(self._core.game.modes)

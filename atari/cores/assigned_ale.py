@@ -7,7 +7,7 @@ class between the two, so an environment without an assignment does not change.
 
 from typing import Any
 
-from atari.actions import Action
+from atari.actions import AleAction
 from atari.cores.core import ByteArray, Core
 
 
@@ -34,7 +34,7 @@ class AssignedAle:
 
     def act(self, action: int, strength: float = 1.0) -> int:
         """Play a frame."""
-        reward: int = self.ale.act(Action(action), strength)
+        reward: int = self.ale.act(AleAction(action), strength)
         return reward
 
     @property

@@ -11,12 +11,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
-from atari.actions import PLAYER_ACTIONS, Action
+from atari.actions import Action, Switch
 from atari.games.frozen import FrozenDict
 from atari.games.manual import Manual, load_manual
 from atari.games.multiplayer import Multiplayer, parse_multiplayer
 from atari.games.rules import LABEL_ADDRESSES, Rules, check_label_expression, parse_rules
-from atari.games.tables import actions, build, check_keys, check_numbers, check_value
+from atari.games.tables import actions, build, check_keys, check_numbers, check_value, starting_actions
 from atari.games.toml_file import read_toml
 from atari.notebook import facts
 
@@ -132,7 +132,7 @@ class Game:
     controllers: Controllers
     minimal_actions: tuple[Action, ...]
     legal_actions: tuple[Action, ...]
-    starting_actions: tuple[Action, ...]
+    starting_actions: tuple[Action | Switch, ...]
     modes: tuple[int, ...]
     default_mode: int
     difficulties: tuple[int, ...]
@@ -282,11 +282,11 @@ def _play(table: Mapping[str, Any]) -> dict[str, Any]:
     """The fields of a `Game` that come from [actions], [settings] and [rules]."""
     listed, settings = table["actions"], table["settings"]
     check_keys(listed, "[actions]", ("minimal", "legal", "starting"))
-    minimal, legal, starting = (actions(listed[key]) for key in ("minimal", "legal", "starting"))
+    minimal, legal = (actions(listed[key]) for key in ("minimal", "legal"))
     if not set(minimal) <= set(legal):
         raise ValueError("[actions] a minimal action is not legal")
-    if not minimal or not set(legal) <= set(PLAYER_ACTIONS):
-        raise ValueError("[actions] minimal needs an action, and RESET can only be in starting")
+    if not minimal:
+        raise ValueError("[actions] minimal needs an action")
     check_keys(settings, "[settings]", ("modes", "default_mode", "difficulties"))
     for key in ("modes", "difficulties"):
         check_value(f"[settings] {key}", settings[key], tuple[int, ...])
@@ -298,7 +298,7 @@ def _play(table: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "minimal_actions": minimal,
         "legal_actions": legal,
-        "starting_actions": starting,
+        "starting_actions": starting_actions(listed["starting"]),
         "modes": tuple(settings["modes"]),
         "default_mode": settings["default_mode"],
         "difficulties": tuple(settings["difficulties"]),

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from atari.actions import Action
+from atari.actions import Action, Switch
 from atari.games.frozen import FrozenDict
 from atari.games.rules import Rules, parse_rules
-from atari.games.tables import actions, check_keys, check_value
+from atari.games.tables import actions, check_keys, check_value, starting_actions
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Multiplayer:
     modes: Mapping[int, tuple[int, ...]]
     loading_mode: int
     minimal_actions: tuple[Action, ...]
-    starting_actions: tuple[Action, ...]
+    starting_actions: tuple[Action | Switch, ...]
     difficulties: tuple[int, ...]
     rules: Rules
     corrected: Rules | None
@@ -80,7 +80,7 @@ def parse_multiplayer(table: Mapping[str, Any]) -> Multiplayer:
         modes=modes,
         loading_mode=table["loading_mode"],
         minimal_actions=actions(table["minimal"]),
-        starting_actions=actions(table["starting"]),
+        starting_actions=starting_actions(table["starting"]),
         difficulties=tuple(table["difficulties"]),
         rules=_rules(table, most, "step"),
         corrected=_rules(table, most, "corrected_step") if "corrected_step" in table["rules"] else None,

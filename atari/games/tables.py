@@ -5,7 +5,7 @@ from dataclasses import MISSING, fields
 from types import UnionType
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
-from atari.actions import PLAYER_ACTIONS, Action
+from atari.actions import PLAYER_ACTIONS, Action, Switch
 
 T = TypeVar("T")
 
@@ -63,11 +63,22 @@ def _fits(value: Any, kind: Any) -> bool:
 
 
 def actions(names: "Literal['all'] | list[str]") -> tuple[Action, ...]:
-    """The actions with these names; "all" means a player's eighteen."""
+    """The actions with these names; "all" means all eighteen."""
+    if names != "all" and isinstance(names, list) and not _SWITCHES.keys().isdisjoint(map(str, names)):
+        raise ValueError(f"[actions] {', '.join(_SWITCHES)} can only be in starting")
+    return tuple(Action(action) for action in starting_actions(names))
+
+
+def starting_actions(names: "Literal['all'] | list[str]") -> tuple[Action | Switch, ...]:
+    """The actions with these names, and the switches of the console."""
     if names == "all":
         return PLAYER_ACTIONS
     check_value("[actions] a list of actions", names, tuple[str, ...])
-    unknown = [name for name in names if name not in Action.__members__]
+    known = {**Action.__members__, **_SWITCHES}
+    unknown = [name for name in names if name not in known]
     if unknown:
         raise ValueError(f"[actions] unknown action {unknown[0]!r}")
-    return tuple(Action[name] for name in names)
+    return tuple(known[name] for name in names)
+
+
+_SWITCHES = dict(Switch.__members__)

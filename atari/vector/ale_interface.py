@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from atari.actions import Action
+from atari.actions import AleAction
 from atari.validation import check_strength
 
 
 class AleVectorInterface:
-    """The methods of ale-py's `ALEVectorInterface`, except `handle`, which serves its XLA functions.
+    """The methods of ale-py's `ALEVectorInterface`.
 
     Arrays and errors are those of `AtariVectorEnv`.
     """
@@ -23,9 +23,13 @@ class AleVectorInterface:
         """The number of environments."""
         return int(self._envs.num_envs)
 
-    def get_action_set(self) -> list[Action]:
+    def handle(self) -> Any:
+        """The handle of the environments for functions compiled by XLA, (8,) uint8, as in `AtariVectorEnv.xla`."""
+        return np.frombuffer(self._envs.xla_port().handle, np.uint8)
+
+    def get_action_set(self) -> list[AleAction]:
         """The action of each index of the action space."""
-        return list(self._envs.options.actions[0])
+        return [AleAction(action) for action in self._envs.options.actions[0]]
 
     def get_observation_shape(self) -> tuple[int, ...]:
         """The shape of the observation of one environment."""

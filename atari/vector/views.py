@@ -6,8 +6,11 @@ from contextlib import contextmanager
 from typing import Any
 
 import gymnasium
+import numpy as np
+from numpy.typing import NDArray
 
 from atari import _emulator
+from atari.actions import actions_by_motion
 from atari.cores import ByteArray
 from atari.notebook import picture, png
 from atari.rendering import tile
@@ -48,6 +51,16 @@ class Views:
         """The environments under the method names of ale-py's `ALEVectorInterface`."""
         envs: Any = self
         return AleVectorInterface(envs)
+
+    @property
+    def map_action_idx(self) -> NDArray[np.int64]:
+        """ALE's numbers of the actions, (3, 3, 2): by LEFT, neither, RIGHT; by DOWN, neither, UP; and by FIRE."""
+        return actions_by_motion()
+
+    @property
+    def is_xla_registered(self) -> bool:
+        """Whether `xla` was called."""
+        return self._port is not None
 
     def _repr_html_(self) -> str | None:
         """The first screens as one image, for a notebook; None while they are played, and after `close`."""

@@ -4,11 +4,14 @@ from __future__ import annotations  # the classes of ale-py 0.8.1 have other nam
 
 import gzip
 import inspect
+import pickle
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import ale_py
+import gymnasium
 import numpy as np
 import pytest
 from env_tools import needs_new_ale_py
@@ -29,7 +32,7 @@ def loaded(game: str = "breakout") -> ALEInterface:
 
 
 def test_the_names_are_those_of_ale_py() -> None:
-    assert {*ale_py.__all__} - {*dir(atari.ale_py)} == {"AtariEnvStepMetadata", "ALEVectorInterface"}
+    assert {*ale_py.__all__} - {*dir(atari.ale_py)} == set()
     assert {name for name in dir(ale_py.ALEInterface) if name[0] != "_"} <= {*dir(ALEInterface)}
     assert {name for name in dir(ale_py.ALEState) if name[0] != "_"} <= {*dir(ALEState)}
     for name in ("get_rom_path", "get_all_rom_ids"):
@@ -38,8 +41,81 @@ def test_the_names_are_those_of_ale_py() -> None:
     assert [(mode.name, mode.value) for mode in LoggerMode] == [(mode.name, mode.value) for mode in ale_py.LoggerMode]
     assert atari.ale_py.AtariEnv is atari.AtariEnv
     assert atari.ale_py.AtariVectorEnv is atari.AtariVectorEnv
-    assert atari.ale_py.Action is atari.Action
     assert atari.ale_py.SDL_SUPPORT is False
+
+
+@pytest.mark.parametrize("name", ["Action", "LoggerMode"])
+def test_the_members_of_enumerations_are_those_of_ale_py(name: str) -> None:
+    ours, theirs = getattr(atari.ale_py, name), getattr(ale_py, name)
+    assert len(ours) == len(theirs)
+    for own, member in zip(ours, theirs, strict=True):
+        for seen in (repr, str, bool, hash, lambda one: one.name, lambda one: one.value, lambda one: one == one.value):
+            assert seen(own) == seen(member), member
+        assert ours(member.value) is ours[member.name] is own is pickle.loads(pickle.dumps(own))
+    for wrong in (40, 18, -1, "FIRE"):
+        with pytest.raises(ValueError, match="is not a valid"):
+            ours(wrong)
+
+
+def test_every_action_can_be_played() -> None:
+    """Also ours by ale-py."""
+    ale, core = loaded(), atari.cores.NativeCore("breakout")
+    theirs = ale_py.ALEInterface()
+    theirs.loadROM(ale_py.roms.get_rom_path("breakout"))
+    core.reset()
+    for action in atari.ale_py.Action:
+        assert theirs.act(action) == ale.act(action) == core.act(atari.Action[action.name]) == 0
+    assert [*atari.Action] == [*range(18)]
+
+
+def test_the_actions_that_are_returned_are_members_of_action() -> None:
+    env = atari.AtariEnv("breakout")
+    names = ["NOOP", "FIRE", "RIGHT", "LEFT"]
+    wanted = [atari.ale_py.Action[name] for name in names]
+    assert env.ale.getMinimalActionSet() == loaded().getMinimalActionSet() == env._action_set == wanted
+    assert env.ale.getLegalActionSet() == list(atari.ale_py.Action)
+    assert env.map_action_idx(1, 0, False) is atari.ale_py.Action.RIGHT
+
+
+def test_the_raw_vector_equals_ale_pys() -> None:
+    path, options = ale_py.roms.get_rom_path("breakout"), {"max_episode_steps": 90, "noop_max": 5}
+    ours, theirs = (module.ALEVectorInterface(path, 2, 3, 2, 60, **options) for module in (atari.ale_py, ale_py))
+    signature = inspect.signature(atari.ale_py.ALEVectorInterface)
+    assert [str(one).replace("'", "") for one in signature.parameters][2:] == re.findall(
+        r"(\w+):", ale_py.ALEVectorInterface.__init__.__doc__
+    )[2:]
+    assert ours.get_num_envs() == theirs.get_num_envs() == 2
+    assert ours.get_observation_shape() == theirs.get_observation_shape() == (2, 60, 84)
+    assert (ours.handle().dtype, ours.handle().shape) == (theirs.handle().dtype, theirs.handle().shape)
+    first, wanted = ours.reset([0, 1], [3, 4]), theirs.reset([0, 1], [3, 4])
+    assert np.array_equal(first[0], wanted[0])
+    for step in range(60):
+        for envs in (ours, theirs):
+            envs.send([step % 4, 1], [1.0, 1.0])
+        for own, their in zip(ours.recv()[:4], theirs.recv()[:4], strict=True):
+            assert own.dtype == their.dtype
+            assert np.array_equal(own, their)
+    with pytest.raises(RuntimeError, match="is the ROM of no game of ale-py"):
+        atari.ale_py.ALEVectorInterface(__file__, 1)
+
+
+def test_ids_are_registered_again() -> None:
+    from atari.ale_py.registration import rom_id_to_name
+
+    ids = ["ALE/Pong-v5", "Pong-ram-v4", "Pong-v0"]
+    kept = {env_id: gymnasium.registry.pop(env_id) for env_id in ids}
+    atari.ale_py.register_v5_envs()
+    assert [env_id in gymnasium.registry for env_id in ids] == [True, False, False]
+    atari.ale_py.register_v0_v4_envs()
+    assert {env_id: gymnasium.registry[env_id] for env_id in ids} == kept
+    for rom in ("ms_pacman", "tic_tac_toe_3d", "pong"):
+        assert rom_id_to_name(rom) == ale_py.registration.rom_id_to_name(rom)
+
+
+def test_the_table_of_actions_by_motion_is_ale_pys() -> None:
+    ours, theirs = (kind("pong", 1) for kind in (atari.AtariVectorEnv, ale_py.AtariVectorEnv))
+    assert np.array_equal(ours.map_action_idx, theirs.map_action_idx)
+    assert ours.is_xla_registered is theirs.is_xla_registered is False
 
 
 def test_roms_are_those_of_ale_py() -> None:

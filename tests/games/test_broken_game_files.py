@@ -119,7 +119,7 @@ def test_any_value_of_a_game_file_is_good_or_a_value_error(tmp_path: Path) -> No
         ("[screen]", "#" * 300_000 + "\n[screen]", "a game definition has at most 262,144 bytes"),
         ("bcd(0x80)", "-" * 1900 + "1", "is nested too deeply"),
         ("bcd(0x80)", "1" * 2001, "[rules] step, line 1: an expression is a text of at most 2,000 characters"),
-        ('["NOOP", "RIGHT", "LEFT"]', "[]", "[actions] minimal needs an action, and RESET can only be in starting"),
+        ('["NOOP", "RIGHT", "LEFT"]', "[]", "[actions] minimal needs an action"),
     ],
 )
 def test_the_fault_is_named(tmp_path: Path, old: str, new: str, fault: str) -> None:

@@ -12,6 +12,7 @@ from rules_interpreter import evaluate
 
 import atari
 from atari import Action
+from atari.actions import Switch
 from atari.games.game import Controllers, RamLabel, Rom, Screen, load_game
 from atari.games.rules import _OPERATION_KEYS, HELPERS, Rules
 
@@ -213,7 +214,7 @@ def test_a_file_becomes_a_game(tmp_path: Path) -> None:
     game = load(tmp_path, GAME)
     assert game.id == "example"
     assert game.minimal_actions == (Action.NOOP, Action.FIRE)
-    assert game.starting_actions == (Action.RESET, Action.FIRE)
+    assert game.starting_actions == (Switch.RESET, Action.FIRE)
     assert game.controllers.paddles
     assert game.controllers.paddle_range == (27450, 790196)
     assert game.screen.format_detected

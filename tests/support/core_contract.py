@@ -263,7 +263,6 @@ class CoreContract(SnapshotContract):
             (18, ValueError),
             (40, ValueError),
             (2**70, ValueError),
-            (atari.Action.RESET, ValueError),
             (1.0, TypeError),
             (float("nan"), TypeError),
             ("1", TypeError),
