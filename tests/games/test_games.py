@@ -3,9 +3,10 @@
 import copy
 import dataclasses
 import pickle
+import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import pytest
 from rules_interpreter import evaluate
@@ -15,6 +16,7 @@ from atari import Action
 from atari.actions import Switch
 from atari.games.game import Controllers, RamLabel, Rom, Screen, load_game
 from atari.games.rules import _OPERATION_KEYS, HELPERS, Rules
+from atari.roms import find
 
 GAME = """
 title = "Example"
@@ -316,6 +318,30 @@ def test_the_schema_names_every_key() -> None:
     names |= {"minimal", "legal", "starting", "modes", "default_mode", "difficulties", "title", "players", "notes"}
     names |= set(HELPERS) | set(_OPERATION_KEYS)
     assert [name for name in sorted(names) if f"`{name}" not in schema] == []
+
+
+def test_the_documents_list_every_cartridge_type(tmp_path: Path) -> None:
+    """The emulator's error names the types of its table."""
+    pong = (Path(atari.__file__).parent / "games" / "data" / "pong.toml").read_text(encoding="utf-8")
+    game = load(tmp_path, re.sub('cartridge = "[^"]*"', 'cartridge = "?"', pong))
+    with pytest.raises(ValueError, match="there is no cartridge type") as caught:
+        atari.cores.NativeCore(game, rom=find(atari.games["pong"]))
+    types = str(caught.value).partition("the types are ")[2].split(", ")
+    schema = (Path(atari.__file__).parent / "games" / "SCHEMA.md").read_text(encoding="utf-8")
+    row = next(line for line in schema.splitlines() if line.startswith("| `cartridge` |"))
+    assert re.findall("`([^`]*)`", row) == ["cartridge", *types]
+    guide = (Path(__file__).parents[2] / "docs" / "own-games.md").read_text(encoding="utf-8")
+    listed = guide.partition("## Supported cartridge types\n\n")[2].partition(";")[0].replace(" and ", ", ").split(", ")
+    assert listed == [one for one in types if one != "F8 SWAPPED"]  # which images begin in the other bank is a table
+
+
+def test_the_schema_names_every_choice() -> None:
+    schema = (Path(atari.__file__).parent / "games" / "SCHEMA.md").read_text(encoding="utf-8")
+    for kind in (Screen, Controllers, RamLabel):
+        for name, annotation in get_type_hints(kind).items():
+            if get_origin(annotation) is Literal:
+                row = next(line for line in schema.splitlines() if re.match(rf"\| (`\w+`, )*`{name}`[ ,]", line))
+                assert [value for value in get_args(annotation) if f'"{value}"' not in row] == [], name
 
 
 def test_an_unknown_label_suggests_the_nearest() -> None:
