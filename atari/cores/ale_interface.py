@@ -6,7 +6,7 @@ has these methods for every core, with the core's checks. docs/ale-py.md lists t
 
 import enum
 from collections.abc import Mapping
-from os import PathLike, fspath
+from os import PathLike, fsdecode, fspath
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Protocol
@@ -17,6 +17,7 @@ from atari.actions import AleAction
 from atari.cores.core import ByteArray, Core
 from atari.cores.options import SEED_LIMIT
 from atari.files import durable
+from atari.games.game import Game
 from atari.roms.identification import by_content
 from atari.roms.image import read_image
 from atari.validation import AleError, AleTypeError, check_integer, check_poke, check_probability
@@ -58,18 +59,19 @@ class AleSettings:
         self._values: dict[str, Any] = {**_DEFAULTS, **values}
         self.stale = False
 
-    def get(self, name: str, kind: type) -> Any:
+    def get(self, name: str | bytes, kind: type) -> Any:
         """The value of a setting of this kind.
 
         Raises:
             AleError: there is no such setting of this kind.
         """
+        name = fsdecode(name)
         names = [key for key, default in _DEFAULTS.items() if type(default) is kind]
         if name not in names:
             raise AleError(f"there is no {kind.__name__} setting {name!r}; there are {', '.join(names)}")
         return kind(self._values[name])
 
-    def set(self, name: str, kind: type, value: Any) -> None:
+    def set(self, name: str | bytes, kind: type, value: Any) -> None:
         """Set a setting for the next load.
 
         Raises:
@@ -77,6 +79,7 @@ class AleSettings:
             ValueError: it is out of range. AleError: see `get`, or another option does the setting's work.
         """
         before = self.get(name, kind)
+        name = fsdecode(name)
         checked = _checked(name, kind, value)
         if name in _UNUSED and checked != before:
             raise AleError(f"{name} is not supported; use {_UNUSED[name]} instead")
@@ -262,28 +265,28 @@ class AleInterface:
     def restoreSystemState(self, state: Any) -> None:
         self._player.restore_state(state)
 
-    def getInt(self, key: str) -> int:
+    def getInt(self, key: str | bytes) -> int:
         return int(self._player.ale_settings.get(key, int))
 
-    def setInt(self, key: str, value: int) -> None:
+    def setInt(self, key: str | bytes, value: int) -> None:
         self._player.ale_settings.set(key, int, value)
 
-    def getFloat(self, key: str) -> float:
+    def getFloat(self, key: str | bytes) -> float:
         return float(self._player.ale_settings.get(key, float))
 
-    def setFloat(self, key: str, value: float) -> None:
+    def setFloat(self, key: str | bytes, value: float) -> None:
         self._player.ale_settings.set(key, float, value)
 
-    def getBool(self, key: str) -> bool:
+    def getBool(self, key: str | bytes) -> bool:
         return bool(self._player.ale_settings.get(key, bool))
 
-    def setBool(self, key: str, value: bool) -> None:
+    def setBool(self, key: str | bytes, value: bool) -> None:
         self._player.ale_settings.set(key, bool, value)
 
-    def getString(self, key: str) -> str:
+    def getString(self, key: str | bytes) -> str:
         return str(self._player.ale_settings.get(key, str))
 
-    def setString(self, key: str, value: str) -> None:
+    def setString(self, key: str | bytes, value: str) -> None:
         self._player.ale_settings.set(key, str, value)
 
     @staticmethod
@@ -303,13 +306,22 @@ class AleInterface:
         Raises:
             AleError: there is no such file.
         """
-        try:
-            game = by_content(read_image(Path(rom)))
-        except FileNotFoundError as error:
-            raise AleError(str(error)) from None
-        except ValueError:
-            return None
+        game = game_of_rom(rom)
         return None if game is None or game.rules is None else game.id
+
+
+def game_of_rom(rom: str | PathLike[str]) -> Game | None:
+    """The game of a ROM file, None if no game has this ROM.
+
+    Raises:
+        AleError: there is no such file.
+    """
+    try:
+        return by_content(read_image(Path(rom)))
+    except FileNotFoundError as error:
+        raise AleError(str(error)) from None
+    except ValueError:
+        return None
 
 
 def _filled(name: str, read: Any, buffer: ByteArray | None) -> ByteArray:

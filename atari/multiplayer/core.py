@@ -185,6 +185,14 @@ class MultiplayerCore(EmulatorCore):
         self.options["difficulty"] = self.task.set_difficulty
         super().set_difficulty(difficulty)
 
+    def with_options(self, **fields: Any) -> "MultiplayerCore":
+        """A new core with other fields of the task, which has not begun a game.
+
+        Raises:
+            TypeError, ValueError: see `Task.of`.
+        """
+        return type(self)(**{**self._arguments(), "game": self.task.replace(**fields)})
+
     def _arguments(self) -> dict[str, Any]:
         own = {name: self.options[name] for name in ("seed", *OWN_OPTIONS) if name != "sound"}
         return {"game": self.task, "rom": self.rom, "sound": self.sound, **own}

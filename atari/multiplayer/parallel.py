@@ -15,8 +15,9 @@ from typing_extensions import Self
 
 from atari.actions import PLAYER_ACTIONS
 from atari.cores.ale_random import AleRandom
-from atari.cores.options import SEED_LIMIT
+from atari.multiplayer.ale import Console, MultiplayerAle
 from atari.multiplayer.core import OF_CORE, OWN_OPTIONS, REFERENCES, MultiplayerCore
+from atari.multiplayer.names import OBS_TYPES, PettingZooNames
 from atari.multiplayer.resolution import resolve_several
 from atari.observations.frames import FrameObservations
 from atari.observations.layout import Layout
@@ -42,7 +43,7 @@ _NO_OP = 0
 Infos = dict[str, dict[str, Any]]
 
 
-class MultiplayerEnv(ParallelEnv[str, Any, int]):
+class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
     """All agents act in each step. Without `agent_indicator`, they see the same observation.
 
     A name alone, without a preset, has the spaces, rewards, ends and infos of PettingZoo's Atari environments. Any task
@@ -113,7 +114,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         others = ("max_cycles", "render_mode", "rom", "action_sets", *own)
         translated = _translated(options, preset)
         ale_numbers = check_name("mode_numbers", own.pop("mode_numbers", REFERENCES[0]), REFERENCES) == "ale_py"
-        self.task, name = resolve_several(game, preset, translated, _BASE, "MultiplayerEnv", others, ale_numbers)
+        self._task, name = resolve_several(game, preset, translated, _BASE, "MultiplayerEnv", others, ale_numbers)
         self.render_mode = render_mode
         self.metadata = {
             "render_modes": ["human", "rgb_array"],
@@ -121,19 +122,27 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
             "render_fps": 60,
             "is_parallelizable": True,
         }
-        layout = Layout.check(self.task, self.task.stack_num is not None and self.task.obs_type != "ram", "uint8")
-        self._seen = FrameObservations(self.task, layout)
+        layout = Layout.check(self._task, self._task.stack_num is not None and self._task.obs_type != "ram", "uint8")
+        self._seen = FrameObservations(self._task, layout)
         if seed is not None:
             check_integer("seed", seed, 0, 2**63 - 1)
-        emulated = {name: getattr(self.task, name) for name in OF_CORE if name not in ("game", "frameskip")}
+        emulated = {name: getattr(self._task, name) for name in OF_CORE if name not in ("game", "frameskip")}
         self.core = MultiplayerCore(
-            Task(self.task.definition, frameskip=1, **emulated),  # type: ignore[arg-type]
+            Task(self._task.definition, frameskip=1, **emulated),  # type: ignore[arg-type]
             rom=rom if auto_rom_install_path is None else auto_rom_install_path,
             **own,
         )
+        settings = {
+            "random_seed": 0,
+            "repeat_action_probability": _largest(self._task.repeat_action_probability),
+            "max_num_frames_per_episode": self._task.max_num_frames_per_episode or 0,
+            "sound_obs": self.core.sound,
+        }
+        self._console = Console(self, settings, {"frame_skip": "make the environment with frameskip"})
+        self._ale = MultiplayerAle(self._console)
         self.possible_agents = list(AGENTS[: self.core.players])
         self.agents = self.possible_agents[:]
-        sets = [[action.name for action in self.task.action_set]] * self.core.players
+        sets = [[action.name for action in self._task.action_set]] * self.core.players
         self._actions = _own_actions(sets if action_sets is None else action_sets, self.possible_agents)
         self.action_mappings = {agent: np.array(numbers, np.int32) for agent, numbers in self._actions.items()}
         self.action_mapping = self.action_mappings[self.possible_agents[0]]
@@ -159,7 +168,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         if seed is not None:
             self._seed(check_integer("seed", seed, 0, 2**63 - 1))
         self.core.reset()
-        low, high = self.task.noops
+        low, high = self._task.noops
         for _ in range(self._draw(low, high + 1)):
             self.core.act_players([_NO_OP] * self.core.players)
             if self.core.game_over or self.core.truncated:
@@ -192,7 +201,7 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
 
     def _play(self, moves: list[int]) -> tuple[list[int], bool, bool]:
         """Play a step's frames; returns the rewards of the players, and whether the episode terminated or truncated."""
-        task, core, seen = self.task, self.core, self._seen
+        task, core, seen = self._task, self.core, self._seen
         paid = [0] * len(moves)
         low, high = task.frames
         left = low if high == low + 1 else self._draw(low, high)
@@ -213,9 +222,9 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
 
     def _rewards(self, paid: list[int]) -> list[Any]:
         """The rewards of the players of a step in the agents' form."""
-        if self.task.reward_clipping:
+        if self._task.reward_clipping:
             paid = [min(max(reward, -1), 1) for reward in paid]
-        if self.task.zero_sum:
+        if self._task.zero_sum:
             return list(zero_sum(np.array([paid], np.int32))[0])
         return [np.int32(reward) for reward in paid]
 
@@ -285,10 +294,11 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         self.np_random = seeding.np_random(seed)[0]
         first, second = (int(word) for word in np.random.SeedSequence(seed).generate_state(2))
         self._random = seeding.np_random(first)[0]
-        if self.task.seeding == "ale":
+        if self._task.seeding == "ale":
             self._random = AleRandom()
             second = self._random.seed(seed)
-        self.core.seed(min(second, SEED_LIMIT - 2))
+        self._console.ale_settings.set_seed(second)
+        self._console.load_game()
 
     def _draw(self, low: int, high: int) -> int:
         """A number within low..high-1."""
@@ -301,12 +311,17 @@ class MultiplayerEnv(ParallelEnv[str, Any, int]):
         self._out = [False] * self.core.players
 
     def _observe(self, agents: Sequence[str]) -> dict[str, Any]:
-        if self.task.obs_type not in ("rgb", "grayscale"):
+        if self._task.obs_type not in ("rgb", "grayscale"):
             self._seen.see_ram(self.core.ram())
         batch = self._seen.observation()
-        if not self.task.agent_indicator:
+        if not self._task.agent_indicator:
             return dict.fromkeys(agents, _row(batch, 0))
         return {agent: _row(_row(batch, 0), self.possible_agents.index(agent)) for agent in agents}
+
+
+def _largest(probability: Any) -> float:
+    """The sticky actions of the player who has most of them."""
+    return float(max(probability)) if isinstance(probability, tuple) else float(probability)
 
 
 def _kinds(parts: Any) -> Any:
@@ -333,8 +348,8 @@ def _translated(options: Mapping[str, Any], preset: str | None) -> dict[str, Any
             raise TypeError("max_cycles and max_episode_steps are two names of one option; give one of them")
         fields["max_episode_steps"] = check_integer("max_cycles", fields.pop("max_cycles"), 1, NO_LIMIT)
     kind = fields.get("obs_type")
-    if kind in ("rgb_image", "grayscale_image"):
-        fields["obs_type"] = kind.removesuffix("_image")
+    if isinstance(kind, str) and kind in OBS_TYPES:
+        fields["obs_type"] = OBS_TYPES[kind]
         if kind == "grayscale_image" and preset is None:
             fields.setdefault("stack_num", 1)
     return fields
