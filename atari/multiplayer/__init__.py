@@ -6,6 +6,7 @@ env = atari.multiplayer.parallel_env("pong")    # or .env("pong"): agents take t
 observations, infos = env.reset(seed=42)
 """
 
+import sys
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
@@ -13,7 +14,9 @@ import gymnasium
 from atari._extras import install_extra
 from atari._renamed import missing
 from atari.games.pettingzoo import ENVIRONMENTS
+from atari.multiplayer.ale import ALEInterface
 from atari.multiplayer.core import MultiplayerCore
+from atari.multiplayer.modules import make_modules
 
 if TYPE_CHECKING:
     from pettingzoo import AECEnv, ParallelEnv
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ENVIRONMENTS",
+    "ALEInterface",
     "MultiplayerCore",
     "MultiplayerEnv",
     "env",
@@ -111,6 +115,11 @@ def _require() -> None:
             f"environments of several players need PettingZoo: {install_extra('multiplayer')}; "
             "MultiplayerCore works without"
         ) from None
+
+
+for _module in make_modules(__name__, (raw_env, env, parallel_env)):
+    sys.modules[_module.__name__] = _module
+    globals()[_module.__name__.rpartition(".")[2]] = _module
 
 
 def __getattr__(name: str) -> Any:
