@@ -229,7 +229,11 @@ class TestTasks:
             ({"task_id": Task.of("pong", players=2)}, ValueError, "a game has one player"),
             ({"task_id": Task.of("pong", obs_type="ram")}, ValueError, "use 'dict'"),
             ({"reward_clip": "no"}, TypeError, "reward_clipping must be True or False"),
-            ({"env_type": "dm"}, ValueError, "'gym' or 'gymnasium', got 'dm'"),
+            ({"env_type": "tf"}, ValueError, "'gym', 'gymnasium' or 'dm', got 'tf'"),
+            ({"zero_discount_on_life_loss": True}, ValueError, "use make_dm"),
+            ({"render_mode": "ascii"}, ValueError, "render_mode must be None, 'rgb_array' or 'human', got 'ascii'"),
+            ({"render_env_id": 1}, ValueError, "render_env_id"),
+            ({"num_envs": 2, "env_seed": [1]}, ValueError, "env_seed must have a seed for each of 2"),
             ({"num_env": 3}, TypeError, "did you mean 'num_envs'"),
             ({"task": "pong"}, TypeError, "there is no option 'task'"),
             ({"num_envs": 0}, ValueError, "num_envs"),
@@ -289,3 +293,139 @@ def test_the_options_are_those_of_the_docstring() -> None:
     config = envpool.make_spec("Pong-v5").config._asdict()
     hidden = {"task", "base_path", "max_num_players", "zero_discount_on_life_loss", "use_inter_area_resize"}
     assert all(name in described for name in set(config) - hidden)
+
+
+class TestSpecs:
+    def test_the_arrays_of_a_spec_are_those_of_the_results(self) -> None:
+        spec = envpool.make_spec("Pong-v5", num_envs=2, gray_scale=False, stack_num=2, img_height=50)
+        arrays = spec.state_array_spec
+        assert arrays["obs"].shape == [6, 50, 84]
+        observations, info = envpool.GymnasiumEnvPool(spec).reset()
+        assert [*observations.shape[1:]] == arrays["obs"].shape
+        for name, array in arrays.items():
+            if name.startswith("info:") and "players" not in name:
+                got = info[name.removeprefix("info:")]
+                assert (got.dtype, [*got.shape[1:]]) == (array.dtype, [size for size in array.shape if size != -1]), (
+                    name
+                )
+                assert (got >= array.minimum).all()
+                assert (got <= array.maximum).all()
+        assert spec.action_array_spec["action"].maximum == 5
+        assert envpool.make_spec("Pong-v5", full_action_space=True).action_array_spec["action"].maximum == 17
+        assert repr(spec.action_array_spec["env_id"]) == (
+            "ArraySpec(shape=[], dtype=int32, minimum=-2147483648, maximum=2147483647)"
+        )
+
+    def test_a_spec_is_made_from_a_config(self) -> None:
+        kinds = envpool.atari
+        config = kinds.AtariEnvSpec.gen_config(task="pong", num_envs=2, stack_num=3)
+        spec = kinds.AtariEnvSpec(config)
+        assert spec.config == envpool.make_spec("Pong-v5", num_envs=2, stack_num=3).config
+        assert spec.config.batch_size == 2
+        assert kinds.AtariGymnasiumEnvPool(spec).reset()[0].shape == (2, 3, 84, 84)
+
+    def test_a_name_is_registered(self) -> None:
+        classes = ("AtariEnvSpec", "AtariDMEnvPool", "AtariGymnasiumEnvPool")
+        envpool.register("Two-v5", "envpool.atari", *classes, aliases=["Both-v5"], task="pong", stack_num=2)
+        try:
+            assert envpool.make("Both-v5", "gymnasium").observation_space.shape == (2, 84, 84)
+            assert envpool.make_spec("Two-v5", stack_num=3).config.stack_num == 3
+            assert {"Two-v5", "Both-v5"} <= {*envpool.list_all_envs()}
+            for arguments, options, words in (
+                (("Two-v5", "envpool.atari", *classes), {"task": "pong"}, "'Two-v5' is taken"),
+                (("X-v5", "envpool.mujoco", *classes), {"task": "ant"}, "only Atari games can be registered"),
+                (("X-v5", "envpool.atari", *classes), {}, "needs task"),
+                (("X-v5", "envpool.atari", *classes), {"task": "pong", "stack": 1}, "did you mean"),
+            ):
+                with pytest.raises((TypeError, ValueError), match=words):
+                    envpool.register(*arguments, **options)
+            assert "X-v5" not in envpool.list_all_envs()
+        finally:
+            for name in ("Two-v5", "Both-v5"):
+                envpool.spec._REGISTERED.pop(name)
+
+    def test_each_environment_has_a_seed(self) -> None:
+        seeded = make(env_seed=[5, 6, 9])
+        single = [envpool.make("Breakout-v5", "gymnasium", seed=seed) for seed in (5, 6, 9)]
+        seeded.reset()
+        for one in single:
+            one.reset()
+        for _ in range(30):
+            observations = seeded.step(np.ones(3, int))[0]
+            assert np.array_equal(observations, np.concatenate([one.step(np.ones(1, int))[0] for one in single]))
+
+
+class TestRender:
+    def test_screens(self) -> None:
+        envs = make(render_mode="rgb_array", render_env_id=1)
+        envs.reset()
+        screens = np.stack(envs.vector._screens())
+        assert np.array_equal(envs.render(), screens[[1]])
+        assert np.array_equal(envs.render([2, 0]), screens[[2, 0]])
+        assert np.array_equal(envs.render(2, camera_id=7), screens[[2]])
+        with pytest.raises(IndexError):
+            envs.render(3)
+
+    def test_size(self) -> None:
+        envs = make(render_mode="rgb_array", render_width=80, render_height=105)
+        envs.reset()
+        screens = np.stack(envs.vector._screens())
+        means = screens[:1].reshape(1, 105, 2, 80, 2, 3).mean((2, 4))
+        assert np.abs(envs.render().astype(float) - means).max() <= 1
+
+    def test_window(self) -> None:
+        pytest.importorskip("pygame")
+        envs = make(render_mode="human")
+        envs.reset()
+        assert envs.render() is None
+        envs.close()
+
+    def test_without_a_mode(self) -> None:
+        with pytest.raises(RuntimeError, match="needs a render mode"):
+            make().render()
+
+
+class TestDm:
+    def test_time_steps(self) -> None:
+        dm_env = pytest.importorskip("dm_env")
+        options: dict[str, Any] = {"noop_max": 1, "max_episode_steps": 40}
+        envs, same = make("dm", zero_discount_on_life_loss=True, **options), make("gymnasium", **options)
+        first, (observations, info) = envs.reset(), same.reset()
+        assert isinstance(first, dm_env.TimeStep)
+        assert [first.step_type.tolist(), first.discount.tolist()] == [[0] * 3, [1] * 3]
+        assert np.array_equal(first.observation.obs, observations)
+        lives, kinds = info["lives"], set()
+        for _ in range(90):
+            step = envs.step(np.ones(3, int))
+            observations, rewards, terminated, truncated, info = same.step(np.ones(3, int))
+            ends, begins = terminated | truncated, info["elapsed_step"] == 0
+            assert step.step_type.tolist() == np.where(ends, 2, np.where(begins, 0, 1)).tolist()
+            zero = ends | ((info["lives"] < lives) & ~begins)
+            assert step.discount.tolist() == np.where(zero, 0, 1).tolist()
+            assert np.array_equal(step.reward, rewards)
+            for name in ("env_id", "lives", "reward", "terminated", "ram"):
+                assert np.array_equal(getattr(step.observation, name), info[name])
+            assert np.array_equal(step.observation.obs, observations)
+            kinds |= {*zip(step.step_type.tolist(), step.discount.tolist(), strict=True)}
+            lives = info["lives"]
+        assert kinds == {(0, 1), (1, 1), (1, 0), (2, 0)}
+        part = envs.step(np.zeros(2, int), np.array([2, 0]))
+        assert part.observation.env_id.tolist() == part.observation.players.env_id.tolist() == [2, 0]
+
+    def test_specs(self) -> None:
+        pytest.importorskip("dm_env")
+        envs = make("dm")
+        step, spec = envs.reset(), envs.observation_spec()
+        for name in spec._fields:
+            if name != "players":
+                getattr(spec, name).validate(getattr(step.observation, name)[0])
+        assert envs.action_spec().num_values == 4
+        assert envs.reward_spec().name == "reward"
+        assert envs.discount_spec().maximum == 1
+        assert envpool.DMEnvPool is envpool.atari.AtariDMEnvPool is type(envs)
+
+    def test_without_dm_env(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setitem(sys.modules, "atari.integrations.envpool.dm", None)
+        for use in (lambda: make("dm"), lambda: envpool.make_spec("Pong-v5").action_spec(), lambda: envpool.DMEnvPool):
+            with pytest.raises(gymnasium.error.DependencyNotInstalled, match="install dm-env"):
+                use()

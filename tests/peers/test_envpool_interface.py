@@ -76,3 +76,81 @@ def flat(values: tuple[Any, ...] | dict[str, Any], prefix: str = "") -> Iterator
             yield from flat(value, f"{prefix}{name}.")
         else:
             yield f"{prefix}{name}", value
+
+
+SPECS: dict[str, dict[str, Any]] = {
+    "defaults": {},
+    "RGB": {"gray_scale": False, "stack_num": 2},
+    "size": {"img_height": 50, "num_envs": 2},
+    "all actions": {"full_action_space": True},
+}
+
+
+@pytest.mark.parametrize("case", SPECS)
+def test_same_specs(case: str) -> None:
+    import envpool
+
+    theirs, own = (module.make_spec("Breakout-v5", **SPECS[case]) for module in (envpool, ours))
+    for name in ("state_array_spec", "action_array_spec"):
+        wanted = {key: repr(array) for key, array in getattr(theirs, name).items()}
+        got = {key: repr(array) for key, array in getattr(own, name).items()}
+        assert list(got) == list(wanted)
+        assert {key for key in got if got[key] != wanted[key]} <= {"reward", "info:reward"}  # the least value
+    assert own.action_spec() == theirs.action_spec()
+    assert own.observation_spec()._fields == theirs.observation_spec()._fields
+    for one, other in zip(own.observation_spec(), theirs.observation_spec(), strict=True):
+        if getattr(one, "name", "") != "reward":
+            assert one == other
+    assert set(own.config._fields) == set(theirs.config._fields)
+    same = {"base_path", "gym_reset_return_info"}
+    differing = {key for key, value in theirs.config._asdict().items() if getattr(own.config, key) != value}
+    assert differing <= same
+
+
+DM: dict[str, dict[str, Any]] = {
+    "defaults": {},
+    "discount": {"zero_discount_on_life_loss": True},
+    "lives": {"zero_discount_on_life_loss": True, "episodic_life": True},
+    "limit": {"max_episode_steps": 30},
+}
+
+
+@pytest.mark.parametrize("case", DM)
+def test_same_time_steps(case: str) -> None:
+    import envpool
+
+    options = {"num_envs": 2, "noop_max": 1, **DM[case]}
+    theirs, own = (module.make_dm("Breakout-v5", **options) for module in (envpool, ours))
+    assert own.reward_spec() == theirs.reward_spec()
+    assert own.discount_spec() == theirs.discount_spec()
+    rng = np.random.default_rng(0)
+    steps = theirs.reset(), own.reset()
+    for _ in range(300):
+        for wanted, got in zip(leaves(steps[0]), leaves(steps[1]), strict=True):
+            assert (got.dtype, got.shape) == (wanted.dtype, wanted.shape)
+            np.testing.assert_array_equal(got, wanted)
+        chosen = np.arange(2) if rng.random() < 0.8 else rng.permutation(2)[:1]
+        actions = rng.integers(4, size=len(chosen))
+        steps = theirs.step(actions, chosen), own.step(actions, chosen)
+
+
+def leaves(step: Any) -> Iterator[Any]:
+    for part in step:
+        if isinstance(part, tuple):
+            yield from leaves(part)
+        else:
+            yield part
+
+
+def test_same_screens() -> None:
+    import envpool
+
+    for size in ({}, {"render_width": 80, "render_height": 100}, {"render_width": 400, "render_height": 300}):
+        options = {"num_envs": 3, "noop_max": 1, "render_mode": "rgb_array", "render_env_id": 1, **size}
+        theirs, own = (module.make("Pong-v5", "gymnasium", **options) for module in (envpool, ours))
+        for envs in (theirs, own):
+            envs.reset()
+            for _ in range(20):
+                envs.step(np.array([2, 3, 0]))
+        for arguments in ((), ([2, 0],), (1, 3)):
+            np.testing.assert_array_equal(own.render(*arguments), theirs.render(*arguments))

@@ -10,6 +10,7 @@ from types import ModuleType
 from atari.classic.__main__ import stand_in as stand_in_for_gym
 from atari.classic.script import run_script
 from atari.integrations import envpool
+from atari.integrations.envpool import registration
 
 _HELP = "Runs a script written for EnvPool: `import envpool` gives it atari.integrations.envpool."
 
@@ -24,9 +25,11 @@ def stand_in() -> None:
     if find_spec("gym") is None:
         stand_in_for_gym()
     sys.modules["envpool"] = envpool
+    sys.modules["envpool.atari"], sys.modules["envpool.registration"] = envpool.atari, registration
     for name in ("envpool.python", "envpool.python.protocol"):
         sys.modules[name] = ModuleType(name)
-    vars(sys.modules["envpool.python.protocol"])["EnvPool"] = envpool.EnvPool
+    for name in ("ArraySpec", "EnvPool", "EnvSpec", "GymnasiumEnvPool"):
+        vars(sys.modules["envpool.python.protocol"])[name] = getattr(envpool, name)
 
 
 if __name__ == "__main__":

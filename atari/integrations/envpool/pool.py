@@ -1,5 +1,6 @@
 """`EnvPool`: an `AtariVectorEnv` with the interface of EnvPool's Atari environments."""
 
+import inspect
 import sys
 from functools import partial
 from typing import Any
@@ -10,10 +11,12 @@ import numpy.typing as npt
 
 from atari._gymnasium import AutoresetMode, VectorEnv
 from atari.cores.options import SEED_LIMIT
-from atari.integrations.envpool.spec import EnvPoolSpec, make_spec, task_ids
+from atari.integrations.envpool.spec import EnvPoolSpec, import_dm, make_spec, task_ids
 from atari.integrations.envpool.xla import xla
+from atari.rendering import Window
 from atari.task import Task
 from atari.task.resolution import GameLike
+from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 from atari.vector.results import pick_rows
 
@@ -34,6 +37,10 @@ class EnvPool:
     Args:
         spec: from `make_spec`.
         returns_done: whether `step` returns four values, with `done`, and `reset` only the observations.
+        render_mode: "rgb_array" lets `render` return screens, "human" show them in a window.
+        render_env_id: the environment that `render` shows.
+        render_width, render_height: the size of its images; None means that of the screen.
+        render_camera_id: a number for EnvPool's environments with cameras, which Atari's ignore.
 
     Example:
         >>> import atari.integrations.envpool as envpool
@@ -44,24 +51,46 @@ class EnvPool:
     """
 
     is_vector_env = True
+    has_discount = False  # whether results have `zero_discount_on_life_loss`
 
-    def __init__(self, spec: EnvPoolSpec, returns_done: bool) -> None:
+    def __init__(
+        self,
+        spec: EnvPoolSpec,
+        returns_done: bool = False,
+        *,
+        render_mode: str | None = None,
+        render_env_id: int = 0,
+        render_width: int | None = None,
+        render_height: int | None = None,
+        render_camera_id: int | None = None,
+    ) -> None:
+        if render_mode not in (None, "rgb_array", "human"):
+            raise ValueError(f"render_mode must be None, 'rgb_array' or 'human', got {render_mode!r}")
+        if spec.config.zero_discount_on_life_loss and not self.has_discount:
+            raise ValueError("no discount is returned; leave zero_discount_on_life_loss out, or use make_dm")
+        self.render_mode: Any = render_mode
+        self._render_env_id = check_integer("render_env_id", render_env_id, 0, spec.config.num_envs - 1)
+        self._render_size = tuple(
+            None if size is None else check_integer(name, size, 1, 10_000)
+            for name, size in (("render_width", render_width), ("render_height", render_height))
+        )
+        self._window: Any = None
         self.vector: AtariVectorEnv = spec.make_vector()
         self.spec: Any = spec
         self.config: dict[str, Any] = spec.config._asdict()
         self.num_envs = self.vector.num_envs
         self.is_async = self.vector.batch_size < self.vector.num_envs
         self.all_env_ids = np.arange(self.num_envs, dtype=np.int32)
-        self.metadata: Any = {"render_modes": [], "render.modes": [], "autoreset_mode": AutoresetMode.NEXT_STEP}
+        modes = ["rgb_array", "human"]
+        self.metadata: Any = {"render_modes": modes, "render.modes": modes, "autoreset_mode": AutoresetMode.NEXT_STEP}
         self.observation_space: Any = spec.observation_space if returns_done else spec.gymnasium_observation_space
         self.action_space: Any = spec.action_space if returns_done else spec.gymnasium_action_space
         self.single_observation_space: Any = self.observation_space
         self.single_action_space: Any = self.action_space
-        self.render_mode: Any = None
         self.closed = False
         self.returns_done = returns_done
         self._reset_returns_info = not returns_done or spec.config.gym_reset_return_info
-        self._seed: Any = spec.config.seed
+        self._seed: Any = spec.config.env_seed or spec.config.seed
 
     @property
     def task(self) -> Task:
@@ -134,6 +163,28 @@ class EnvPool:
         """Seed the next reset of all environments; environment i with seed + i."""
         self._seed = seed
 
+    def render(self, env_ids: Any = None, camera_id: int | None = None) -> npt.NDArray[np.uint8] | None:
+        """The screens of environments, (rows, height, width, 3) uint8, or None and a window.
+
+        Args:
+            env_ids: an environment, or several; None means `render_env_id`.
+            camera_id: see `render_camera_id`.
+
+        Raises:
+            RuntimeError: there is no render mode, or environments are being played.
+            TypeError, ValueError, IndexError: `env_ids` does not fit.
+        """
+        if self.render_mode is None:
+            raise RuntimeError("render() needs a render mode; make the environments with render_mode='rgb_array'")
+        rows = self._check_env_id(np.atleast_1d(self._render_env_id if env_ids is None else env_ids))
+        screens = [resized(self.vector.lanes[row].screen_rgb(), *self._render_size) for row in rows]
+        if self.render_mode == "rgb_array":
+            return np.stack(screens)
+        if self._window is None:
+            self._window = Window(self.vector.games[0], self.vector.metadata["render_fps"])
+        self._window.show(self.vector.lanes[rows[0]].screen_rgb())
+        return None
+
     def xla(self) -> Any:
         """`handle`, `recv`, `send` and `step` for functions compiled by JAX, see `AtariVectorEnv.xla`.
 
@@ -147,6 +198,9 @@ class EnvPool:
     def close(self, **_: Any) -> None:
         """Join the threads and release the environments."""
         self.closed = True
+        if self._window is not None:
+            self._window.close()
+            self._window = None
         self.vector.close()
 
     def __len__(self) -> int:
@@ -180,6 +234,16 @@ class EnvPool:
             image, *_, info = shown(results, self.returns_done)
             return (image, info) if self._reset_returns_info and return_info else image
         return shown(results, self.returns_done)
+
+
+def resized(screen: npt.NDArray[np.uint8], width: int | None, height: int | None) -> npt.NDArray[np.uint8]:
+    """A screen in another size, by areas like EnvPool's; None keeps it."""
+    size = (width or screen.shape[1], height or screen.shape[0])
+    if size == (screen.shape[1], screen.shape[0]):
+        return screen
+    import cv2  # here, because the import takes long
+
+    return np.asarray(cv2.resize(screen, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 
 def shown(results: Any, returns_done: bool) -> tuple[Any, ...]:
@@ -219,11 +283,12 @@ def make(task_id: GameLike, env_type: str, **options: Any) -> EnvPool:
     Args:
         task_id: a name of `list_all_envs`, such as "Breakout-v5", or another argument of `make_spec`: a game's name, a
             game file, an environment ID, or an `atari.Task`.
-        env_type: "gym": `step` returns four values and `reset` one, as in EnvPool with Gym before 0.26; or
-            "gymnasium".
+        env_type: "gym": `step` returns four values and `reset` one, as in EnvPool with Gym before 0.26;
+            "gymnasium"; or "dm", see `make_dm`.
         options: EnvPool's options: num_envs, batch_size, num_threads, thread_affinity_offset, seed, max_episode_steps,
             stack_num, frame_skip, noop_max, episodic_life, reward_clip, use_fire_reset, img_height, img_width, mode,
-            difficulty, full_action_space, repeat_action_probability, gray_scale, gym_reset_return_info.
+            difficulty, full_action_space, repeat_action_probability, gray_scale, gym_reset_return_info, env_seed (a
+            seed for each environment); and render_mode, render_env_id, render_width, render_height, render_camera_id.
 
     Raises:
         TypeError, ValueError: an option does not exist, is of the wrong kind or out of range, or is not supported.
@@ -240,7 +305,37 @@ def make(task_id: GameLike, env_type: str, **options: Any) -> EnvPool:
         return make_gym(task_id, **options)
     if env_type == "gymnasium":
         return make_gymnasium(task_id, **options)
-    raise ValueError(f"env_type must be 'gym' or 'gymnasium', got {env_type!r}")
+    if env_type == "dm":
+        return make_dm(task_id, **options)
+    raise ValueError(f"env_type must be 'gym', 'gymnasium' or 'dm', got {env_type!r}")
+
+
+def make_dm(task_id: GameLike, **options: Any) -> EnvPool:
+    """`make` with env_type="dm": `reset` and `step` return a `dm_env.TimeStep`, see `DMEnvPool`.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: dm-env is not installed.
+        TypeError, ValueError, FileNotFoundError: see `make`.
+
+    Example:
+        >>> import numpy as np
+        >>> import atari.integrations.envpool as envpool
+        >>> envs = envpool.make_dm("Pong-v5", num_envs=2)
+        >>> step = envs.reset()
+        >>> envs.step(np.zeros(2, int)).discount
+        array([1., 1.], dtype=float32)
+    """
+    envs: EnvPool = _made(import_dm().DMEnvPool, task_id, options)
+    return envs
+
+
+def _made(kind: Any, task_id: GameLike, options: dict[str, Any], **form: Any) -> Any:
+    """An `EnvPool` of this class."""
+    render = {name: options.pop(name) for name in _RENDER_OPTIONS if name in options}
+    return kind(make_spec(task_id, **options), **render, **form)
+
+
+_RENDER_OPTIONS = tuple(name for name in inspect.signature(EnvPool).parameters if name.startswith("render"))
 
 
 def make_gym(task_id: GameLike, **options: Any) -> EnvPool:
@@ -255,14 +350,15 @@ def make_gym(task_id: GameLike, **options: Any) -> EnvPool:
         >>> rewards.shape, dones.dtype
         ((2,), dtype('bool'))
     """
-    return _gym_class()(make_spec(task_id, **options), returns_done=True)
+    envs: EnvPool = _made(_gym_class(), task_id, options, returns_done=True)
+    return envs
 
 
 def _gym_class() -> type[EnvPool]:
     """The class of `make_gym`. If `gym` is imported, it is made here, and `pickle` finds it by no name."""
     gym = sys.modules.get("gym")
     if gym is None:
-        return EnvPool
+        return GymnasiumEnvPool
     return type("GymEnvPool", (EnvPool, gym.Env), {"__doc__": EnvPool.__doc__, "__reduce__": _reduced})
 
 
@@ -287,7 +383,8 @@ def make_gymnasium(task_id: GameLike, **options: Any) -> EnvPool:
         >>> rewards.shape
         (2,)
     """
-    return GymnasiumEnvPool(make_spec(task_id, **options), returns_done=False)
+    envs: EnvPool = _made(GymnasiumEnvPool, task_id, options)
+    return envs
 
 
 def list_all_envs() -> list[str]:

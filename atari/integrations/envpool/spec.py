@@ -3,7 +3,7 @@
 import difflib
 import sys
 from collections import namedtuple
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,8 +11,10 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from atari._extras import import_extra, pip_install
 from atari.env_ids import stem
 from atari.games.catalog import playable_ids
+from atari.integrations.envpool.arrays import ArraySpec, action_arrays, state_arrays
 from atari.task import Task
 from atari.task.fields import check_bool
 from atari.task.resolution import GameLike, resolve_for_agent
@@ -28,6 +30,7 @@ _DEFAULTS = {
     "thread_affinity_offset": -1,
     "base_path": "",
     "seed": 42,
+    "env_seed": (),
     "gym_reset_return_info": False,
     "max_episode_steps": 27_000,
     "stack_num": 4,
@@ -57,13 +60,15 @@ _FIELDS = {"frame_skip": "frameskip", "reward_clip": "reward_clipping", **dict(z
 _WITHOUT_EFFECT = {
     "max_num_players": "a game has one player",
     "base_path": "ROM files are searched for by atari.roms",
-    "zero_discount_on_life_loss": "no discount is returned",
     "use_inter_area_resize": "images are resized by areas",
 }
 """EnvPool's options that must have their default, with the reason."""
 
-Config = namedtuple("Config", _DEFAULTS)  # type: ignore[misc]
+Config = namedtuple("Config", _DEFAULTS, defaults=_DEFAULTS.values())  # type: ignore[misc]
 """EnvPool's options with their values."""
+
+_REGISTERED: dict[str, tuple[str, dict[str, Any]]] = {}
+"""The games and options of the tasks that `register` has added."""
 
 
 @dataclass(eq=False)
@@ -71,8 +76,8 @@ class EnvPoolSpec:
     """The options of a task. Scripts may set other attributes, such as `id`.
 
     Attributes:
-        config: every option of EnvPool's with its value; a named tuple.
-        played: the task that these options define.
+        config: every option of EnvPool's with its value; a named tuple, which `gen_config` makes.
+        played: the task that these options define; None takes it from `config`.
 
     Example:
         >>> import atari.integrations.envpool as envpool
@@ -82,9 +87,41 @@ class EnvPoolSpec:
     """
 
     config: Any
-    played: Task
+    played: Task = None  # type: ignore[assignment]  # until __post_init__
 
     reward_threshold = None
+    gen_config = Config
+
+    def __post_init__(self) -> None:
+        if self.played is None:
+            config = self.config._asdict()
+            spec = make_spec(config["task"], **{k: v for k, v in config.items() if v != _DEFAULTS[k] and k != "task"})
+            self.config, self.played = spec.config, spec.played
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.config._asdict().items())})"
+
+    @cached_property
+    def state_array_spec(self) -> dict[str, ArraySpec]:
+        """The arrays that `recv` returns, by EnvPool's names."""
+        return state_arrays(self.gymnasium_observation_space.shape)
+
+    @cached_property
+    def action_array_spec(self) -> dict[str, ArraySpec]:
+        """The arrays that `send` takes, by EnvPool's names."""
+        return action_arrays(len(self.played.action_set))
+
+    def observation_spec(self) -> Any:
+        """The specs of dm_env of one environment's arrays, a named tuple.
+
+        Raises:
+            gymnasium.error.DependencyNotInstalled: dm-env is not installed.
+        """
+        return import_dm().observation_spec(self.state_array_spec)
+
+    def action_spec(self) -> Any:
+        """The spec of dm_env of one environment's action; see `observation_spec`."""
+        return import_dm().as_dm("action", self.action_array_spec["action"])
 
     @cached_property
     def gymnasium_observation_space(self) -> Any:
@@ -133,9 +170,59 @@ class EnvPoolSpec:
         return spaces.Discrete(len(self.played.action_set))
 
 
+def import_dm() -> Any:
+    """The module `atari.integrations.envpool.dm`.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: dm-env is not installed.
+    """
+    return import_extra("atari.integrations.envpool.dm", f"dm_env's interface needs dm-env: {pip_install('dm-env')}")
+
+
 def task_ids() -> dict[str, str]:
     """EnvPool's names of the tasks, each with the ID of its game."""
-    return {f"{stem(game).replace('3D', '3d')}-v5": game for game in playable_ids()}
+    own = {f"{stem(game).replace('3D', '3d')}-v5": game for game in playable_ids()}
+    return {**own, **{name: game for name, (game, _) in _REGISTERED.items()}}
+
+
+def register(
+    task_id: str,
+    import_path: str,
+    spec_cls: str,
+    dm_cls: str,
+    gymnasium_cls: str,
+    aliases: Sequence[str] = (),
+    **kwargs: Any,
+) -> None:
+    """Add a name for an Atari game with other defaults.
+
+    Args:
+        task_id, aliases: the new names.
+        import_path, spec_cls, dm_cls, gymnasium_cls: "envpool.atari" and its classes.
+        kwargs: `task`, the game's name, and EnvPool's options.
+
+    Raises:
+        TypeError, ValueError: a name is taken, the module or a class is another one, or see `make_spec`.
+
+    Example:
+        >>> import atari.integrations.envpool as envpool
+        >>> classes = ("AtariEnvSpec", "AtariDMEnvPool", "AtariGymnasiumEnvPool")
+        >>> envpool.register("ShortPong-v5", "envpool.atari", *classes, task="pong", max_episode_steps=100)
+        >>> envpool.make_spec("ShortPong-v5").config.max_episode_steps
+        100
+    """
+    wanted = ("envpool.atari", "AtariEnvSpec", "AtariDMEnvPool", "AtariGymnasiumEnvPool")
+    given = (import_path.removeprefix("atari.integrations."), spec_cls, dm_cls, gymnasium_cls)
+    if given != wanted:
+        raise ValueError(f"only Atari games can be registered here, with {', '.join(wanted)}; got {', '.join(given)}")
+    names = (task_id, *aliases)
+    if taken := [name for name in names if name in task_ids()]:
+        raise ValueError(f"{taken[0]!r} is taken; choose another name")
+    if "task" not in kwargs:
+        raise TypeError("register() needs task, the name of a game, such as task='pong'")
+    options = {name: value for name, value in kwargs.items() if name != "task"}
+    make_spec(kwargs["task"], **options)  # raises the errors before anything is registered
+    _REGISTERED.update(dict.fromkeys(names, (kwargs["task"], options)))
 
 
 def make_spec(task_id: GameLike, **options: Any) -> EnvPoolSpec:
@@ -157,6 +244,9 @@ def make_spec(task_id: GameLike, **options: Any) -> EnvPoolSpec:
         >>> spec.action_space, spec.observation_space.shape
         (Discrete(6), (4, 84, 84))
     """
+    if isinstance(task_id, str) and task_id in _REGISTERED:
+        task_id, defaults = _REGISTERED[task_id]
+        options = {**defaults, **options}
     for name in options:
         if name not in _DEFAULTS or name == "task":
             near = difflib.get_close_matches(name, _DEFAULTS, n=1)
@@ -170,6 +260,9 @@ def make_spec(task_id: GameLike, **options: Any) -> EnvPoolSpec:
     given["num_envs"] = check_integer("num_envs", given["num_envs"], 1, 1_000_000)
     batch_size = check_integer("batch_size", given["batch_size"] or 0, 0, given["num_envs"])
     given["batch_size"] = batch_size or given["num_envs"]
+    given["env_seed"] = [check_integer("each of env_seed", seed, 0, _MOST) for seed in given["env_seed"]]
+    if len(given["env_seed"]) not in (0, given["num_envs"]):
+        raise ValueError(f"env_seed must have a seed for each of {given['num_envs']} environments")
     given["num_threads"] = check_integer("num_threads", given["num_threads"] or 0, 0, _MOST)
     for name in {"stack_num", "img_height", "img_width"} & options.keys():
         given[name] = check_integer(name, given[name], 1, 10_000)
