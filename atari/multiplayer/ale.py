@@ -269,7 +269,7 @@ def _fill(values: ByteArray, buffer: ByteArray | None) -> ByteArray:
         TypeError, ValueError: the buffer is no uint8 array, or has another size.
     """
     if buffer is None:
-        return values.copy()
+        return np.array(values)
     if not isinstance(buffer, np.ndarray) or buffer.dtype != np.uint8:
         raise TypeError(f"a buffer is a uint8 array, got {getattr(buffer, 'dtype', type(buffer).__name__)}")
     if buffer.size != values.size:

@@ -17,6 +17,7 @@ from env_tools import needs_new_ale_py
 from gymnasium.utils.env_checker import data_equivalence
 from gymnasium.wrappers import AtariPreprocessing
 
+import atari.ale_py
 from atari import Action, AtariEnv
 from atari.cores.ale_interface import AleInterface
 

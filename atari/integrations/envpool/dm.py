@@ -42,7 +42,7 @@ class DMEnvPool(EnvPool, dm_env.Environment):  # type: ignore[misc]
         self._lives = np.zeros(self.num_envs, np.int32)
         self._ended = np.ones(self.num_envs, np.bool_)
 
-    def reset(self, env_id: Any = None) -> Any:
+    def reset(self, env_id: Any = None) -> Any:  # type: ignore[override]
         """Reset all environments, or those in `env_id`; the errors are those of `EnvPool.reset`."""
         return super().reset(env_id)
 

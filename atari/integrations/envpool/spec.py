@@ -87,7 +87,7 @@ class EnvPoolSpec:
     """
 
     config: Any
-    played: Task = None  # type: ignore[assignment]  # until __post_init__
+    played: Any = None  # a Task
 
     reward_threshold = None
     gen_config = Config
