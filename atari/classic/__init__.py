@@ -11,8 +11,10 @@ from atari.classic.core import ActionWrapper, Env, GoalEnv, ObservationWrapper, 
 from atari.classic.envs import make, register, spec
 from atari.classic.scoreboard import upload
 from atari.classic.spaces import Space
+from atari.classic.utils.reraise import reraise
 
 __version__ = version.VERSION
+notice = None  # no newer version was announced
 
 gym_modules.load()
 
@@ -30,7 +32,9 @@ __all__ = [
     "error",
     "logger",
     "make",
+    "notice",
     "register",
+    "reraise",
     "spaces",
     "spec",
     "undo_logger_setup",

@@ -9,10 +9,26 @@ from functools import cached_property
 from types import TracebackType
 from typing import Any
 
+from gymnasium.core import ActType, ObsType, RenderFrame
+
 from atari.classic.env_monitor import EnvMonitor
 from atari.classic.spaces import Space
 from atari.classic.spec import Spec
 from atari.classic.utils import seeding
+
+__all__ = [
+    "ActType",
+    "ActionWrapper",
+    "Env",
+    "GoalEnv",
+    "ObsType",
+    "ObservationWrapper",
+    "RenderFrame",
+    "RewardWrapper",
+    "Space",
+    "Step",
+    "Wrapper",
+]
 
 Step = tuple[Any, Any, bool, dict[str, Any]]
 """The result of `step`: observation, reward, done, info."""

@@ -29,9 +29,8 @@ MODULES: dict[str, dict[str, str]] = {
     },
     "monitoring.stats_recorder": {"stats_recorder": "StatsRecorder"},
     "monitoring.video_recorder": {"video_recorder": "ImageEncoder TextEncoder VideoRecorder touch"},
-    "spaces.graph": {"gymnasium.spaces.graph": "Graph GraphInstance"},
     "spaces.sequence": {"gymnasium.spaces": "Sequence"},
-    "spaces.space": {"spaces": "Space"},
+    "spaces.space": {"spaces": "Space", "spaces.utils": "T_cov=T"},
     "spaces.text": {"gymnasium.spaces.text": "Text alphanumeric"},
     "spaces.tuple_space": {"spaces.tuple": "Tuple"},
     "utils.colorize": {"gymnasium.utils.colorize": "color2num colorize"},
@@ -60,8 +59,9 @@ MODULES: dict[str, dict[str, str]] = {
             "create_tuple_shared_memory=create_shared_memory read_base_from_shared_memory=read_from_shared_memory "
             "read_dict_from_shared_memory=read_from_shared_memory "
             "read_tuple_from_shared_memory=read_from_shared_memory "
-            "write_base_to_shared_memory=write_to_shared_memory write_dict_to_shared_memory=write_to_shared_memory "
-            "write_tuple_to_shared_memory=write_to_shared_memory"
+            "write_base_to_shared_memory=write_to_shared_memory "
+            "write_dict_to_shared_memory=write_several_to_shared_memory "
+            "write_tuple_to_shared_memory=write_several_to_shared_memory"
         )
     },
     "vector.utils.spaces": {

@@ -132,7 +132,7 @@ class MonitorHooks:
         if not self.enabled:
             return
         self.stats_recorder.after_reset(observation)
-        self.reset_video_recorder()
+        self._reset_video_recorder()
         self.episode_id += 1
         self._flush()
 

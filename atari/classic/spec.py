@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 
 @dataclass(frozen=True, repr=False)
@@ -11,6 +11,7 @@ class Spec:
 
     `max_episode_steps` is the time limit, None if there is none. `reward_threshold` is the mean return from which the
     task counts as solved, None if unknown. `nondeterministic` says whether episodes differ despite equal seeds.
+    `order_enforce` has no effect: a step before the first reset is always an error.
     """
 
     id: str
@@ -18,7 +19,30 @@ class Spec:
     reward_threshold: float | None = None
     nondeterministic: bool = False
     max_episode_steps: int | None = None
+    order_enforce: bool = True
     kwargs: dict[str, Any] = field(default_factory=dict, compare=False)
+
+    autoreset: ClassVar[bool] = False
+    """The fields of Gym 0.26 and 0.7 that no environment here has."""
+    apply_api_compatibility: ClassVar[bool] = False
+    disable_env_checker: ClassVar[bool] = False
+    max_episode_seconds: ClassVar[float | None] = None
+    trials: ClassVar[int] = 100
+
+    @property
+    def namespace(self) -> str | None:
+        """The part of the ID before a slash; None if there is none."""
+        return self.id.rpartition("/")[0] or None
+
+    @property
+    def name(self) -> str:
+        """The ID without namespace and version."""
+        return self.id.rpartition("/")[2].rpartition("-v")[0]
+
+    @property
+    def version(self) -> int:
+        """The number after "-v"."""
+        return int(self.id.rpartition("-v")[2])
 
     @property
     def timestep_limit(self) -> int | None:

@@ -88,6 +88,7 @@ class VideoRecorder:
             **(metadata or {}),
             "content_type": "video/vnd.openai.ansivid" if self.ansi_mode else "video/mp4",
         }
+        self.render_history: list[Any] = []  # the frames between two steps, of which this interface renders none
         self._closed = False
 
     @property

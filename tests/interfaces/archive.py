@@ -7,7 +7,9 @@ from pathlib import Path
 from interfaces.facts import Fact, of_arguments, plain
 
 _TESTS = ("test_", "tests")
-_PROTOCOLS = frozenset({"__del__", "__exit__", "__getattr__", "__new__", "__post_init__", "__repr__", "__setstate__"})
+_PROTOCOLS = frozenset(
+    {"__del__", "__exit__", "__getattr__", "__new__", "__post_init__", "__repr__", "__setstate__", "__unicode__"}
+)
 """Methods that Python calls; no script calls them by name or needs their signature."""
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef

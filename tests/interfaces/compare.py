@@ -61,9 +61,19 @@ class Ours:
                     raise
                 continue
             for part in parts[size:]:
-                found = getattr(found, part)
+                found = _member(found, part)
             return found
         raise ImportError(path)
+
+
+def _member(owner: Any, name: str) -> Any:
+    """The attribute of an object; of an adapter's class also that of the class which it adapts."""
+    try:
+        return getattr(owner, name)
+    except AttributeError:
+        if not inspect.isclass(getattr(owner, "original", None)):
+            raise
+    return getattr(owner.original, name)
 
 
 def compare(facts: Mapping[Fact, tuple[str, ...]], ours: Ours) -> list[Difference]:
@@ -115,6 +125,8 @@ def check(fact: Fact, ours: Ours) -> str | None:
         return _check_base(fact, found, ours)
     if fact.kind == "member":
         return None if not fact.text or int(found) == int(fact.text) else f"{int(found)}, not {fact.text}"
+    if last.startswith("__") and last not in ("__init__", "__call__"):
+        return None  # Python calls it, by position
     if fact.kind in ("function", "method") and fact.text:
         return _check_signature(fact, found, last, ours.path(owner))
     return None
@@ -154,6 +166,8 @@ def _static(owner: str, name: str) -> Any:
 
 def accepts(theirs: inspect.Signature, ours: inspect.Signature) -> str | None:
     """Which call of their signature ours does not accept, or what it means instead; None if there is none."""
+    if all(each.kind in (_KIND.VAR_POSITIONAL, _KIND.VAR_KEYWORD) for each in theirs.parameters.values()):
+        return None  # (*args, **kwargs) says nothing of the calls
     own = dict(ours.parameters)
     by_position = [each for each in own.values() if each.kind in (_KIND.POSITIONAL_ONLY, _KIND.POSITIONAL_OR_KEYWORD)]
     any_position = any(each.kind is _KIND.VAR_POSITIONAL for each in own.values())
@@ -213,15 +227,20 @@ def set_on_self(kind: type) -> frozenset[str]:
 
 @cache
 def calls_on_self(kind: type) -> frozenset[str]:
-    """The methods that the methods of one of our classes call on `self`; `self._call("step")` calls `_step`."""
+    """The methods that the methods of one of our classes call on `self`, or hand on for a call.
+
+    `self._call("step")` calls `_step`.
+    """
     names = set()
     for tree in _sources(kind):
         for each in ast.walk(tree):
-            if isinstance(each, ast.Call) and isinstance(each.func, ast.Attribute) and _is_self(each.func.value):
-                names.add(each.func.attr)
-                if each.func.attr == "_call" and each.args and isinstance(each.args[0], ast.Constant):
-                    names |= {str(each.args[0].value), f"_{each.args[0].value}"}
-    return frozenset(names)
+            if isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Load) and _is_self(each.value):
+                names.add(each.attr)
+            if isinstance(each, ast.Call) and ast.unparse(each.func) == "self._call":
+                called = ast.literal_eval(each.args[0]) if isinstance(each.args[0], ast.Constant) else ""
+                names |= {called, f"_{called}"}
+    original = getattr(kind, "original", None)  # an adapter's subclass replaces the methods of what is adapted
+    return frozenset(names | (calls_on_self(original) if inspect.isclass(original) else set()))
 
 
 def _is_self(tree: ast.expr) -> bool:

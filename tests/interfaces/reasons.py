@@ -7,7 +7,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 from interfaces.compare import Difference
-from interfaces.facts import Versions
+from interfaces.facts import Fact, Versions
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -19,16 +19,16 @@ FILE = Path(__file__).parent / "data" / "reasons.toml"
 
 @dataclass(frozen=True)
 class Reason:
-    """A reason, and the patterns of the dotted paths that it excuses, with `*` for any text."""
+    """A reason, and the patterns of the paths that it excuses, with `*` for any text."""
 
     peer: str
     reason: str
     names: tuple[str, ...]
 
-    def excuses(self, path: str) -> str | None:
-        """The pattern that a path, or a module or class that it is in, matches."""
-        parts = path.split(".")
-        paths = [".".join(parts[:size]) for size in range(1, len(parts) + 1)]
+    def excuses(self, fact: Fact) -> str | None:
+        """The pattern that the path of a fact, or its module or a package of it, matches."""
+        parts = fact.module.split(".")
+        paths = [fact.path, *(".".join(parts[:size]) for size in range(1, len(parts) + 1))]
         return next((name for name in self.names if any(fnmatchcase(each, name) for each in paths)), None)
 
 
@@ -79,7 +79,7 @@ def tabulate(differences: Iterable[Difference], allowed: Iterable[Reason], facts
     used: set[str] = set()
     wrong = []
     for each in differences:
-        found = next(((reason, name) for reason in allowed if (name := reason.excuses(each.fact.path))), None)
+        found = next(((reason, name) for reason in allowed if (name := reason.excuses(each.fact))), None)
         if found is None:
             by_reason.setdefault(None, []).append(each)
             continue

@@ -4,15 +4,24 @@ Only Gymnasium's registry has entries, so both interfaces can make each register
 fields of Gym's specs; each lookup derives it from Gymnasium's spec, with Gym's limits for Atari games.
 """
 
+import contextlib
 import copy
 import dataclasses
+import inspect
 import re
 from collections.abc import Callable, Iterator, MutableMapping, ValuesView
+from importlib import metadata
 from typing import Any
 
 import gymnasium
+from gymnasium.envs import registration as _registration
 from gymnasium.envs.registration import EnvSpec as ModernSpec
-from gymnasium.envs.registration import load_env_creator
+from gymnasium.envs.registration import (
+    find_highest_version,
+    get_env_id,
+    load_env_creator,
+    namespace,
+)
 
 from atari.classic import history, lookup
 from atari.classic.adapter import Adapter, adapt, quiet_options
@@ -21,9 +30,31 @@ from atari.classic.core import Env
 from atari.classic.envs.atari.atari_env import modern_options, old_options
 from atari.classic.modern import EntryPoint
 from atari.classic.spec import Spec
+from atari.classic.wrappers.rendering import AutoResetWrapper
 from atari.classic.wrappers.time_limit import TimeLimit
 
+__all__ = [
+    "ENV_ID_RE",
+    "EnvRegistry",
+    "EnvSpec",
+    "EnvSpecs",
+    "env_id_re",
+    "find_highest_version",
+    "get_env_id",
+    "load",
+    "load_env_plugins",
+    "make",
+    "namespace",
+    "parse_env_id",
+    "register",
+    "registry",
+    "spec",
+]
+
 _ID = re.compile(r"(?:[\w-]+/)?[\w:.-]+-v(\d+)")
+ENV_ID_RE = _registration.ENV_ID_RE
+env_id_re = re.compile(r"^(?:[\w:-]+\/)?([\w:.-]+)-v(\d+)$")
+"""The form of an ID, whose first group is the name and whose second is the version."""
 
 
 class EnvSpec(Spec):
@@ -77,13 +108,19 @@ class EnvRegistry:
         """Every `EnvSpec`."""
         return dict(self.env_specs).values()
 
-    def spec(self, id: str) -> EnvSpec:
+    def spec(self, path: str) -> EnvSpec:
         """See `spec`."""
-        return spec(id)
+        return spec(path)
 
-    def make(self, id: str, **options: Any) -> Env:
+    def make(self, path: str, **kwargs: Any) -> Env:
         """See `make`."""
-        return make(id, **options)
+        return self.spec(path).make(**kwargs)
+
+    @contextlib.contextmanager
+    def namespace(self, ns: str) -> Iterator[None]:
+        """IDs registered inside have this namespace."""
+        with namespace(ns):
+            yield
 
     def register(self, id: str, **options: Any) -> None:
         """See `register`."""
@@ -92,7 +129,7 @@ class EnvRegistry:
 
 registry = EnvRegistry()
 
-_WITHOUT_EFFECT = ("trials", "local_only", "order_enforce")
+_WITHOUT_EFFECT = ("trials", "local_only", "max_episode_seconds")
 """Old options of `register` that changed no environment of Gym's own, or only its checks."""
 
 
@@ -102,8 +139,12 @@ def register(
     reward_threshold: float | None = None,
     nondeterministic: bool = False,
     max_episode_steps: int | None = None,
-    kwargs: dict[str, Any] | None = None,
+    order_enforce: bool = True,
+    autoreset: bool = False,
+    disable_env_checker: bool = False,
+    apply_api_compatibility: bool = False,
     *,
+    kwargs: dict[str, Any] | None = None,
     timestep_limit: int | None = None,
     tags: dict[str, Any] | None = None,
     **others: Any,
@@ -116,10 +157,14 @@ def register(
         reward_threshold: the mean return from which the task counts as solved.
         nondeterministic: whether its episodes differ despite equal seeds.
         max_episode_steps: the time limit; `timestep_limit` and the tag of 2016 mean the same.
+        order_enforce: has no effect: a step before the first reset is always an error.
+        autoreset: False; put `AutoResetWrapper` around the environment instead.
+        disable_env_checker: has no effect: common mistakes are always errors.
+        apply_api_compatibility: has no effect: environments of both interfaces are recognised.
         kwargs: arguments of the class; arguments of `make` override them.
         timestep_limit: see `max_episode_steps`.
         tags: only the time limit among them is used.
-        **others: `trials`, `local_only` and `order_enforce`, which have no effect.
+        **others: `trials`, `local_only` and `max_episode_seconds`, which have no effect.
 
     Raises:
         gymnasium.error.Error: the ID is malformed, or taken by another environment.
@@ -141,6 +186,13 @@ def register(
         >>> env.reset(), env.step(1)
         (0, (1, 0.0, False, {}))
     """
+    if autoreset:
+        raise gymnasium.error.Error(
+            "register() has no autoreset=True; put gym.wrappers.AutoResetWrapper around the environment, or make it by "
+            "gym.make(id, autoreset=True)"
+        )
+    if max_episode_steps is not None and not isinstance(order_enforce, bool):
+        raise TypeError(f"the arguments of the class are given as kwargs={order_enforce!r}")
     for name in others:
         if name not in _WITHOUT_EFFECT:
             raise TypeError(f"register() has no option {name!r}; options of the class go into kwargs={{{name!r}: ...}}")
@@ -157,7 +209,9 @@ def register(
             f"or first `del gym.envs.registry.env_specs[{id!r}]`"
         )
     limit = max_episode_steps or timestep_limit or (tags or {}).get("wrapper_config.TimeLimit.max_episode_steps")
-    registry.env_specs[id] = EnvSpec(id, entry_point, reward_threshold, nondeterministic, limit, dict(kwargs or {}))
+    registry.env_specs[id] = EnvSpec(
+        id, entry_point, reward_threshold, nondeterministic, limit, order_enforce, dict(kwargs or {})
+    )
 
 
 def spec(id: str) -> EnvSpec:
@@ -180,11 +234,22 @@ def load(name: str) -> Callable[..., Any]:
     return EntryPoint(name).load()
 
 
-def make(id: str, **options: Any) -> Env:
+def make(
+    id: str,
+    max_episode_steps: int | None = None,
+    autoreset: bool = False,
+    apply_api_compatibility: bool | None = None,
+    disable_env_checker: bool | None = None,
+    **options: Any,
+) -> Env:
     """Make an environment with the old interface.
 
     Args:
         id: an ID, which may name a module to import first: "my_module:Corridor-v0".
+        max_episode_steps: the time limit; None means that of the spec.
+        autoreset: begin new episodes by itself, see `AutoResetWrapper`.
+        apply_api_compatibility: has no effect: environments of both interfaces are recognised.
+        disable_env_checker: has no effect: common mistakes are always errors.
         **options: arguments of the environment.
 
     Raises:
@@ -201,7 +266,15 @@ def make(id: str, **options: Any) -> Env:
         (210, 160, 3)
     """
     chosen = spec(id)
-    chosen = dataclasses.replace(chosen, kwargs={**chosen.kwargs, **options})
+    creator = gymnasium.registry[chosen.id].entry_point
+    if (
+        max_episode_steps is not None
+        and isinstance(creator, EntryPoint)
+        and _takes(creator.load(), "max_episode_steps")
+    ):
+        options["max_episode_steps"], max_episode_steps = max_episode_steps, None
+    limit = chosen.max_episode_steps if max_episode_steps is None else max_episode_steps
+    chosen = dataclasses.replace(chosen, kwargs={**chosen.kwargs, **options}, max_episode_steps=limit)
     modern = copy.copy(gymnasium.registry[chosen.id])
     entry_point = modern.entry_point
     env: Env | gymnasium.Env[Any, Any]
@@ -215,7 +288,44 @@ def make(id: str, **options: Any) -> Env:
         env = adapt(env)
     classic = env if isinstance(env, Adapter) else Checked(env)
     classic.unwrapped.spec = classic.spec = chosen
-    return classic if chosen.max_episode_steps is None else TimeLimit(classic, chosen.max_episode_steps)
+    limited = classic if limit is None else TimeLimit(classic, limit)
+    return AutoResetWrapper(limited) if autoreset else limited
+
+
+def parse_env_id(id: str) -> tuple[str | None, str, int | None]:
+    """The namespace, name and version of an ID; None for a part that it lacks.
+
+    Raises:
+        gymnasium.error.Error: it is malformed.
+
+    Example:
+        >>> from atari.classic.envs.registration import parse_env_id
+        >>> parse_env_id("ALE/Pong-v5")
+        ('ALE', 'Pong', 5)
+    """
+    return _registration.parse_env_id(id)
+
+
+def load_env_plugins(entry_point: str = "gym.envs") -> None:
+    """Call the functions that installed packages offer under `entry_point`; each registers environments.
+
+    The name of an offer is the namespace of its IDs, except "__root__" and "__internal__", which have none.
+    """
+    for plugin in metadata.entry_points(group=entry_point):
+        space = contextlib.nullcontext() if plugin.name.startswith("__") else namespace(plugin.name)
+        with space:
+            plugin.load()()
+
+
+def __getattr__(name: str) -> Any:
+    if name == "current_namespace":  # it changes inside `namespace`
+        return _registration.current_namespace
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def _takes(creator: Callable[..., Any], name: str) -> bool:
+    """Whether a class or function has a parameter of this name."""
+    return name in inspect.signature(creator).parameters
 
 
 def _import_path(entry_point: Any) -> str:
@@ -247,7 +357,7 @@ def _classic_spec(modern: ModernSpec) -> EnvSpec:
         modern.reward_threshold,
         changes.nondeterministic or modern.nondeterministic,
         changes.max_episode_steps or modern.max_episode_steps,
-        old_options(modern.kwargs) if history.is_atari(modern) else dict(modern.kwargs),
+        kwargs=old_options(modern.kwargs) if history.is_atari(modern) else dict(modern.kwargs),
     )
 
 

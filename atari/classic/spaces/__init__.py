@@ -4,7 +4,7 @@ They are subclasses of Gymnasium's, with Gym's constructors and texts, so that G
 accept them.
 """
 
-from gymnasium.spaces import Graph, GraphInstance, Sequence, Space, Text
+from gymnasium.spaces import Sequence, Space, Text
 
 from atari.classic.spaces import dict as dict_space
 from atari.classic.spaces import prng, utils
@@ -13,6 +13,7 @@ from atari.classic.spaces.box import Box
 from atari.classic.spaces.convert import from_gymnasium
 from atari.classic.spaces.dict import Dict
 from atari.classic.spaces.discrete import Discrete
+from atari.classic.spaces.graph import Graph, GraphInstance
 from atari.classic.spaces.multi_binary import MultiBinary
 from atari.classic.spaces.multi_discrete import MultiDiscrete
 from atari.classic.spaces.prng import seed

@@ -1,11 +1,14 @@
 """`Box`: arrays between bounds."""
 
-from typing import Any
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
+from gymnasium.spaces.box import is_float_integer
 
 from atari.classic.spaces.prng import Shared
+
+__all__ = ["Box", "get_inf", "get_precision", "is_float_integer"]
 
 
 class Box(Shared, gymnasium.spaces.Box):
@@ -36,3 +39,24 @@ class Box(Shared, gymnasium.spaces.Box):
 def _bound(bound: Any, dtype: np.dtype[Any]) -> Any:
     """Bounds of the dtype of the box: scripts give float64, and Gymnasium would warn of the rounding."""
     return np.asarray(bound, dtype) if np.ndim(bound) else bound
+
+
+def get_inf(dtype: Any, sign: Literal["+", "-"]) -> Any:
+    """A number of a dtype that stands for infinity: of integers, the last but two.
+
+    Raises:
+        ValueError: the dtype has neither floats nor integers with a sign, or `sign` is neither "+" nor "-".
+    """
+    kind = np.dtype(dtype).kind
+    if kind not in "fi" or sign not in ("+", "-"):
+        raise ValueError(
+            f"infinity has the dtype of floats or of integers, and the sign '+' or '-', got {dtype} and {sign}"
+        )
+    if kind == "f":
+        return np.inf if sign == "+" else -np.inf
+    return np.iinfo(dtype).max - 2 if sign == "+" else np.iinfo(dtype).min + 2
+
+
+def get_precision(dtype: Any) -> Any:
+    """The number of decimal digits of a dtype of floats; infinity for integers."""
+    return np.finfo(dtype).precision if np.issubdtype(dtype, np.floating) else np.inf

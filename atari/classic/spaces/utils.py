@@ -4,11 +4,11 @@ from typing import Any
 
 import gymnasium.spaces.utils as _modern
 from gymnasium.spaces import Space
-from gymnasium.spaces.utils import flatdim, flatten, unflatten
+from gymnasium.spaces.utils import FlatType, T, flatdim, flatten, unflatten
 
 from atari.classic.spaces.convert import from_gymnasium
 
-__all__ = ["flatdim", "flatten", "flatten_space", "unflatten"]
+__all__ = ["FlatType", "T", "flatdim", "flatten", "flatten_space", "unflatten"]
 
 
 def flatten_space(space: Space[Any]) -> Space[Any]:

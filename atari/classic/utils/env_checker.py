@@ -2,15 +2,26 @@
 
 from typing import Any
 
+import gymnasium
+from gymnasium.utils import env_checker as _modern
 from gymnasium.utils.env_checker import check_env as _check_modern
-from gymnasium.utils.env_checker import data_equivalence
+from gymnasium.utils.env_checker import check_space_limit, data_equivalence
 
 from atari.classic import logger
 from atari.classic.core import Env
 from atari.classic.modern import Modern
 from atari.classic.spaces import Box
 
-__all__ = ["check_env", "data_equivalence"]
+__all__ = [
+    "check_env",
+    "check_reset_options",
+    "check_reset_return_info_deprecation",
+    "check_reset_return_type",
+    "check_reset_seed",
+    "check_seed_deprecation",
+    "check_space_limit",
+    "data_equivalence",
+]
 
 
 def check_env(env: Env, warn: bool = True, skip_render_check: bool = True) -> None:
@@ -53,3 +64,33 @@ def _check_results(modern: Any) -> None:
         observation, _, terminated, truncated, _ = modern.step(modern.action_space.sample())
         if terminated or truncated:
             observation, _ = modern.reset()
+
+
+def check_reset_seed(env: Any) -> None:
+    """Check that equal seeds give equal episodes."""
+    _modern.check_reset_seed_determinism(_as_modern(env))
+
+
+def check_reset_options(env: Any) -> None:
+    """Check that `reset` takes options, for an environment of Gymnasium's interface."""
+    _modern.check_reset_options(_as_modern(env))
+
+
+def check_reset_return_info_deprecation(env: Any) -> None:
+    """Check that `reset` has no argument `return_info`, which only Gym 0.22 to 0.25 had."""
+    _modern.check_reset_return_info_deprecation(_as_modern(env))
+
+
+def check_reset_return_type(env: Any) -> None:
+    """Check what `reset` returns."""
+    _modern.check_reset_return_type(_as_modern(env))
+
+
+def check_seed_deprecation(env: Any) -> None:
+    """Warn if an environment of Gymnasium's interface has a method `seed`; in this interface it is right."""
+    if isinstance(env, gymnasium.Env):
+        _modern.check_seed_deprecation(env)
+
+
+def _as_modern(env: Any) -> Any:
+    return env if isinstance(env, gymnasium.Env) else Modern(env)

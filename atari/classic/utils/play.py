@@ -1,6 +1,7 @@
 """`play`: play an environment by keyboard, through Gymnasium's `play` (extra `play`)."""
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import gymnasium
@@ -59,3 +60,30 @@ def play(
         noop=keys.pop((), 0),
         keys_to_action=keys,
     )
+
+
+def __getattr__(name: str) -> Any:
+    """`PlayPlot`, `PlayableGame`, `MissingKeysToAction` and `display_arr`, which need pygame."""
+    if name not in ("MissingKeysToAction", "PlayPlot", "PlayableGame", "display_arr"):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    import gymnasium.utils.play as gymnasium_play
+
+    return _play_plot(gymnasium_play.PlayPlot) if name == "PlayPlot" else getattr(gymnasium_play, name)
+
+
+@cache
+def _play_plot(modern: type[Any]) -> type[Any]:
+    class PlayPlot(modern):  # type: ignore[misc]
+        """Plots what `callback(obs_t, obs_tp1, action, rew, done, info)` returns at each step of `play`."""
+
+        def __init__(self, callback: Callback, horizon_timesteps: int, plot_names: list[str]) -> None:
+            def of_five_values(*arguments: Any) -> Any:
+                *before, terminated, truncated, info = arguments
+                return callback(*before, terminated or truncated, info)
+
+            super().__init__(of_five_values, horizon_timesteps, plot_names)
+
+        def callback(self, obs_t: Any, obs_tp1: Any, action: Any, rew: Any, done: bool, info: dict[str, Any]) -> None:
+            super().callback(obs_t, obs_tp1, action, rew, done, False, info)
+
+    return PlayPlot

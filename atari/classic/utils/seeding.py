@@ -12,6 +12,9 @@ import numpy as np
 
 _BYTES = 8
 
+RNG = RandomNumberGenerator = np.random.Generator
+"""The names of a generator in Gym 0.26; `np_random` returns a `RandomState` here, as before."""
+
 
 def np_random(seed: int | None = None) -> tuple[np.random.RandomState, int]:
     """A generator and its seed; None chooses a random seed.

@@ -105,6 +105,23 @@ class VectorEnv(Env):
     def close_extras(self, **kwargs: Any) -> None:
         """Close the environments."""
 
+    def _add_info(self, infos: dict[str, Any], info: dict[str, Any], env_num: int) -> dict[str, Any]:
+        """Add the info of an environment to a dictionary of arrays, with masks under names with an underscore.
+
+        Vectors here have a list of infos. A subclass may call this to have one dictionary, as in Gym 0.26.
+        """
+        for key, value in info.items():
+            if key not in infos:
+                infos[key], infos[f"_{key}"] = self._init_info_arrays(type(value))
+            infos[key][env_num], infos[f"_{key}"][env_num] = value, True
+        return infos
+
+    def _init_info_arrays(self, dtype: type) -> tuple[Any, Any]:
+        """An array for the values of all environments, of the dtype of numbers or else of objects, and its mask."""
+        is_number = dtype in (int, float, bool) or issubclass(dtype, np.number)
+        values = np.zeros(self.num_envs, dtype) if is_number else np.full(self.num_envs, None, object)
+        return values, np.zeros(self.num_envs, np.bool_)
+
     def close(self, **kwargs: Any) -> None:
         """Close the environments; later calls do nothing. `kwargs` are arguments of `close_extras`."""
         if self.closed:

@@ -127,6 +127,14 @@ class EnvCompatibility(Modern):
         """Seed the environment, if `seed` is given, and start a new episode. `options` are ignored."""
         return super().reset(seed=seed, options=options)
 
+    def render(self) -> Any:
+        """What the environment's `render` returns for this mode."""
+        return self._render()
+
+    def _show(self) -> None:
+        if self.render_mode == "human":
+            self.render()
+
 
 class VectorListInfo(Wrapper):
     """The infos of a vector are a list with a dictionary for each environment.

@@ -98,6 +98,7 @@ class PixelObservationWrapper(ObservationWrapper):
             raise TypeError(f"PixelObservationWrapper adds to the observations of a Box or Dict space, got {space}")
         self._env = env
         self._pixels_only = pixels_only
+        self.render_history: list[Any] = []  # the frames between two steps, of which this interface renders none
         self._pixel_keys = tuple(pixel_keys)
         self._observation_is_dict = isinstance(space, gymnasium.spaces.Dict)
         self._render_kwargs = {

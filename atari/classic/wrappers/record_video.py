@@ -48,7 +48,7 @@ class RecordVideo(Wrapper):
         self.name_prefix = name_prefix
         self.step_id, self.episode_id, self.recorded_frames = 0, 0, 0
         self.is_vector_env: bool = getattr(env, "is_vector_env", False)
-        self.recording = False
+        self.recording = self.terminated = self.truncated = False
         self.video_recorder: VideoRecorder | None = None
 
     def start_video_recorder(self) -> None:
@@ -87,6 +87,8 @@ class RecordVideo(Wrapper):
         result = self.env.step(action)
         done = bool(result[2][0] if self.is_vector_env else result[2])  # of a vector, the first environment counts
         self.step_id += 1
+        limit = False if self.is_vector_env else bool(result[3].get("TimeLimit.truncated", False))
+        self.terminated, self.truncated = done and not limit, done and limit
         self.episode_id += done
         if self.recording:
             assert self.video_recorder is not None

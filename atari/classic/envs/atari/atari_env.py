@@ -7,10 +7,14 @@ import numpy as np
 import numpy.typing as npt
 
 import atari
+from atari.actions import PLAYER_ACTIONS
 from atari.classic.envs.adapted import Adapted
 from atari.classic.envs.atari.old_ale import OldAle
 
 FrameSkip = int | tuple[int, int]
+
+ACTION_MEANING = {int(action): action.name for action in PLAYER_ACTIONS}
+"""The name of each action of the joystick."""
 
 _KEYS = {"UP": "w", "DOWN": "s", "LEFT": "a", "RIGHT": "d", "FIRE": " "}
 
@@ -84,6 +88,25 @@ class AtariEnv(Adapted):
         return self._env.game.id
 
     @property
+    def game_path(self) -> str:
+        """The ROM file.
+
+        Raises:
+            FileNotFoundError: no ROM file of the game was found.
+        """
+        return str(atari.roms.find(self.game))
+
+    @property
+    def game_mode(self) -> int | None:
+        """The mode of the game."""
+        return self._env.task.mode
+
+    @property
+    def game_difficulty(self) -> int | None:
+        """The difficulty of the game."""
+        return self._env.task.difficulty
+
+    @property
     def frameskip(self) -> FrameSkip:
         """Frames a step, or the range in which each step draws it; a script may assign it.
 
@@ -100,8 +123,12 @@ class AtariEnv(Adapted):
         """The action of each combination of keys, which are the sorted numbers of their characters."""
         return {
             tuple(sorted(ord(key) for part, key in _KEYS.items() if part in meaning)): action
-            for action, meaning in enumerate(self._env.get_action_meanings())
+            for action, meaning in enumerate(self.get_action_meanings())
         }
+
+    def get_action_meanings(self) -> list[str]:
+        """The name of each action of the action space."""
+        return self._env.get_action_meanings()
 
     def clone_full_state(self) -> Any:
         """The state of the emulator, with its random generator."""
@@ -111,13 +138,39 @@ class AtariEnv(Adapted):
         """Continue from a state of `clone_full_state`."""
         self._env.restore_state(state)
 
+    def reset(self, **options: Any) -> Any:
+        """Start a new game, and return its first observation."""
+        return self._seen(super().reset(**options))
+
+    def _get_obs(self) -> Any:
+        """The observation. A subclass may replace it, `_get_image` or `_get_ram`."""
+        obs_type = self._env.task.obs_type
+        if obs_type == "ram":
+            return self._get_ram()
+        return self._get_image() if obs_type == "rgb" else self._env.observe()
+
     def _get_image(self) -> npt.NDArray[np.uint8]:
         return self._env.core.screen_rgb()
 
     def _get_ram(self) -> npt.NDArray[np.uint8]:
         return self._env.core.ram()
 
+    def _seen(self, observation: Any) -> Any:
+        """The observation, or what the hooks of a subclass make of it."""
+        kind = type(self)
+        hooks = (kind._get_obs, kind._get_image, kind._get_ram)
+        is_plain = hooks == (AtariEnv._get_obs, AtariEnv._get_image, AtariEnv._get_ram)
+        return observation if is_plain else self._get_obs()
+
+    def _render_as(self, mode: str) -> Any:
+        is_plain = mode != "rgb_array" or type(self)._get_image is AtariEnv._get_image
+        return super()._render_as(mode) if is_plain else self._get_image()
+
     def _play(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        observation, *others = self._play_frames(action)
+        return self._seen(observation), *others  # type: ignore[return-value]
+
+    def _play_frames(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         frames = self._frameskip
         if frames is None:
             return super()._play(action)
@@ -138,3 +191,8 @@ def old_options(options: dict[str, Any]) -> dict[str, Any]:
     """The options of a registered game as Gym's registry had them, which `AtariEnv` takes."""
     names = ("game", "frameskip", "repeat_action_probability", "full_action_space")
     return {"obs_type": options.get("obs_type", "image"), **{name: options[name] for name in names if name in options}}
+
+
+def to_ram(ale: Any) -> npt.NDArray[np.uint8]:
+    """The RAM of an emulator, (128,) uint8."""
+    return np.array(ale.getRAM(), np.uint8)

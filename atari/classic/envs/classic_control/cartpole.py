@@ -23,3 +23,12 @@ class CartPoleEnv(Adapted):
 
     def __init__(self) -> None:
         super().__init__()
+
+    @property
+    def steps_beyond_done(self) -> int | None:
+        """The steps after the end of the episode; None before it. A script may assign it."""
+        return self.modern.unwrapped.steps_beyond_terminated  # type: ignore[attr-defined, no-any-return]
+
+    @steps_beyond_done.setter
+    def steps_beyond_done(self, steps: int | None) -> None:
+        self.modern.unwrapped.steps_beyond_terminated = steps  # type: ignore[attr-defined]

@@ -1,7 +1,10 @@
 """`CliffWalkingEnv`: walk along a cliff (Sutton and Barto, example 6.6)."""
 
+from typing import Any
+
+import numpy as np
 from gymnasium.envs import toy_text
-from gymnasium.envs.toy_text.cliffwalking import DOWN, LEFT, RIGHT, UP
+from gymnasium.envs.toy_text.cliffwalking import DOWN, LEFT, POSITION_MAPPING, RIGHT, UP
 
 from atari.classic.envs.toy_text.adapted import ToyText
 
@@ -12,6 +15,22 @@ class CliffWalkingEnv(ToyText):
     """Gymnasium's environment with the old interface."""
 
     original = toy_text.CliffWalkingEnv
+    cliff_img = elf_images = mountain_bg_img = near_cliff_img = tree_img = (
+        None  # Gym's pictures; Gymnasium draws others
+    )
 
     def __init__(self) -> None:
         super().__init__()
+        if type(self)._calculate_transition_prob is CliffWalkingEnv._calculate_transition_prob:
+            return
+        for state in range(self.nS):  # a subclass has other transitions
+            place = np.array(np.unravel_index(state, self.shape))
+            self.P[state] = {
+                action: self._calculate_transition_prob(place, list(delta))
+                for action, delta in POSITION_MAPPING.items()
+            }
+
+    def _calculate_transition_prob(self, current: Any, delta: Any) -> Any:
+        """The transitions from (row, column) by a change of them; a subclass may replace it."""
+        (move,) = (each for each, change in POSITION_MAPPING.items() if list(change) == list(delta))
+        return self.original._calculate_transition_prob(self.modern.unwrapped, current, move)

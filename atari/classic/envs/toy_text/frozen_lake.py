@@ -26,6 +26,7 @@ class FrozenLakeEnv(ToyText):
     """
 
     original = toy_text.FrozenLakeEnv
+    cracked_hole_img = elf_images = goal_img = start_img = None  # Gym's pictures; Gymnasium draws others
 
     def __init__(
         self, desc: Sequence[str] | None = None, map_name: str | None = "4x4", is_slippery: bool = True

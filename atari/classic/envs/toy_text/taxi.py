@@ -12,6 +12,7 @@ class TaxiEnv(ToyText):
     """Gymnasium's environment with the old interface."""
 
     original = toy_text.TaxiEnv
+    median_horiz = median_vert = None  # Gym's pictures; Gymnasium draws others
 
     def __init__(self) -> None:
         super().__init__()

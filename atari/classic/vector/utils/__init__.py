@@ -36,6 +36,7 @@ __all__ = [
     "create_shared_memory",
     "iterate",
     "read_from_shared_memory",
+    "write_several_to_shared_memory",
     "write_to_shared_memory",
 ]
 
@@ -83,3 +84,8 @@ def write_to_shared_memory(index: int, value: Any, shared_memory: Any, space: Sp
     if isinstance(index, Space):  # (space, index, value, shared_memory), as in 0.26
         index, value, shared_memory, space = value, shared_memory, space, index  # type: ignore[unreachable]
     _modern.write_to_shared_memory(space, index, value, shared_memory)
+
+
+def write_several_to_shared_memory(index: int, values: Any, shared_memory: Any, space: Space[Any]) -> None:
+    """Write an element of a Dict or Tuple space, see `write_to_shared_memory`."""
+    write_to_shared_memory(index, values, shared_memory, space)
