@@ -5,6 +5,8 @@
 `atari.roms` finds the ROM files.
 """
 
+from atari import _start  # isort: skip # noqa: F401 - before the other imports, which take a second
+
 from importlib import import_module
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -14,6 +16,7 @@ if find_spec("atari._emulator") is None:  # the source folder, which Python find
 
 from atari import algorithmic, cores
 from atari._renamed import missing
+from atari._variables import check as check_variables
 from atari._version import __version__ as __version__
 from atari.actions import Action
 from atari.algorithmic.registration import register_all as register_algorithmic
@@ -58,6 +61,7 @@ __all__ = [
 _LATER = ("classic", "integrations", "lab", "learning", "multiplayer", "recording", "roms", "testing", "wrappers")
 """Packages that are imported when they are first used, to keep `import atari` quick."""
 
+check_variables()
 register_all()
 register_algorithmic()
 

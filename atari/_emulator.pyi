@@ -25,7 +25,9 @@ class Game:
         """The bank switching, given or recognised, such as "F8"."""
 
 def simd_level() -> str:
-    """The level of SIMD instructions that is used."""
+    """
+    The level of SIMD instructions that is used. Raises ValueError if the environment variable ATARI_SIMD is wrong.
+    """
 
 def make_game(
     *,

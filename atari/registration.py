@@ -1,6 +1,5 @@
 """Gymnasium's registry: every environment ID in the history of these games, and games of a user's own."""
 
-import os
 from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path
@@ -9,6 +8,7 @@ import ale_py  # noqa: F401 - its import registers its IDs, which ours must repl
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
+from atari._variables import value
 from atari.cores import NativeCore
 from atari.env_ids import FAMILIES, MAX_FRAMES, MODULE_PREFIX, Family, ids, not_found, stem
 from atari.games.catalog import games
@@ -27,13 +27,8 @@ def register_all() -> None:
     Raises:
         ValueError: `ATARI_REGISTER` has another value.
     """
-    choice = os.environ.get("ATARI_REGISTER", "all") or "all"
-    if choice not in ("all", "own"):
-        raise ValueError(
-            "the environment variable ATARI_REGISTER must be 'all' (replace ale-py's IDs) or 'own' (keep them), "
-            f"got {choice!r}"
-        )
-    register_ids(env_id for env_id in ids() if choice == "all" or env_id not in gymnasium.registry)
+    own = value("ATARI_REGISTER") == "own"
+    register_ids(env_id for env_id in ids() if not own or env_id not in gymnasium.registry)
 
 
 def register_ids(env_ids: Iterable[str]) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms.image import md5, read_image
-from atari.roms.locations import lookup
+from atari.roms.locations import lookup_each
 
 # Shorter sequences occur in several games by chance, or are the zeros at the start of many games.
 _SHORTEST_PIECE = 64
@@ -76,8 +76,8 @@ def _games_by_md5() -> dict[str, Game]:
 
 def known_images() -> dict[str, bytes]:
     """The images of all games with a file in the searched folders, by game id."""
-    files = {game.id: lookup(game) for game in games.values()}
-    return {game_id: read_image(file) for game_id, file in files.items() if file}
+    known = [*games.values()]
+    return {game.id: read_image(file) for game, file in zip(known, lookup_each(known), strict=True) if file}
 
 
 def recognise(name: str, image: bytes, known: Mapping[str, bytes]) -> Identification:

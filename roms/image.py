@@ -5,6 +5,7 @@ An archive is recognised by its first bytes, and refused with what to do.
 """
 
 import hashlib
+import os
 import tarfile
 import zlib
 from contextlib import suppress
@@ -47,14 +48,21 @@ def read_start(file: Path) -> bytes:
 
     Raises:
         FileNotFoundError, IsADirectoryError, PermissionError: the file cannot be read.
-        ValueError: the file is no regular file.
+        ValueError: the file is no regular file, or is one of the kernel that would block.
     """
     check_file(file, "give the ROM file in it, or set ATARI_ROMS to the folder")
     try:
-        with file.open("rb") as stream:
-            return stream.read(LIMIT + 1)
+        with open(file, "rb", opener=_open_without_waiting) as stream:
+            data: bytes | None = stream.read(LIMIT + 1)
     except PermissionError:
         raise PermissionError(f"{file} may not be read; give yourself the permission, or another file") from None
+    if data is None:
+        raise ValueError(f"{file} has no content yet, as files of the kernel can; give a regular file")
+    return data
+
+
+def _open_without_waiting(path: str, flags: int) -> int:
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def archive_kind(data: bytes) -> str | None:

@@ -19,6 +19,9 @@ from atari.validation import check_file
 # Unknown files are compared with all known games until their sizes add up to this. A comparison also has a fixed cost.
 _COMPARED, _COMPARED_PER_FILE = 4 << 20, 16 << 10
 
+_MOST_FILES = 200_000
+"""The most files of a folder, with its subfolders, that are read."""
+
 
 @dataclass(frozen=True)
 class ImportReport:
@@ -36,7 +39,8 @@ def import_from(source: str | os.PathLike[str]) -> ImportReport:
     gzip is unpacked. No file in your folder is replaced: a ROM whose usual name is taken gets the start of its MD5 in
     its name. A file that cannot be read, an archive of another kind such as 7z or rar, and a member that is damaged,
     encrypted, a link or has a name that no file could have, is rejected with a message, and the others are imported.
-    The time is bounded by the size of `source`.
+    The time is bounded by the size of `source`: at most 200,000 files are read, and none of file systems without a
+    disk, such as /proc, that are mounted in it.
 
     Returns:
         An object with the files `imported`, and the files `present` before, by game id; and `rejected`, a sentence for
@@ -86,16 +90,37 @@ def _files(source: Path) -> Iterator[Found]:
         yield from _in_file(source, unpacker)
         return
     closed: list[OSError] = []
+    read = 0
     for folder, subfolders, names in os.walk(source, onerror=closed.append):
+        for virtual in [name for name in subfolders if _is_virtual(os.path.join(folder, name))]:
+            subfolders.remove(virtual)
+            place = os.path.join(folder, virtual)
+            yield place, ValueError(f"{place} has files that the system makes up, and was not read")
         subfolders.sort()
         for name in sorted(names):
+            read += 1
+            if read > _MOST_FILES:
+                many = f"{_MOST_FILES:,} files, and the rest was not read; import a folder of ROM files"
+                yield str(source), ValueError(f"{source} has more than {many}")
+                return
             yield from _in_file(Path(folder, name), unpacker)
     for error in closed:
         yield str(error.filename), error
 
 
+def _is_virtual(folder: str) -> bool:
+    """Whether a folder is where a file system without a disk is mounted, such as /proc and /sys."""
+    try:
+        return hasattr(os, "statvfs") and os.path.ismount(folder) and os.statvfs(folder).f_blocks == 0
+    except OSError:
+        return False
+
+
 def _in_file(file: Path, unpacker: Unpacker) -> Iterator[Found]:
     try:
+        if file.is_file() and not file.stat().st_size:  # some files of the kernel block, and none has a size
+            yield str(file), b""
+            return
         data = read_start(file)  # first, because opening a pipe could block for ever
         kind = archive_kind(data) or ("zip" if zipfile.is_zipfile(file) else None)
         if kind not in IMPORTABLE:

@@ -5,19 +5,24 @@ hashed; a hash is cached until the file's size or modification time changes.
 """
 
 import os
+import stat
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from functools import lru_cache
 from importlib.util import find_spec
-from itertools import chain
+from itertools import islice
 from pathlib import Path
 
 from platformdirs import user_data_path
 
+from atari._variables import value
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms.image import LIMIT, md5, read_image
+
+MOST_FILES = 20_000
+"""The most files of a folder that are read in the search for an unusually named ROM: all known dumps are fewer."""
 
 
 def path() -> Path:
@@ -27,7 +32,7 @@ def path() -> Path:
 
 def folders() -> tuple[Path, ...]:
     """The folders to search, in order: the folders in `ATARI_ROMS`, your own, ale-py's. Some may not exist."""
-    named = [entry for entry in os.environ.get("ATARI_ROMS", "").split(os.pathsep) if entry]
+    named = [entry for entry in value("ATARI_ROMS").split(os.pathsep) if entry]
     return (*(Path(os.path.expanduser(entry)).absolute() for entry in named), path(), *_ale_py_folders())
 
 
@@ -39,11 +44,26 @@ def _ale_py_folders() -> Iterator[Path]:
 
 def lookup(game: Game) -> Path | None:
     """The first file in `folders()` with the ROM of this game, or None."""
+    return lookup_each([game])[0]
+
+
+def lookup_each(wanted: Sequence[Game]) -> list[Path | None]:
+    """The first file in `folders()` with the ROM of each game, or None. Each folder is read once for all of them."""
+    found: list[Path | None] = [None] * len(wanted)
     for folder in folders():
-        for file in chain(usual_files(folder, game), _files_with(folder, game.rom.md5)):
-            if holds(file, game):
-                return file
-    return None
+        missing: dict[str, list[int]] = {}
+        for index, game in enumerate(wanted):
+            if found[index] is None:
+                found[index] = next((file for file in usual_files(folder, game) if holds(file, game)), None)
+            if found[index] is None and game.rom.md5:
+                missing.setdefault(game.rom.md5, []).append(index)
+        for file, hash_ in _images_in(folder) if missing else ():
+            if hash_ in missing and holds(file, wanted[missing[hash_][0]]):
+                for index in missing.pop(hash_):
+                    found[index] = file
+                if not missing:
+                    break
+    return found
 
 
 def usual_files(folder: Path, game: Game) -> tuple[Path, Path]:
@@ -59,24 +79,34 @@ def holds(file: Path, game: Game) -> bool:
         return False
 
 
-def _files_with(folder: Path, wanted: str) -> Iterator[Path]:
-    """The files directly in `folder`, hidden ones left out, whose image has this MD5, in the order of their names."""
-    try:
-        with os.scandir(folder) as entries:
-            # A hidden file may be another process's temporary file.
-            files = sorted((entry.path, entry) for entry in entries if not entry.name.startswith("."))
-    except OSError:
-        return
-    for name, entry in files:
+def _images_in(folder: Path) -> Iterator[tuple[Path, str]]:
+    """The first `MOST_FILES` files directly in `folder`, by name, that can be images, with the MD5 of each image."""
+    for entry in islice(_entries(folder), MOST_FILES):
         try:
             facts = entry.stat()
-            if facts.st_size <= LIMIT and _md5_of(name, facts.st_mtime_ns, facts.st_size) == wanted:
-                yield Path(name)
+            # An empty file is no image, and the files of the kernel, of which some block their reader, have no size.
+            if 0 < facts.st_size <= LIMIT and stat.S_ISREG(facts.st_mode):
+                yield Path(entry.path), _md5_of(entry.path, facts.st_mtime_ns, facts.st_size)
         except (OSError, ValueError):
             continue
 
 
-@lru_cache(maxsize=10_000)
+def _entries(folder: Path) -> list["os.DirEntry[str]"]:
+    """The entries of `folder` by name, hidden ones left out: one may be another process's temporary file."""
+    try:
+        with os.scandir(folder) as entries:
+            return sorted((entry for entry in entries if not entry.name.startswith(".")), key=lambda entry: entry.path)
+    except OSError:
+        return []
+
+
+def unread() -> str:
+    """A clause about the folders of which files are not read, because they have too many; "" if there is none."""
+    names = ", ".join(str(folder) for folder in folders() if len(_entries(folder)) > MOST_FILES)
+    return f"only the first {MOST_FILES:,} files of {names} are read; name a folder of ROM files" if names else ""
+
+
+@lru_cache(maxsize=MOST_FILES)
 def _md5_of(name: str, mtime_ns: int, size: int) -> str:
     """The MD5 of the image in a file; the other arguments are keys of the cache."""
     return md5(read_image(Path(name)))

@@ -15,7 +15,7 @@ from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms.identification import identify, known_images, recognise
 from atari.roms.image import md5, read_image
-from atari.roms.locations import folders, holds, lookup, misleads, path, store, stored, usual_files
+from atari.roms.locations import folders, holds, lookup, lookup_each, misleads, path, store, stored, unread, usual_files
 
 ENDINGS = (".bin", ".a26")
 """The usual endings of ROM files."""
@@ -67,6 +67,7 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
             raise FileNotFoundError(
                 f"no ROM file of {known.title} (MD5 {known.rom.md5}) in {places}; "
                 f"set ATARI_ROMS to a folder that has it, or run `atari roms import` on that folder"
+                + "".join(f"; {clause}" for clause in filter(None, [unread()]))
             )
     else:
         file = Path(path).absolute()
@@ -82,8 +83,8 @@ def installed() -> dict[str, Path]:
         >>> "breakout" in atari.roms.installed()
         True
     """
-    files = {game.id: lookup(game) for game in games.values()}
-    return {game_id: file for game_id, file in files.items() if file}
+    known = [*games.values()]
+    return {game.id: file for game, file in zip(known, lookup_each(known), strict=True) if file}
 
 
 @dataclass(frozen=True)
@@ -116,13 +117,12 @@ def verify(game: str | Game | None = None) -> dict[str, Check]:
         >>> atari.roms.verify("breakout")["breakout"].status
         'ok'
     """
-    if isinstance(game, Game):
-        return {game.id: _verify(game)}
-    return {known.id: _verify(known) for known in (games.values() if game is None else [_game(game)])}
+    wanted = [*games.values()] if game is None else [game if isinstance(game, Game) else _game(game)]
+    return {known.id: _verify(known, file) for known, file in zip(wanted, lookup_each(wanted), strict=True)}
 
 
-def _verify(game: Game) -> Check:
-    file = _beside(game) or (lookup(game) if game.rom.md5 else None)
+def _verify(game: Game, found: Path | None) -> Check:
+    file = _beside(game) or found
     note = _passed_over(game, file)
     if file is None:
         return Check(game.id, "wrong" if note else "missing", None, None, None, note)

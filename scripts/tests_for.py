@@ -72,7 +72,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "wrappers/layers.py": ("tests/wrappers/test_layers.py", "tests/vector/test_tasks.py"),
     "atari/sb3.py": ("tests/integrations",),
     "atari/__init__.py": ("tests/test_import.py",),
-    "atari/_interrupt.py": ("tests/learning/test_commands.py", "tests/cli"),
+    "atari/_program.py": ("tests/learning/test_commands.py", "tests/cli"),
     "atari/_sources.py": ("tests/test_import.py",),
     "atari/__main__.py": ("tests/cli/test_main.py",),
     "scripts/agents": ("tests/agents",),

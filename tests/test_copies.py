@@ -9,9 +9,11 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 import site_modules
@@ -111,6 +113,9 @@ REFUSED: Mapping[str, tuple[Callable[[Path], Any], str]] = {
 }
 """By class: a function that makes an object with an open file, and its refusal."""
 
+OPTIONAL = ("atari.integrations.jax", "atari.integrations.ray", "atari.learning", "atari.sb3")
+"""Pages of the reference with modules that need libraries which these tests lack."""
+
 
 def test_every_public_class_is_copied_or_refuses() -> None:
     public = site_modules.load("public")
@@ -122,6 +127,23 @@ def test_every_public_class_is_copied_or_refuses() -> None:
     root = Path(__file__).parent
     for path, file in ELSEWHERE.items():
         assert path.rpartition(".")[2] in (root.parent / file).read_text(encoding="utf-8")
+
+
+def test_every_public_constant_and_function_is_copied() -> None:
+    public = site_modules.load("public")
+    found = {one.path: one for module in public.MODULES for one in public.definitions(module) if one.kind != "class"}
+    copied = 0
+    for path, one in found.items():
+        module, _, name = path.rpartition(".")
+        try:
+            value = getattr(import_module(module), name)
+        except (ImportError, gymnasium.error.DependencyNotInstalled):
+            assert one.page in OPTIONAL, path
+            continue
+        for way, duplicate in WAYS.items():
+            assert duplicate(value) == value, (path, way)
+        copied += 1
+    assert copied > 60
 
 
 @pytest.mark.parametrize("name", [*CASES, *OTHERS])

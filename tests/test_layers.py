@@ -18,7 +18,7 @@ import atari.wrappers
 
 ORDER = """
     algorithmic
-    _version _renamed _extras protocols _sources _interrupt _gymnasium validation files notebook
+    _version _renamed _extras protocols _start _sources _gymnasium validation files notebook _variables _program _progress
     actions games roms _emulator cores
     env_ids task rendering observations
     driver env_state env restorable wrappers
@@ -31,7 +31,7 @@ ORDER = """
 """.split()
 """The parts, from the bottom to the top.
 
-- `algorithmic` imports no other part. `classic` imports the public API and `files` alone, which a test below keeps; it
+- `algorithmic` imports no other part. `classic` imports the public API, `files` and `_program` alone, which a test below keeps; it
   stands before `integrations`, because EnvPool's runner gives old scripts its `gym`.
 - `atari` is the module `atari/__init__.py`; the parts after it are its lazy attributes, or no attributes.
 """
@@ -182,6 +182,7 @@ def own_names(of_part: str) -> set[str]:
 OF_OTHERS = {
     "_SubParsersAction",  # argparse names no public type
     "_asdict",  # a named tuple's, public in spite of its name
+    "_exit",  # of os, public in spite of its name
     "_elapsed_steps",  # of Gymnasium's TimeLimit, which has no other access to its state
     "_getframe",  # of sys
     "_has_reset",  # of Gymnasium's OrderEnforcing
@@ -204,7 +205,7 @@ def test_a_part_uses_no_private_name_of_another(module: str) -> None:
 
 
 def _is_public(module: str, name: str) -> bool:
-    homes = ("atari", "atari.files", "atari.recording", "atari.roms", "atari.wrappers")
+    homes = ("atari", "atari._program", "atari.files", "atari.recording", "atari.roms", "atari.wrappers")
     return module in homes and not _private(name)
 
 

@@ -5,6 +5,8 @@ import sys
 from collections.abc import Callable
 from types import ModuleType, TracebackType
 
+from atari._program import end_imports, run
+
 
 def run_script(program: str, help_text: str, arguments: list[str], prepare: Callable[[], None]) -> int:
     """Run a script and return its exit code.
@@ -16,14 +18,18 @@ def run_script(program: str, help_text: str, arguments: list[str], prepare: Call
         prepare: a function to call before the script runs.
     """
     usage = f"usage: python -m {program} script.py [arguments of the script]"
-    if not arguments or arguments[0] in ("-h", "--help"):
-        print(f"{usage}\n\n{help_text}")
-        return 0 if arguments else 2
-    script = arguments[0]
-    if not os.path.isfile(script):
-        print(f"{program}: there is no script {script!r}; {usage}", file=sys.stderr)
+
+    def explain() -> int:
+        if not arguments or arguments[0] in ("-h", "--help"):
+            print(f"{usage}\n\n{help_text}")
+            return 0 if arguments else 2
+        print(f"{program}: there is no script {arguments[0]!r}; {usage}", file=sys.stderr)
         return 2
+
+    if not arguments or not os.path.isfile(script := arguments[0]):
+        return run(explain)
     prepare()
+    end_imports()
     sys.argv = arguments
     sys.path.insert(0, os.path.dirname(os.path.abspath(script)))  # modules in the script's folder can be imported
     try:

@@ -5,20 +5,14 @@ is 0, 1 for a failure, 2 for a wrong command line, 130 after Ctrl-C.
 """
 
 import argparse
-import contextlib
 import difflib
-import io
-import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
-from typing import TextIO, cast
-
-import gymnasium
 
 import atari
+from atari._program import interruptible, run
 from atari.cli.arguments import Parser
-from atari.cli.printing import Escaping, print_error
 
 _COMMANDS = tuple(
     "list info explain roms verify demo record replay play train watch evaluate collect lab causes completion".split()
@@ -48,22 +42,7 @@ examples:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command line (without the program's name; None is `sys.argv`) and return its exit code."""
-    if isinstance(sys.stdout, io.TextIOWrapper) and sys.stdout.errors == "strict":
-        sys.stdout.reconfigure(errors="backslashreplace")  # a file's name can contain bytes that are no text
-    try:
-        with contextlib.redirect_stdout(cast(TextIO, Escaping(sys.stdout))):
-            code = _run(argv)
-            print(end="", flush=True)  # a closed pipe raises here, not at the interpreter's exit
-    except BrokenPipeError:  # `atari list | head -1`: the reader has closed the pipe
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except KeyboardInterrupt as interrupt:
-        print(" ".join(("atari: interrupted", *map(str, interrupt.args))), file=sys.stderr)
-        return 130
-    except (FloatingPointError, MemoryError, OSError, RuntimeError, ValueError, gymnasium.error.Error) as error:
-        print_error(error)
-        return 1
-    return code
+    return run(lambda: _run(argv))
 
 
 def _run(argv: Sequence[str] | None) -> int:
@@ -78,7 +57,8 @@ def _run(argv: Sequence[str] | None) -> int:
             args.parser.error(f"unrecognized arguments: {' '.join(unknown)}")
     except SystemExit as exit_:  # argparse has printed help, the version or the error
         return int(exit_.code or 0)
-    code: int = args.run(args)
+    with interruptible():
+        code: int = args.run(args)
     return code
 
 

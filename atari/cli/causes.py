@@ -7,8 +7,7 @@ from os import cpu_count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tqdm import tqdm
-
+from atari._progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
 from atari.cli.printing import print_json
 from atari.task.arguments import SCREEN, add_task, seed, show_task, task_of
@@ -51,7 +50,7 @@ def _causes(args: argparse.Namespace) -> int:
     game = task.definition
     args.output.mkdir(parents=True, exist_ok=True)
     start = time.perf_counter()
-    with tqdm(total=args.states, unit=" states", disable=None, leave=False) as bar:
+    with ProgressBar(total=args.states, unit=" states", disable=None, leave=False) as bar:
         found = causes(
             task,
             args.states,

@@ -6,8 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
+from atari._progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, number
 from atari.cli.policies import ALONE, UNCLIPPED, find_played, games_of, replay_of
 from atari.cli.printing import print_json
@@ -87,7 +86,7 @@ def _collect(args: argparse.Namespace) -> int:
         result = _collect_by_workers(args, entry, seeds, options)
     else:
         check_output(args.output, args.format)  # before the games are played
-        with tempfile.TemporaryDirectory() as folder, tqdm(unit=" steps", disable=None) as bar:
+        with tempfile.TemporaryDirectory() as folder, ProgressBar(unit=" steps", disable=None) as bar:
             facts: dict[str, Any] = {"task": json.loads(task.to_json())}
             if record is not None:
                 record(seeds, path := Path(folder, "games.a26r"))
@@ -107,7 +106,7 @@ def _collect_by_workers(args: argparse.Namespace, entry: Any, seeds: range, opti
 
     if not ray.is_initialized():
         ray.init(args.ray, log_to_driver=False)
-    with tqdm(unit=" games", total=len(seeds), disable=None) as bar:
+    with ProgressBar(unit=" games", total=len(seeds), disable=None) as bar:
         return collect(entry, args.output, policy=args.policy, seeds=seeds, progress=bar.update, **options)
 
 

@@ -6,8 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
+from atari._progress import ProgressBar
 from atari.cli.arguments import Commands, add_command, number
 from atari.cli.policies import OF_GAME, find_played, games_of
 from atari.cli.printing import print_json, print_table
@@ -134,7 +133,7 @@ def _policies(args: argparse.Namespace, games: tuple[Entry, ...]) -> dict[str, P
 
 
 def _play(args: argparse.Namespace, games: tuple[Entry, ...], policies: dict[str, Policy]) -> Result:
-    with tqdm(unit=" games", disable=None) as bar:
+    with ProgressBar(unit=" games", disable=None) as bar:
 
         def progress(done: int, total: int) -> None:
             bar.total = total

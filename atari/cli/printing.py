@@ -1,4 +1,4 @@
-"""The output of commands: JSON, tables, errors and warnings."""
+"""The output of commands: JSON, tables and warnings."""
 
 import dataclasses
 import enum
@@ -6,23 +6,9 @@ import json
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
 from atari.files.json_text import escaped
-
-
-class Escaping:
-    """A stream that writes control characters as escapes: texts of files and names of files cannot steer a terminal."""
-
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
-
-    def write(self, text: str) -> int:
-        """Write a text."""
-        return self._stream.write(escaped(text))
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._stream, name)
 
 
 def to_json_types(value: Any) -> Any:
@@ -49,15 +35,6 @@ def print_table(rows: Iterable[Sequence[object]]) -> None:
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     for line in lines:
         print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
-
-
-def print_error(error: Exception) -> None:
-    """Print the message of an exception to stderr, in one line and without errno."""
-    if isinstance(error, OSError) and error.strerror:
-        sentence = error.strerror + (f": {error.filename}" if error.filename else "")
-    else:
-        sentence = " ".join(str(error).split())
-    print(f"atari: error: {escaped(sentence)}", file=sys.stderr)
 
 
 def print_warning(warning: object) -> None:

@@ -13,10 +13,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
 import atari
-from atari._interrupt import ctrl_c_as_event
+from atari._program import ctrl_c_as_event
+from atari._progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
 from atari.cli.looks import Looks, add_looks
 from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
@@ -202,7 +201,7 @@ class _Ends:
         self._frames = math.inf if args.seconds is None else math.ceil(args.seconds * frame_rate(game))
         self._games = args.episodes if args.steps is None and args.seconds is None else math.inf
         total = args.steps or (None if args.seconds is None else self._frames)
-        self._bar = tqdm(unit=" steps" if args.steps else " frames", total=total, disable=None)
+        self._bar = ProgressBar(unit=" steps" if args.steps else " frames", total=total, disable=None)
         self._start, self._next = time.perf_counter(), math.ceil((args.steps or 0) / 10)
 
     def __call__(self, games: int, frames: int, steps: int) -> bool:
@@ -268,7 +267,7 @@ class _Outputs:
             frames = min(frames, math.ceil(seconds * frame_rate(replay.game)))
             part = {"stop": frames}
         for path in sorted(self.videos, key=is_picture):  # pictures last: their frame may be after the end
-            with tqdm(unit=" frames", total=frames, disable=is_picture(path) or None) as bar:
+            with ProgressBar(unit=" frames", total=frames, disable=is_picture(path) or None) as bar:
                 replay.render(path, **self.looks.options(path), **part, progress=bar.update)
         return frames
 

@@ -8,8 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
+from atari._progress import ProgressBar
 from atari.cli.arguments import Commands, add_command, number
 from atari.cli.looks import Looks, add_looks, best_or_number
 from atari.cli.printing import print_json, print_table, print_warning
@@ -116,7 +115,7 @@ def _verify(args: argparse.Namespace) -> int:
     results: list[dict[str, Any]] = []
     for file in args.files:
         replay = _load(file)
-        with tqdm(total=replay.frames_total, unit=" frames", disable=None, leave=False) as bar:
+        with ProgressBar(total=replay.frames_total, unit=" frames", disable=None, leave=False) as bar:
             result = replay.verify(args.core, progress=bar.update)
         results.append({"file": file, "complete": replay.complete, "equal": bool(result), **asdict(result)})
         if not args.json:
@@ -136,7 +135,7 @@ def _render(args: argparse.Namespace) -> int:
     picture = is_picture(output)
     if options.get("frame") == "best":
         options["frame"], part = replay.best_frame(**part), {}
-    with tqdm(total=frames, unit=" frames", disable=picture or None) as bar:
+    with ProgressBar(total=frames, unit=" frames", disable=picture or None) as bar:
         replay.render(output, **options, **part, progress=bar.update)
     result: dict[str, Any] = {"file": args.file, "frames": 1 if picture else frames}
     if picture:

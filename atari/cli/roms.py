@@ -7,12 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from atari import roms
+from atari._program import print_error
 from atari.cli.arguments import GAME_HELP, Commands, add_command, find_game
-from atari.cli.printing import print_error, print_json, print_table
+from atari.cli.printing import print_json, print_table, print_warning
 from atari.games.catalog import games
 from atari.roms.identification import Identification
 from atari.roms.importing import ImportReport
-from atari.roms.locations import path
+from atari.roms.locations import path, unread
 from atari.roms.search import Check
 
 _REJECTED_SHOWN = 20  # a folder of all the console's ROM files has thousands of other games
@@ -39,13 +40,20 @@ def register(commands: Commands) -> None:
 
 
 def _list(args: argparse.Namespace) -> int:
+    _warn_of_unread()
     installed = roms.installed()
     files = {game: installed.get(game) for game in games}
     print_json(files) if args.json else print_table((game, file or "missing") for game, file in files.items())
     return 0
 
 
+def _warn_of_unread() -> None:
+    if clause := unread():
+        print_warning(clause)
+
+
 def _verify(args: argparse.Namespace) -> int:
+    _warn_of_unread()
     checks: dict[str, Check] = {}
     for name in args.games:
         checks.update(roms.verify(find_game(name, playable=False)))

@@ -115,7 +115,7 @@ def _do(args: argparse.Namespace, code: "AgentCode", options: Sequence[str], fol
         KeyboardInterrupt: after Ctrl-C, when all processes have saved and ended.
         RuntimeError: runs have failed.
     """
-    from atari._interrupt import ctrl_c_as_event
+    from atari._program import ctrl_c_as_event
     from atari.files import durable
     from atari.learning.sweep.plan import keep_programs
     from atari.learning.sweep.processes import Settings, do_runs

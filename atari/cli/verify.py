@@ -5,13 +5,13 @@ import itertools
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 from os import cpu_count
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
+from atari._program import children_without_ctrl_c
+from atari._progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, number
 from atari.cli.printing import print_json
 from atari.cores import CORES
@@ -92,11 +92,13 @@ def _verify(args: argparse.Namespace) -> int:
             return 0
         runs = list(_runs(args, tasks))
     differences = []
-    for difference in tqdm(_results(runs, args.jobs), total=len(runs), unit="run", disable=None):
+    for difference in ProgressBar(_results(runs, args.jobs), total=len(runs), unit="run", disable=None):
         if difference:
             differences.append(difference)
             if not args.json:
-                tqdm.write(f"{difference}\n  to play it again: atari verify --replay {difference.write(args.output)}")
+                ProgressBar.write(
+                    f"{difference}\n  to play it again: atari verify --replay {difference.write(args.output)}"
+                )
     frames = sum(run.frames for run in runs)
     if args.json:
         print_json({"runs": len(runs), "frames": frames, "differences": [asdict(each) for each in differences]})
@@ -158,5 +160,12 @@ def _results(runs: list[Run], jobs: int) -> Iterator[Difference | None]:
         return
     # Processes are separate because ale-py can end its process, and spawned because the parent may have threads.
     with ProcessPoolExecutor(min(jobs, len(runs)), mp_context=get_context("spawn")) as pool:
-        for future in as_completed([pool.submit(verify, run) for run in runs]):
-            yield future.result()
+        try:
+            with children_without_ctrl_c():
+                futures = [pool.submit(verify, run) for run in runs]
+            for future in as_completed(futures):
+                yield future.result()
+        except BaseException:
+            for child in active_children():  # a run may be long, and the pool would wait for its end
+                child.kill()
+            raise

@@ -5,14 +5,14 @@
 """
 
 from collections.abc import Mapping
-from types import MappingProxyType
 
 from atari.cores.ale import AleCore
 from atari.cores.core import ByteArray as ByteArray
 from atari.cores.core import Core
 from atari.cores.native import NativeCore, PlainCore
+from atari.games.frozen import FrozenDict
 
-CORES: Mapping[str, type[NativeCore] | type[AleCore]] = MappingProxyType(
+CORES: Mapping[str, type[NativeCore] | type[AleCore]] = FrozenDict(
     {"native": NativeCore, "ale": AleCore, "plain": PlainCore}
 )
 """The class of each value of the option `core`."""

@@ -8,7 +8,6 @@ import enum
 from collections.abc import Mapping
 from os import PathLike, fsdecode, fspath
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,6 +16,7 @@ from atari.actions import AleAction
 from atari.cores.core import ByteArray, Core
 from atari.cores.options import SEED_LIMIT
 from atari.files import durable
+from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.roms.identification import by_content
 from atari.roms.image import read_image
@@ -52,7 +52,7 @@ class AleSettings:
     `stale` says whether a setting changed after the last load.
     """
 
-    choices: Mapping[str, int | None] = MappingProxyType({})
+    choices: Mapping[str, int | None] = FrozenDict()
     """The "mode" and the "difficulty" of the next load in place of the first ones; None is the game's default."""
 
     def __init__(self, **values: Any) -> None:

@@ -1,4 +1,4 @@
-"""A mapping for frozen dataclasses."""
+"""The mapping of the package's constants and of frozen dataclasses."""
 
 import difflib
 from collections.abc import Iterable, Iterator, Mapping
@@ -30,6 +30,16 @@ class FrozenDict(Mapping[K, V]):
 
     def __hash__(self) -> int:
         return hash(frozenset(self._items.items()))
+
+    def __or__(self, other: Mapping[K, V]) -> dict[K, V]:
+        return {**self, **other}
+
+    def __ror__(self, other: Mapping[K, V]) -> dict[K, V]:
+        return {**other, **self}
+
+    def copy(self) -> dict[K, V]:
+        """A dict with these items."""
+        return dict(self._items)
 
     def __repr__(self) -> str:
         return repr(self._items)

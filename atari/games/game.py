@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Literal
 
 from atari.actions import Action, Switch
@@ -22,7 +21,7 @@ from atari.notebook import facts
 
 _FOLDER = Path(__file__).parent
 
-TV_FRAME_RATES = MappingProxyType({"NTSC": 60.0, "PAL": 50.0, "SECAM": 50.0})
+TV_FRAME_RATES = FrozenDict({"NTSC": 60.0, "PAL": 50.0, "SECAM": 50.0})
 """Nominal frames a second by TV format."""
 
 

@@ -2,8 +2,9 @@
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
+from functools import partial
 from typing import Any
 
 from atari.games.catalog import games
@@ -39,7 +40,7 @@ class Environment:
     version: int
     game: str
     defaults: Mapping[str, Any]
-    mode: Callable[..., int]
+    mode: Callable[..., int] = field(compare=False)  # a copy of `partial` is not equal
 
     @property
     def id(self) -> str:
@@ -106,14 +107,15 @@ def _space_invaders(
 
 def _variation(name: str, version: int, two: int, four: int, default: int) -> Environment:
     """A game of the cartridge Video Olympics."""
-    modes = {2: two, 4: four}
-    return Environment(
-        name, version, "pong", {"num_players": default}, lambda num_players: _one_of("num_players", num_players, modes)
-    )
+    return Environment(name, version, "pong", {"num_players": default}, partial(_by_players, {2: two, 4: four}))
+
+
+def _by_players(modes: Mapping[int, int], num_players: int) -> int:
+    return _one_of("num_players", num_players, modes)
 
 
 def _plain(name: str, version: int, mode: int, game: str | None = None) -> Environment:
-    return Environment(name, version, game or name, {}, lambda: mode)
+    return Environment(name, version, game or name, {}, partial(int, mode))
 
 
 ENVIRONMENTS: Mapping[str, Environment] = {

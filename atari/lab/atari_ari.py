@@ -8,7 +8,6 @@ confirmed; the labels have names of this package there.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 
 from atari.games.frozen import FrozenDict
 from atari.games.game import Game, RamLabel
@@ -136,10 +135,10 @@ def _split(indices: Mapping[str, int | Sequence[int]]) -> Mapping[str, int]:
         if not isinstance(index, int)
         for number, one in enumerate(index)
     }
-    return MappingProxyType({**single, **several})
+    return FrozenDict({**single, **several})
 
 
-INDICES: Mapping[str, Mapping[str, int]] = MappingProxyType({game: _split(names) for game, names in _INDICES.items()})
+INDICES: Mapping[str, Mapping[str, int]] = FrozenDict({game: _split(names) for game, names in _INDICES.items()})
 """The index 0..127 of each name, by game."""
 
 

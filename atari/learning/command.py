@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import gymnasium
-from tqdm import tqdm
 
-from atari._interrupt import ctrl_c_as_event
+from atari._program import ctrl_c_as_event, interruptible, run
+from atari._progress import ProgressBar
 from atari.learning.agent import Agent
 from atari.learning.agent_code import AgentCode, agent_code
 from atari.learning.options import FAST_RAM, TrainingOptions, is_switch, parse, shown
@@ -147,7 +147,7 @@ def finish_run(path: Path, episodes: int) -> Any:
     """Evaluate a policy and write its report; see `atari.learning.report`."""
     from atari.learning.report import finish
 
-    with RunFolder.open(path, lock=True) as folder, tqdm(total=episodes, unit=" games", disable=None) as bar:
+    with RunFolder.open(path, lock=True) as folder, ProgressBar(total=episodes, unit=" games", disable=None) as bar:
         bar.set_description("evaluation")
         return finish(folder, episodes, lambda done, total: bar.update(done - bar.n))
 
@@ -166,9 +166,16 @@ def main(agent: type[Agent]) -> None:
     """
     code = agent_code(agent)
     prog = f"python {sys.argv[0]}" if code.program else f"python -m atari.learning.agents.{code.name}"
-    folder = train(code, sys.argv[1:], prog)
-    if folder is not None:
-        print(folder)
+
+    def command() -> int:
+        with interruptible():
+            folder = train(code, sys.argv[1:], prog)
+        if folder is not None:
+            print(folder)
+        return 0
+
+    if status := run(command, traceback=code.program is not None):
+        sys.exit(status)
 
 
 def _run(training: Training) -> None:
@@ -178,7 +185,7 @@ def _run(training: Training) -> None:
         KeyboardInterrupt: after Ctrl-C, when the training is saved.
     """
     agent, options, folder = training.agent, training.options, training.folder.path
-    bar = tqdm(total=options.total_steps, initial=agent.steps, unit="step", unit_scale=True, disable=None)
+    bar = ProgressBar(total=options.total_steps, initial=agent.steps, unit="step", unit_scale=True, disable=None)
     lines = Lines(agent.steps, options.total_steps)
 
     def show(steps: int, score: float) -> None:

@@ -65,7 +65,6 @@ def write_report(folder: RunFolder, result: Result) -> Path:
         frames=f"{last['frames']:,.0f}",
         time=_duration(last["seconds"]),
         curve=learning_curves(game.id, [("this run", "#c2410c", rows)]),
-        window=WINDOW,
         video=video,
         best=f"{max(played.scores):,.0f}",
         protocol=html.escape(str(result.protocol)),
@@ -79,7 +78,9 @@ def write_report(folder: RunFolder, result: Result) -> Path:
 
 
 def learning_curves(game: str, logs: Sequence[tuple[str, str, Sequence[Mapping[str, float]]]]) -> str:
-    """A picture, SVG: the scores of trainings over frames, with published curves, random play and a human.
+    """A picture, HTML: the scores of trainings over frames, with published curves, random play and a human.
+
+    Without a score there is only a sentence, because no game has ended.
 
     Args:
         game: the game's name.
@@ -90,9 +91,11 @@ def learning_curves(game: str, logs: Sequence[tuple[str, str, Sequence[Mapping[s
     """
     from matplotlib.figure import Figure
 
+    if not any(map(_with_scores, (rows for _, _, rows in logs))):
+        return "<p>No game has ended in the training, so there is no curve yet.</p>"
     figure = Figure(figsize=(8, 4.5), layout="constrained")
     axes: Any = figure.add_subplot()
-    draw_published(axes, game, max((rows[-1]["frames"] for _, _, rows in logs if rows), default=0))
+    published = draw_published(axes, game, max((rows[-1]["frames"] for _, _, rows in logs if rows), default=0))
     for label, color, rows in logs:
         draw_scores(axes, rows, label, color)
     draw_levels(axes, game)
@@ -101,17 +104,22 @@ def learning_curves(game: str, logs: Sequence[tuple[str, str, Sequence[Mapping[s
     axes.legend(fontsize="small")
     text = io.StringIO()
     figure.savefig(text, format="svg")
-    return "<svg" + text.getvalue().partition("<svg")[2]
+    about = f"Mean score of the last {WINDOW} whole games, all lives, not clipped."
+    others = "Published curves are of other protocols, with the same number of frames." if published else ""
+    return f"<p>{about} {others}</p>\n<svg" + text.getvalue().partition("<svg")[2]
 
 
-def draw_published(axes: Any, game: str, most: float) -> None:
-    """Draw published curves of a game until `most` frames, in Matplotlib's axes."""
+def draw_published(axes: Any, game: str, most: float) -> int:
+    """Draw published curves of a game until `most` frames, in Matplotlib's axes, and return their number."""
+    drawn = 0
     for name in CURVES:
         if name in Published.names() and game in Published(name).games:
             curve = Published(name).curve(game)
             known = curve.frames <= most
             if known.sum() > 1:
                 axes.plot(curve.frames[known] / 1e6, curve.mean[known], label=name, linewidth=1)
+                drawn += 1
+    return drawn
 
 
 def draw_levels(axes: Any, game: str) -> None:
@@ -125,8 +133,14 @@ def draw_levels(axes: Any, game: str) -> None:
 
 def draw_scores(axes: Any, rows: Sequence[Mapping[str, float]], label: str, color: str) -> None:
     """Draw the scores in a training's log over frames, in Matplotlib's axes."""
-    shown = [row for row in rows if not math.isnan(row["score"])]
-    axes.plot([row["frames"] / 1e6 for row in shown], [row["score"] for row in shown], label=label, color=color)
+    if shown := _with_scores(rows):
+        frames, scores = [row["frames"] / 1e6 for row in shown], [row["score"] for row in shown]
+        axes.plot(frames, scores, label=label, color=color, marker="o" if len(shown) == 1 else None)
+
+
+def _with_scores(rows: Sequence[Mapping[str, float]]) -> list[Mapping[str, float]]:
+    """The rows of a training's log since its first game has ended."""
+    return [row for row in rows if not math.isnan(row["score"])]
 
 
 def _table(facts: Mapping[str, Any]) -> str:
@@ -172,8 +186,6 @@ _PAGE = """\
   <div><dt>time of training<dd>$time</div>
 </dl>
 <h2>Learning curve</h2>
-<p>Mean score of the last $window whole games, all lives, not clipped. Published curves are of other protocols, with the
-same number of frames.</p>
 $curve
 <h2>The best game</h2>
 <p>The best of the $episodes games had a score of $best. <code>best.a26r</code> is its replay.</p>

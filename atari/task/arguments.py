@@ -12,10 +12,10 @@ from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 from atari.files import magic
+from atari.games.frozen import FrozenDict
 from atari.roms.identification import identify
 from atari.roms.search import ENDINGS
 from atari.task.description import summary
@@ -29,7 +29,7 @@ from atari.validation import check_integer
 SEEDS = 2**32
 """The bound of the seeds of all commands."""
 
-SCREEN: Mapping[str, Any] = MappingProxyType(
+SCREEN: Mapping[str, Any] = FrozenDict(
     {name: DEFAULTS[name] for name in (*GROUPS["observation"], "reward", "reward_clipping")}
 )
 """The fields for an agent's observations and rewards, with their values when a person sees the screen."""
@@ -59,7 +59,7 @@ def add_task(
     groups: Collection[str] = tuple(GROUPS),
     leave_out: Collection[str] = (),
     *,
-    fixed: Mapping[str, Any] = MappingProxyType({}),
+    fixed: Mapping[str, Any] = FrozenDict(),
     preset: bool = True,
 ) -> None:
     """Add `--preset`, a flag for each option of a task that a command obeys, and `--print-task`.

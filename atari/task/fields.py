@@ -2,12 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, Literal, get_args
 
 import numpy as np
 
 from atari.actions import PLAYER_ACTIONS, Action
+from atari.games.frozen import FrozenDict
 from atari.games.rewards import as_one_line
 from atari.validation import (
     MOST_FRAMES_SKIPPED,
@@ -40,7 +40,7 @@ class _Unset:
 UNSET: Any = _Unset()
 """The default of an option that a user may leave out."""
 
-GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+GROUPS: Mapping[str, tuple[str, ...]] = FrozenDict(
     {
         "game": ("game", "rules", "rom_md5", "mode", "difficulty", "players"),
         "play": (

@@ -8,8 +8,9 @@ Such details change scores.
 import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any
+
+from atari.games.frozen import FrozenDict
 
 
 @dataclass(frozen=True)
@@ -39,12 +40,12 @@ _MAX_FRAMES = 108_000  # half an hour of play
 def _preset(source: str, required: tuple[str, ...] = (), **fields: Any) -> Preset:
     """A preset of stacks of four pooled gray images of 84 x 84, with four frames for each action."""
     images = {"obs_type": "grayscale", "img_height": 84, "img_width": 84, "stack_num": 4, "maxpool": True}
-    return Preset(source, MappingProxyType({"frameskip": 4, **images, **fields}), required)
+    return Preset(source, FrozenDict({"frameskip": 4, **images, **fields}), required)
 
 
 _PLAY = ("repeat_action_probability", "actions")
 
-PRESETS: Mapping[str, Preset] = MappingProxyType(
+PRESETS: Mapping[str, Preset] = FrozenDict(
     {
         "dqn2015": _preset(
             "Mnih et al. 2015, and its code, alewrap: RGB pooled, then luminance, averaged to 84x84",

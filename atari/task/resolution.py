@@ -3,13 +3,13 @@
 import re
 from collections.abc import Collection, Iterable, Mapping
 from os import PathLike
-from types import MappingProxyType
 from typing import Any
 
 import gymnasium
 
 from atari import env_ids
 from atari.games.catalog import games
+from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.games.pettingzoo import find_environment
 from atari.games.players import options_of
@@ -124,7 +124,7 @@ def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, 
     return leave_out(resolve_task(game, None, given, owner=owner), ("mode", "difficulty"), fixed, owner)[0]
 
 
-BY_FRAME: Mapping[str, Any] = MappingProxyType(
+BY_FRAME: Mapping[str, Any] = FrozenDict(
     {"frameskip": 1, "actions": "full", "repeat_action_probability": 0.0, "max_num_frames_per_episode": None}
 )
 """The fields of play frame by frame, with all legal actions, none of them sticky, without a limit."""

@@ -1,9 +1,9 @@
 """The option names and defaults of ale-py's `AtariVectorEnv`, as fields of a `Task`."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any
 
+from atari.games.frozen import FrozenDict
 from atari.task.fields import NO_LIMIT, check_bool
 from atari.validation import check_integer, check_name
 
@@ -18,7 +18,7 @@ _PREPROCESSING = {
     "maxpool": True,
 }
 
-ONE_PLAYER: Mapping[str, Any] = MappingProxyType(
+ONE_PLAYER: Mapping[str, Any] = FrozenDict(
     {
         **_PREPROCESSING,
         "noops": (0, 29),
@@ -32,7 +32,7 @@ ONE_PLAYER: Mapping[str, Any] = MappingProxyType(
 )
 """The defaults of ale-py's vector environment; ours has them too, if `game` is a name alone."""
 
-SEVERAL_PLAYERS: Mapping[str, Any] = MappingProxyType({**_PREPROCESSING, "seeding": "ale"})
+SEVERAL_PLAYERS: Mapping[str, Any] = FrozenDict({**_PREPROCESSING, "seeding": "ale"})
 """The defaults for a name alone, with two to four players and without a preset."""
 
 NAMES = ("noop_max", "use_fire_reset", "grayscale")

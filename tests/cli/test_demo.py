@@ -177,7 +177,8 @@ def test_ctrl_c_ends_it_with_a_playable_video(folder: Path) -> None:
         out, err = process.communicate(timeout=120)
     assert process.returncode == 130
     assert out == "breakout: Breakout, as 'breakout' with preset='dqn2015'\n"
-    line = err.splitlines()[-1]
+    *_, word, line = err.splitlines()
+    assert word == "atari: stopping; Ctrl-C again stops at once"
     match = re.fullmatch(r"atari: interrupted after ([\d,]+) frames; what was recorded is in (.+)", line)
     assert match is not None, err
     assert match[2] == str((folder / "a.mp4").resolve())

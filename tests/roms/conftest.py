@@ -52,13 +52,19 @@ def unreadable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A file that cannot be opened, also if the tests run as root, which may open every file."""
     file = tmp_path / "locked.bin"
     file.write_bytes(b"?")
-    really_open, really_access = Path.open, os.access
+    really_open, really_os_open, really_access = Path.open, os.open, os.access
 
     def open_unless_locked(self: Path, *arguments: Any, **options: Any) -> Any:
         if self == file:
             raise PermissionError(13, "Permission denied", str(self))
         return really_open(self, *arguments, **options)
 
+    def os_open_unless_locked(path: Any, *arguments: Any, **options: Any) -> int:
+        if isinstance(path, Path | str) and Path(path) == file:
+            raise PermissionError(13, "Permission denied", str(path))
+        return really_os_open(path, *arguments, **options)
+
     monkeypatch.setattr(Path, "open", open_unless_locked)
+    monkeypatch.setattr(os, "open", os_open_unless_locked)
     monkeypatch.setattr(os, "access", lambda path, mode: Path(path) != file and really_access(path, mode))
     return file

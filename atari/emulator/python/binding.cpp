@@ -124,8 +124,6 @@ NB_MODULE(_emulator, m) {
     m.def(
         "report_leaks", [] { nb::set_leak_warnings(true); },
         "Print the objects that still exist when the interpreter has ended.");
-    check_simd_level();
-    translator_use();  // raises if ATARI_JIT is wrong
     count_forks();
     static_cast<void>(std::current_exception());  // allocates this thread's memory for exceptions (thread_pool.cpp)
     m.attr("END") = static_cast<int>(Op::kEnd);
@@ -138,7 +136,13 @@ NB_MODULE(_emulator, m) {
             "cartridge_type", [](const Shared<Game>& game) { return game.value->cartridge->type_name(); },
             "The bank switching, given or recognised, such as \"F8\".");
 
-    m.def("simd_level", [] { return name_of(simd_level()); }, "The level of SIMD instructions that is used.");
+    m.def(
+        "simd_level",
+        [] {
+            check_simd_level();
+            return name_of(simd_level());
+        },
+        "The level of SIMD instructions that is used. Raises ValueError if the environment variable ATARI_SIMD is wrong.");
     m.def("make_game", &bound_game, nb::kw_only(), "image"_a, "cartridge"_a, "format"_a, "detect_format"_a,
           "first_line"_a, "height"_a, "hmove_blanks"_a, "paddles"_a, "swap_ports"_a, "swap_paddles"_a, "paddle_range"_a,
           "power_on_switches"_a, "legal_actions"_a, "starting_actions"_a, "default_mode"_a, "variables"_a, "initial"_a,

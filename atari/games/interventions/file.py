@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 from os import PathLike
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, Literal
 
 from atari.actions import Action
@@ -95,7 +94,7 @@ def load(game: "str | Game", file: str | PathLike[str] | None = None) -> Mapping
     found = games.resolve(game)
     path = _FOLDER / f"{found.id}.toml" if file is None else Path(file)
     if file is None and not path.exists():
-        return MappingProxyType({})
+        return FrozenDict()
     return _load(path, found, path.stat().st_mtime_ns)
 
 
@@ -155,7 +154,7 @@ def _resolve(game: Game, item: Any) -> Intervention:
 def _load(path: Path, game: Game, changed: int) -> Mapping[str, Intervention]:
     tables = read_toml(path, "a file of interventions")
     found = {name: _parse(name, table, game, f"{path}, [{name}]") for name, table in sorted(tables.items())}
-    return MappingProxyType(found)
+    return FrozenDict(found)
 
 
 def _parse(name: str, table: Any, game: Game, where: str) -> Intervention:

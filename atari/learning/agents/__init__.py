@@ -1,10 +1,18 @@
 """The agents, one script each, to read from top to bottom, to copy and to change."""
 
+import sys
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
+
+from atari._extras import install_extra
+from atari._start import PROGRAM
 
 AGENTS = {"ppo": "PPO", "pqn": "PQN", "dqn": "DQN"}
 """The class of each agent by the name of its module."""
+
+if PROGRAM and sys.argv[:1] == ["-m"] and find_spec("torch") is None:  # `python -m` is about to run a module here
+    sys.exit(f"atari: error: the agents need torch: {install_extra('learn')}")
 
 
 def find_agent(name: str) -> Any:

@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
-from types import MappingProxyType
 from typing import Any
 
+from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol, in_words
 from atari.policy.needs import Needs, composed, in_game
@@ -45,7 +45,7 @@ class Entry:
         return self.task.obs_type == "ram"
 
 
-def find_entries(games: Any, options: Mapping[str, Any] = MappingProxyType({})) -> tuple[Entry, ...]:
+def find_entries(games: Any, options: Mapping[str, Any] = FrozenDict()) -> tuple[Entry, ...]:
     """The games of an argument: a game, an ID, a `Task`, a name of `GAME_SETS`, or a sequence of these; each game once.
 
     Args:

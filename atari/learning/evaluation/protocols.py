@@ -3,9 +3,10 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from types import MappingProxyType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any, Literal
 
+from atari.games.frozen import FrozenDict
 from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.tables import check_known_name, read_table
 from atari.task import PRESETS, Task
@@ -296,10 +297,10 @@ _ALL = (
         lives="fire",
     ),
 )
-PROTOCOLS: Mapping[str, EvaluationProtocol] = MappingProxyType({protocol.name: protocol for protocol in _ALL})
+PROTOCOLS: Mapping[str, EvaluationProtocol] = FrozenDict({protocol.name: protocol for protocol in _ALL})
 """Every protocol by name."""
 
-GAME_SETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+GAME_SETS: Mapping[str, tuple[str, ...]] = FrozenDict(
     {name: tuple(games) for name, games in read_table("sets").items()}
 )
 """Sets of games by name: "atari57" (and "atari55", "atari60", "atari49" of 2015), "atari26" (Atari 100k), "atari5"."""

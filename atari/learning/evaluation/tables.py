@@ -5,8 +5,9 @@ import json
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
+
+from atari.games.frozen import FrozenDict
 
 _FOLDER = Path(__file__).parent / "data"
 
@@ -18,7 +19,7 @@ def read_table(name: str) -> Any:
 
 
 def check_known_name(
-    kind: str, name: Any, known: Iterable[str], where: str = "", others: Mapping[str, str] = MappingProxyType({})
+    kind: str, name: Any, known: Iterable[str], where: str = "", others: Mapping[str, str] = FrozenDict()
 ) -> str:
     """Check that `name` is one of `known`, and return it.
 

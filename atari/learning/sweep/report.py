@@ -89,8 +89,6 @@ $table
 $drawing
 <pre>$comparison</pre>
 <h2>Learning curves</h2>
-<p>Mean scores of the last whole games in the trainings, all lives, not clipped. Published curves are of other
-protocols, with the same number of frames.</p>
 $curves
 </html>
 """

@@ -10,7 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from types import MappingProxyType
+
+from atari.games.frozen import FrozenDict
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class Format:
 
 _CLUSTERS = {"cluster_time_limit": "500", "flush_packets": "1"}  # half a second each
 
-FORMATS: Mapping[str, Format] = MappingProxyType(
+FORMATS: Mapping[str, Format] = FrozenDict(
     {
         ".mp4": Format(
             name="MP4 (H.264, AAC)",

@@ -14,12 +14,12 @@ from fractions import Fraction
 from numbers import Rational, Real
 from os import PathLike
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from atari.cores import ByteArray
+from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.recording.video.audio import SAMPLES_PER_FRAME
 from atari.recording.video.encoder import FFmpegEncoder, PngEncoder
@@ -28,7 +28,7 @@ from atari.recording.video.images import add_caption, enlarge
 from atari.recording.video.options import VideoOptions
 
 COLOUR_CLOCKS_PER_LINE = 228
-COLOUR_CLOCK_HZ = MappingProxyType(
+COLOUR_CLOCK_HZ = FrozenDict(
     {
         "NTSC": Fraction(315_000_000, 88),  # the colour subcarrier, 3.579545 MHz
         "PAL": Fraction(3_546_895),  # four fifths of the colour subcarrier, 4.43361875 MHz
@@ -37,7 +37,7 @@ COLOUR_CLOCK_HZ = MappingProxyType(
 )
 SPEEDS = (0.05, 16)
 """The least and the greatest speed of a video. FLAC has no sample rate for a greater one."""
-LINES_PER_FRAME = MappingProxyType({"NTSC": 262, "PAL": 312, "SECAM": 312})
+LINES_PER_FRAME = FrozenDict({"NTSC": 262, "PAL": 312, "SECAM": 312})
 
 
 def frame_rate(game: Game) -> Fraction:

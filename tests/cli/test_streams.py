@@ -1,0 +1,103 @@
+"""Commands with closed and full streams, and Ctrl-C."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from atari._program import ctrl_c_as_event, interruptible
+from atari._progress import ProgressBar
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the shell and the signals of POSIX")
+
+
+def run(redirections: str, *words: str, **variables: str) -> "subprocess.CompletedProcess[str]":
+    """Run a command of `atari` with redirections of the shell."""
+    shell = ["sh", "-c", f'exec "$@" {redirections}', "sh", sys.executable, "-m", *words]
+    environment = {**os.environ, **variables}
+    return subprocess.run(shell, capture_output=True, text=True, timeout=120, check=False, env=environment)
+
+
+@pytest.mark.parametrize(
+    "words", ["atari list", "atari --version", "atari train", "atari.classic --help", "atari.integrations.envpool -h"]
+)
+def test_a_closed_stdout_is_refused_with_a_sentence(words: str) -> None:
+    done = run(">&-", *words.split())
+    sentence = "atari: error: stdout is closed, and the result goes there; redirect it to a file, or to /dev/null\n"
+    assert (done.returncode, done.stderr) == (1, sentence)
+
+
+@pytest.mark.parametrize("redirections", ["2>&-", "<&-", "<&- 2>&-"])
+def test_other_closed_streams_do_not_matter(redirections: str, tmp_path: Path) -> None:
+    replay = tmp_path / "a.a26r"
+    assert run(redirections, "atari", "list").stdout.startswith("game ")
+    assert run(redirections, "atari", "info", "nothing").returncode == 1
+    assert run(redirections, "atari", "info").returncode == 2
+    assert not replay.exists()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no full device")
+def test_full_streams() -> None:
+    for words in (["list"], ["list", "--ids"], ["--help"], ["record", "--help"]):
+        done = run(">/dev/full", "atari", *words)
+        assert (done.returncode, done.stderr) == (1, "atari: error: No space left on device: stdout\n")
+    assert run("2>/dev/full", "atari", "list").returncode == 0
+    assert run("2>/dev/full", "atari", "info", "nothing").returncode == 1
+    assert run("2>/dev/full", "atari", "info").returncode == 2
+
+
+@pytest.mark.parametrize("words", [["atari", "list"], ["atari.classic", "x.py"], ["atari.cli.sweep", "list"]])
+def test_ctrl_c_while_the_package_is_imported(words: list[str], tmp_path: Path) -> None:
+    """A numpy of our own sends the signal."""
+    (tmp_path / "numpy.py").write_text("import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nwhile True: pass\n")
+    done = run("", *words, PYTHONPATH=str(tmp_path))
+    assert (done.returncode, done.stderr) == (130, "atari: interrupted\n")
+
+
+def test_ctrl_c_is_reported_at_once_and_a_bounce_is_ignored(capfd: pytest.CaptureFixture[str]) -> None:
+    with interruptible():
+        with ctrl_c_as_event() as stop:
+            signal.raise_signal(signal.SIGINT)
+            assert stop.is_set()
+            assert capfd.readouterr().err == "atari: stopping; Ctrl-C again stops at once\n"
+        signal.raise_signal(signal.SIGINT)
+    assert capfd.readouterr().err == ""
+
+
+def test_a_ctrl_c_that_python_drops_is_raised_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("atari._program._said", {})
+
+    class Finalized:
+        def __del__(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+
+    def drop() -> None:
+        finalized = Finalized()
+        del finalized
+        threading.Event().wait(60)
+        pytest.fail("it went on")
+
+    with pytest.raises(KeyboardInterrupt), interruptible():
+        drop()
+
+
+def test_a_process_that_ignores_ctrl_c_goes_on_ignoring_it() -> None:
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with interruptible(), ctrl_c_as_event() as stop:
+            signal.raise_signal(signal.SIGINT)
+            assert not stop.is_set()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_a_progress_bar_stays_full_past_its_end() -> None:
+    with ProgressBar(total=100, file=open(os.devnull, "w")) as bar:
+        bar.update(64)
+        assert bar.total == 100
+        bar.update(64)
+        assert (bar.n, bar.total) == (128, 128)
