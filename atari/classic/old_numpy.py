@@ -45,6 +45,13 @@ _NAMES: dict[str, Any] = {
     "product": np.prod,
     "round_": np.round,
     "row_stack": np.vstack,
+    "sctypes": {
+        "int": [np.int8, np.int16, np.int32, np.int64],
+        "uint": [np.uint8, np.uint16, np.uint32, np.uint64],
+        "float": [np.float16, np.float32, np.float64, np.longdouble],
+        "complex": [np.complex64, np.complex128, np.clongdouble],
+        "others": [bool, object, bytes, str, np.void],
+    },
     "singlecomplex": np.complex64,
     "sometrue": np.any,
     "string_": np.bytes_,

@@ -1,6 +1,5 @@
 """`atari.classic` has the interface of OpenAI Gym, and the comparison finds what would be missing."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -49,14 +48,14 @@ def load(path, /, flag=False, *paths): ...
 
 
 @pytest.fixture
-def package(tmp_path: Path) -> Iterator[Path]:
+def package(tmp_path: Path) -> Path:
     folder = tmp_path / "thing"
     (folder / "tests").mkdir(parents=True)
     (folder / "tests" / "__init__.py").write_text("secret = 1")
     (folder / "__init__.py").write_text("from .tools import Recorder\nimport os")
     (folder / "tools.py").write_text(SOURCE)
     (folder / "old.py").write_text("raise ValueError, 'Python 2'")
-    yield folder
+    return folder
 
 
 def test_gym_has_nothing_that_is_missing_without_a_reason() -> None:

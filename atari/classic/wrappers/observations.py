@@ -113,7 +113,7 @@ class PixelObservationWrapper(ObservationWrapper):
         for key in self._pixel_keys:
             if key in parts:
                 raise ValueError(f"the observations have a part {key!r} already; choose another name in pixel_keys")
-            parts[key] = _space_of(self.env.render(**self._render_kwargs[key]))
+            parts[key] = _space_of(self._render(**self._render_kwargs[key]))
         self.observation_space = Dict(parts)
 
     def observation(self, observation: Any) -> Any:
@@ -128,7 +128,7 @@ class PixelObservationWrapper(ObservationWrapper):
             else:
                 observation[STATE_KEY] = wrapped_observation
         for key in self._pixel_keys:
-            observation[key] = self.env.render(**self._render_kwargs[key])
+            observation[key] = self._render(**self._render_kwargs[key])
         return observation
 
 
