@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from types import FrameType
 from typing import Any, TextIO, cast
 
 from atari._start import leave, say
@@ -73,15 +74,21 @@ def _code_of(command: Callable[[], int], traceback: bool) -> int:
 
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
-    """Let Ctrl-C say at once that it was heard, and raise KeyboardInterrupt."""
+    """Let Ctrl-C say at once that it was heard, and raise KeyboardInterrupt, after an import that is going on.
 
-    def interrupt() -> None:
-        raise KeyboardInterrupt
+    A library of C++ whose import is cut off may end the process.
+    """
+
+    def interrupt(frame: FrameType | None) -> None:
+        while frame is not None and "importlib._bootstrap" not in frame.f_code.co_filename:
+            frame = frame.f_back
+        if frame is None:
+            raise KeyboardInterrupt
+        _interrupt_again()
 
     def raise_again(unraisable: Any) -> None:
         if isinstance(unraisable.exc_value, KeyboardInterrupt):  # raised where Python drops it, as in a finalizer
-            _said.update(dict.fromkeys(_said, -math.inf))
-            threading.Timer(0.01, _thread.interrupt_main).start()  # a handler that runs in this hook is dropped, too
+            _interrupt_again()  # a handler that runs in this hook is dropped, too
         else:
             dropped(unraisable)
 
@@ -99,7 +106,7 @@ def ctrl_c_as_event() -> Iterator[threading.Event]:
     interrupted = threading.Event()
     before = signal.getsignal(signal.SIGINT)
 
-    def set_event() -> None:
+    def set_event(_: FrameType | None) -> None:
         interrupted.set()
         signal.signal(signal.SIGINT, before)
 
@@ -125,16 +132,16 @@ _said: dict[str, float] = {}
 
 
 @contextlib.contextmanager
-def _on_ctrl_c(line: str, act: Callable[[], None]) -> Iterator[None]:
+def _on_ctrl_c(line: str, act: Callable[[FrameType | None], None]) -> Iterator[None]:
     """Print a line, once, and call a function at Ctrl-C. A process that ignores it stays so."""
 
-    def handle(*_: object) -> None:
+    def handle(_: int, frame: FrameType | None) -> None:
         now = time.monotonic()
         if now - max(_said.values(), default=-math.inf) > _SAME:
             if line not in _said:
                 say(line)
             _said[line] = now
-            act()
+            act(frame)
 
     before = signal.getsignal(signal.SIGINT)
     if before is signal.SIG_IGN or threading.current_thread() is not threading.main_thread():
@@ -145,6 +152,14 @@ def _on_ctrl_c(line: str, act: Callable[[], None]) -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def _interrupt_again() -> None:
+    """Let Ctrl-C act once more, when the main thread has gone on a little."""
+    _said.update(dict.fromkeys(_said, -math.inf))
+    again = threading.Timer(0.05, _thread.interrupt_main)
+    again.daemon = True
+    again.start()
 
 
 def print_error(error: Exception) -> None:

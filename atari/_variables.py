@@ -46,7 +46,10 @@ def value(name: str) -> str:
         ValueError: it has a value that the package does not know.
     """
     found = os.environ.get(name, "")
-    VARIABLES[name].check(found)
+    try:
+        VARIABLES[name].check(found)
+    except UnicodeDecodeError:  # the emulator's sentence has the bytes of the value
+        raise ValueError(f"the environment variable {name} is {found!r}, which is no text") from None
     return found
 
 

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import threading
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -83,6 +84,21 @@ def test_a_ctrl_c_that_python_drops_is_raised_again(monkeypatch: pytest.MonkeyPa
 
     with pytest.raises(KeyboardInterrupt), interruptible():
         drop()
+
+
+def test_ctrl_c_waits_for_the_end_of_an_import(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Torch's C++ code would end the process."""
+    monkeypatch.setattr("atari._program._said", {})
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "signalling.py").write_text("import signal\nsignal.raise_signal(signal.SIGINT)\nDONE = True\n")
+
+    def play() -> None:
+        assert import_module("signalling").DONE
+        threading.Event().wait(60)
+        pytest.fail("it went on")
+
+    with pytest.raises(KeyboardInterrupt), interruptible():
+        play()
 
 
 def test_a_process_that_ignores_ctrl_c_goes_on_ignoring_it() -> None:
