@@ -54,6 +54,8 @@ class MonitorHooks:
         enabled: False after the end.
     """
 
+    env: Any
+
     def __init__(self, env: Monitored) -> None:
         self.env = env
         self._initialise(env)

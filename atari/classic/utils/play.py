@@ -77,9 +77,16 @@ def _play_plot(modern: type[Any]) -> type[Any]:
         """Plots what `callback(obs_t, obs_tp1, action, rew, done, info)` returns at each step of `play`."""
 
         def __init__(self, callback: Callback, horizon_timesteps: int, plot_names: list[str]) -> None:
-            def of_five_values(*arguments: Any) -> Any:
-                *before, terminated, truncated, info = arguments
-                return callback(*before, terminated or truncated, info)
+            def of_five_values(
+                before: Any,
+                after: Any,
+                action: Any,
+                reward: Any,
+                terminated: bool,
+                truncated: bool,
+                info: dict[str, Any],
+            ) -> Any:
+                return callback(before, after, action, reward, terminated or truncated, info)
 
             super().__init__(of_five_values, horizon_timesteps, plot_names)
 

@@ -146,7 +146,7 @@ class AsyncVectorEnv(Batches):
     def set_attr(self, name: str, values: Any) -> None:  # noqa: D102
         self._all("_setattr", [(name, value) for value in self._checked_values(values)])
 
-    def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # noqa: D102
+    def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # type: ignore[override]  # noqa: D102
         return self._all("seed", self._checked_seeds(seeds, seed))
 
     def close_extras(self, timeout: float | None = None, terminate: bool = False, **kwargs: Any) -> None:
@@ -204,7 +204,8 @@ class AsyncVectorEnv(Batches):
         for number, function in enumerate(self.env_fns):
             here, there = context.Pipe()
             errors = self.error_queue if self._is_foreign else None
-            arguments = number, CloudpickleWrapper(function), there, here, self._buffer, errors
+            wrapper: Any = CloudpickleWrapper
+            arguments: tuple[Any, ...] = number, wrapper(function), there, here, self._buffer, errors
             if not self._is_foreign:
                 arguments = number, cloudpickle.dumps(function), there, None, None, None
             process = context.Process(target=worker, args=arguments, daemon=daemon)

@@ -89,7 +89,7 @@ class SyncVectorEnv(Batches):
         for lane, value in zip(self._lanes, self._checked_values(values), strict=True):
             lane.set(name, value)
 
-    def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # noqa: D102
+    def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # type: ignore[override]  # noqa: D102
         return [lane.seed(own) for lane, own in zip(self._lanes, self._checked_seeds(seeds, seed), strict=True)]
 
     def close_extras(self, **kwargs: Any) -> None:  # noqa: D102

@@ -94,7 +94,7 @@ class VectorEnv(Env):
         """
         raise NotImplementedError(f"{type(self).__name__} has no set_attr(); define it")
 
-    def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:
+    def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # type: ignore[override]
         """Seed the environments: with the seeds of a list, or with `seeds`, `seeds + 1`, ...; `seed` means the same.
 
         Raises:
@@ -162,13 +162,13 @@ class Batches(VectorEnv):
         return self._batch(observations), np.array(rewards, np.float64), np.array(dones, np.bool_), list(infos)
 
     def _checked_actions(self, actions: Any) -> list[Any]:
-        actions = list(actions)
-        if len(actions) != self.num_envs:
-            raise ValueError(f"there are {self.num_envs} environments, got {len(actions)} actions")
-        return actions
+        each: list[Any] = list(actions)
+        if len(each) != self.num_envs:
+            raise ValueError(f"there are {self.num_envs} environments, got {len(each)} actions")
+        return each
 
     def _checked_values(self, values: Any) -> list[Any]:
-        each = list(values) if isinstance(values, (list, tuple)) else [values] * self.num_envs
+        each: list[Any] = list(values) if isinstance(values, (list, tuple)) else [values] * self.num_envs
         if len(each) != self.num_envs:
             raise ValueError(f"there are {self.num_envs} environments, got {len(each)} values")
         return each
@@ -251,7 +251,7 @@ class VectorEnvWrapper(VectorEnv, Wrapper):
     def set_attr(self, name: str, values: Any) -> None:  # noqa: D102
         self.env.set_attr(name, values)
 
-    def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # noqa: D102
+    def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # type: ignore[override]  # noqa: D102
         return self.env.seed(seed if seeds is None else seeds)  # type: ignore[no-any-return]
 
     def close(self, **kwargs: Any) -> None:  # noqa: D102
@@ -312,15 +312,15 @@ class Lane:
         self.env.close()
 
 
-class NoCallError(error.Error, error.NoAsyncCallError):  # type: ignore[misc]
+class NoCallError(error.Error, error.NoAsyncCallError):
     """A result was requested before it was begun; `name` is the method that begins it."""
 
 
-class PendingCallError(error.Error, error.AlreadyPendingCallError):  # type: ignore[misc]
+class PendingCallError(error.Error, error.AlreadyPendingCallError):
     """Another result is pending; `name` is its method."""
 
 
-class ClosedError(error.Error, error.ClosedEnvironmentError):  # type: ignore[misc]
+class ClosedError(error.Error, error.ClosedEnvironmentError):
     """The vector is closed, or one of its processes has ended."""
 
 

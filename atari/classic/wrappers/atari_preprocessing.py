@@ -52,9 +52,10 @@ class AtariPreprocessing(Bridge):
         self.noop_max, self.frame_skip, self.screen_size = noop_max, frame_skip, screen_size
         self.terminal_on_life_loss, self.scale_obs = terminal_on_life_loss, scale_obs
         self.grayscale_obs, self.grayscale_newaxis = grayscale_obs, grayscale_newaxis
-        self._preprocessing: Any = self._wrapped.modern
-        self._see = self._preprocessing._get_obs
-        self._preprocessing._get_obs = self._get_obs  # a subclass may replace it
+        inner: Any = self._wrapped.modern
+        self._preprocessing: Any = inner
+        self._see = inner._get_obs
+        inner._get_obs = self._get_obs  # a subclass may replace it
 
     @property
     def ale(self) -> Any:

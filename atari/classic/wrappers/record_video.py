@@ -84,7 +84,7 @@ class RecordVideo(Wrapper):
         return observation
 
     def _step(self, action: Any) -> Step:
-        result = self.env.step(action)
+        result: Any = self.env.step(action)
         done = bool(result[2][0] if self.is_vector_env else result[2])  # of a vector, the first environment counts
         self.step_id += 1
         limit = False if self.is_vector_env else bool(result[3].get("TimeLimit.truncated", False))
@@ -98,7 +98,7 @@ class RecordVideo(Wrapper):
                 self.close_video_recorder()
         elif self._video_enabled():
             self.start_video_recorder()
-        return result
+        return result  # type: ignore[no-any-return]
 
     def _close(self) -> None:
         self.close_video_recorder()

@@ -1,6 +1,8 @@
 """Several environments at once: in this process, and in processes of their own."""
 
 import multiprocessing
+import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from typing import Any
@@ -10,7 +12,8 @@ import numpy as np
 import pytest
 
 import atari.classic as gym
-from atari.classic.vector import AsyncVectorEnv, SyncVectorEnv, VectorEnv
+from atari.classic.vector import AsyncVectorEnv, SyncVectorEnv, VectorEnv, VectorEnvWrapper
+from atari.classic.vector.utils import write_to_shared_memory
 
 
 class Counter(gym.Env):
@@ -164,3 +167,87 @@ def test_a_closed_vector_of_processes_is_an_error() -> None:
     envs.close(terminate=True)
     with pytest.raises(gymnasium.error.Error, match=r"^the vector is closed, or one of its processes has ended; "):
         envs.reset()
+
+
+def test_a_wrapper_of_vectors(kind: Any) -> None:
+    class Doubled(VectorEnvWrapper):
+        def step_wait(self, **options: Any) -> Any:
+            observations, rewards, dones, infos = self.env.step_wait(**options)
+            return observations, 2 * rewards, dones, infos
+
+    with closing(Doubled(kind([Counter, lambda: Counter(5)]))) as envs:
+        assert (envs.num_envs, envs.seed(1), envs.get_attr("end")) == (2, [[1], [2]], [2, 5])
+        assert envs.reset()["n"].tolist() == [[1], [2]]
+        assert envs.step([0, 1])[1].tolist() == [2, 6]
+        envs.set_attr("end", [7, 8])
+        assert envs.get_attr("end") == [7, 8]
+        with pytest.raises(ValueError, match=r"^there are 2 environments, got 1 values$"):
+            envs.set_attr("end", [7])
+    assert envs.env.closed
+    with pytest.raises(TypeError, match=r"^a VectorEnvWrapper goes around a vector"):
+        VectorEnvWrapper(Counter())  # type: ignore[arg-type]
+
+
+def test_a_pending_step() -> None:
+    with closing(AsyncVectorEnv([Counter] * 2)) as envs:
+        envs.reset()
+        envs.step_async([0, 1])
+        with pytest.raises(gymnasium.error.AlreadyPendingCallError, match=r"^step_async\(\) is not finished"):
+            envs.reset_async()
+        assert envs.step_wait(timeout=60)[1].tolist() == [0, 1]
+        with pytest.raises(gymnasium.error.NoAsyncCallError, match=r"^reset_wait\(\) came before reset_async\(\)"):
+            envs.reset_wait()
+
+
+def test_a_step_that_takes_too_long() -> None:
+    class Slow(Counter):
+        def step(self, action: Any) -> Any:
+            if action == 2:
+                threading.Event().wait()  # for ever
+            return super().step(action)
+
+    envs = AsyncVectorEnv([Slow, Slow])
+    envs.reset()
+    envs.step_async([0, 2])
+    with pytest.raises(multiprocessing.TimeoutError, match=r"^step_wait\(\) took longer than 0.01 seconds$"):
+        envs.step_wait(timeout=0.01)
+    envs.close(terminate=True)
+    assert not any(process.is_alive() for process in envs.processes)
+
+
+@pytest.mark.parametrize("is_shared", [False, True])
+def test_a_worker_of_a_script(is_shared: bool) -> None:
+    with closing(AsyncVectorEnv([Counter] * 2, worker=_worker, shared_memory=is_shared)) as envs:
+        envs.seed(1)
+        assert envs.reset()["n"].tolist() == [[1], [2]]
+        observations, rewards, dones, _ = envs.step([1, 2])
+        assert (observations["n"].tolist(), rewards.tolist(), dones.tolist()) == ([[2], [4]], [2, 4], [True, True])
+        with pytest.raises(ZeroDivisionError, match=r"^no action -1$"):
+            envs.step([-1, 0])
+
+
+def _worker(index: int, env_fn: Any, pipe: Any, parent_pipe: Any, shared_memory: Any, error_queue: Any) -> None:
+    """As in scripts for Gym 0.17 to 0.26; it does not begin new episodes."""
+    env = env_fn()
+    parent_pipe.close()
+
+    def shown(observation: Any) -> Any:
+        if shared_memory is None:
+            return observation
+        write_to_shared_memory(index, observation, shared_memory, env.observation_space)
+        return None
+
+    try:
+        while True:
+            command, data = pipe.recv()
+            if command == "close":
+                pipe.send((None, True))
+                break
+            if command == "step":
+                observation, *others = env.step(data)
+                pipe.send(((shown(observation), *others), True))
+            else:
+                pipe.send((shown(env.reset()) if command == "reset" else env.seed(data), True))
+    except Exception:
+        error_queue.put((index, *sys.exc_info()[:2]))
+        pipe.send((None, False))

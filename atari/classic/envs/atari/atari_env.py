@@ -168,7 +168,7 @@ class AtariEnv(Adapted):
 
     def _play(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         observation, *others = self._play_frames(action)
-        return self._seen(observation), *others  # type: ignore[return-value]
+        return self._seen(observation), *others
 
     def _play_frames(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         frames = self._frameskip

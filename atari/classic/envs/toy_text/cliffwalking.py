@@ -23,9 +23,10 @@ class CliffWalkingEnv(ToyText):
         super().__init__()
         if type(self)._calculate_transition_prob is CliffWalkingEnv._calculate_transition_prob:
             return
+        table: Any = self.P
         for state in range(self.nS):  # a subclass has other transitions
             place = np.array(np.unravel_index(state, self.shape))
-            self.P[state] = {
+            table[state] = {
                 action: self._calculate_transition_prob(place, list(delta))
                 for action, delta in POSITION_MAPPING.items()
             }
@@ -33,4 +34,5 @@ class CliffWalkingEnv(ToyText):
     def _calculate_transition_prob(self, current: Any, delta: Any) -> Any:
         """The transitions from (row, column) by a change of them; a subclass may replace it."""
         (move,) = (each for each, change in POSITION_MAPPING.items() if list(change) == list(delta))
-        return self.original._calculate_transition_prob(self.modern.unwrapped, current, move)
+        env: Any = self.modern.unwrapped
+        return self.original._calculate_transition_prob(env, current, move)
