@@ -112,7 +112,7 @@ def test_which_signatures_are_accepted(theirs: str, ours: str, problem: str | No
         (Fact("gym.wrappers.monitor", "Monitor.nothing", "attribute"), "missing"),
         (Fact("gym.wrappers.monitor", "Monitor.videos", "attribute"), None),
         (Fact("gym.wrappers.monitor", "Monitor", "base", "gym.core.ActionWrapper"), "not derived from gym.core.ActionWrapper"),
-        (Fact("gym.spaces.box", "Box.sample", "method", "(n)"), "argument 1 is mask, not n in (mask=None, probability=None)"),
+        (Fact("gym.spaces.utils", "flatdim", "function", "(n)"), "argument 1 is space, not n in (space)"),
         (Fact("gym.envs.classic_control.acrobot", "AcrobotEnv._terminal", "hook"), None),  # of the adapted class
     ],
 )  # fmt: skip

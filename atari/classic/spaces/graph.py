@@ -13,7 +13,7 @@ __all__ = ["Graph", "GraphInstance"]
 class Graph(gymnasium.spaces.Graph):
     """Graphs, as tuples `GraphInstance` of nodes, edges and the two nodes of each edge."""
 
-    def sample(
+    def sample(  # type: ignore[override]
         self, mask: Any = None, num_nodes: int = 10, num_edges: int | None = None, probability: Any = None
     ) -> GraphInstance:
         """Draw a graph.
@@ -25,15 +25,16 @@ class Graph(gymnasium.spaces.Graph):
             probability: probabilities of the elements of both spaces, instead of masks.
         """
         if mask is not None or probability is not None:
-            return super().sample(mask, probability, num_nodes, num_edges)
+            options = {} if probability is None else {"probability": probability}  # before 1.0 there were none
+            return super().sample(mask=mask, num_nodes=num_nodes, num_edges=num_edges, **options)
         if num_nodes < 1:
             raise ValueError(f"a graph has 1 node or more, got num_nodes={num_nodes}")
         most = num_nodes * (num_nodes - 1)
         count = num_edges if num_edges is not None else int(self.np_random.integers(most)) if most else 0
-        nodes = self._generate_sample_space(self.node_space, num_nodes)
+        nodes: Any = self._generate_sample_space(self.node_space, num_nodes)
         edges = self._generate_sample_space(self.edge_space, count)
         return GraphInstance(
-            None if nodes is None else nodes.sample(),
+            nodes.sample(),
             None if edges is None else edges.sample(),
             None if edges is None else self.np_random.integers(0, num_nodes, (count, 2), np.int32),
         )

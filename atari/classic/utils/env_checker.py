@@ -47,7 +47,7 @@ def check_env(env: Env, warn: bool = True, skip_render_check: bool = True) -> No
         logger.warn_once(f"agents learn best with actions within -1..1; {env} has another action space")
     modern = Modern(env)
     if type(env.unwrapped).seed is not Env.seed:
-        _check_modern(modern, skip_render_check=True, skip_close_check=True)
+        _check_modern(modern, skip_render_check=True)
     else:
         _check_results(modern)
     for mode in () if skip_render_check else env.metadata.get("render.modes", []):

@@ -81,9 +81,10 @@ def read_from_shared_memory(shared_memory: Any, space: Space[Any], n: int = 1) -
 
 def write_to_shared_memory(index: int, value: Any, shared_memory: Any, space: Space[Any]) -> None:
     """Write an element into shared memory, as number `index` of the batch."""
-    if isinstance(index, Space):  # (space, index, value, shared_memory), as in 0.26
-        index, value, shared_memory, space = value, shared_memory, space, index  # type: ignore[unreachable]
-    _modern.write_to_shared_memory(space, index, value, shared_memory)
+    given: tuple[Any, ...] = space, index, value, shared_memory
+    if isinstance(index, Space):  # in this order already, as in 0.26
+        given = index, value, shared_memory, space
+    _modern.write_to_shared_memory(*given)
 
 
 def write_several_to_shared_memory(index: int, values: Any, shared_memory: Any, space: Space[Any]) -> None:
