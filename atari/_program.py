@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import FrameType
 from typing import Any, TextIO, cast
 
@@ -112,6 +113,16 @@ def ctrl_c_as_event() -> Iterator[threading.Event]:
 
     with _on_ctrl_c("atari: stopping; Ctrl-C again stops at once", set_event):
         yield interrupted
+
+
+@contextlib.contextmanager
+def removed_at_ctrl_c(path: Path) -> Iterator[None]:
+    """Remove a file whose writing Ctrl-C cuts off."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        path.unlink(missing_ok=True)
+        raise
 
 
 @contextlib.contextmanager

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import atari
-from atari._program import ctrl_c_as_event
+from atari._program import ctrl_c_as_event, removed_at_ctrl_c
 from atari._progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
 from atari.cli.looks import Looks, add_looks
@@ -267,7 +267,8 @@ class _Outputs:
             frames = min(frames, math.ceil(seconds * frame_rate(replay.game)))
             part = {"stop": frames}
         for path in sorted(self.videos, key=is_picture):  # pictures last: their frame may be after the end
-            with ProgressBar(unit=" frames", total=frames, disable=is_picture(path) or None) as bar:
+            bar = ProgressBar(unit=" frames", total=frames, disable=is_picture(path) or None)
+            with bar, removed_at_ctrl_c(path):
                 replay.render(path, **self.looks.options(path), **part, progress=bar.update)
         return frames
 

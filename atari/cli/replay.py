@@ -8,6 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from atari._program import removed_at_ctrl_c
 from atari._progress import ProgressBar
 from atari.cli.arguments import Commands, add_command, number
 from atari.cli.looks import Looks, add_looks, best_or_number
@@ -135,7 +136,7 @@ def _render(args: argparse.Namespace) -> int:
     picture = is_picture(output)
     if options.get("frame") == "best":
         options["frame"], part = replay.best_frame(**part), {}
-    with ProgressBar(total=frames, unit=" frames", disable=picture or None) as bar:
+    with ProgressBar(total=frames, unit=" frames", disable=picture or None) as bar, removed_at_ctrl_c(output):
         replay.render(output, **options, **part, progress=bar.update)
     result: dict[str, Any] = {"file": args.file, "frames": 1 if picture else frames}
     if picture:

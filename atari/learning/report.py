@@ -105,8 +105,8 @@ def learning_curves(game: str, logs: Sequence[tuple[str, str, Sequence[Mapping[s
     text = io.StringIO()
     figure.savefig(text, format="svg")
     about = f"Mean score of the last {WINDOW} whole games, all lives, not clipped."
-    others = "Published curves are of other protocols, with the same number of frames." if published else ""
-    return f"<p>{about} {others}</p>\n<svg" + text.getvalue().partition("<svg")[2]
+    others = " Published curves are of other protocols, with the same number of frames." if published else ""
+    return f"<p>{about}{others}</p>\n<svg" + text.getvalue().partition("<svg")[2]
 
 
 def draw_published(axes: Any, game: str, most: float) -> int:

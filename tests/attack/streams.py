@@ -26,6 +26,7 @@ import atari
 from atari import cli, env_ids
 from atari.recording.video.formats import FORMATS
 
+LARGE = "20000"
 LONGEST = 8.0
 """Seconds after which a command that still runs gets Ctrl-C."""
 CPU_UNTIL_WORD, WALL_UNTIL_WORD = 2.0, 40.0
@@ -36,7 +37,7 @@ MEMORY = 6 << 30
 STATES = ("open", "closed", "full", "broken")
 PRIVATE = re.compile(r"incompatible function arguments|\bnanobind\b|\b_emulator\b|\batari\.(\w+\.)*_\w+")
 KEPT = {"runs", "differences"}
-"""Folders in which interrupted commands may leave files: what they hold is resumed or complete."""
+"""Folders in which interrupted commands may leave files: what they hold is resumed or complete. Replays play to their end."""
 
 
 @dataclass
@@ -75,17 +76,21 @@ def attack(seed: int) -> None:
 
 
 def draw(source: random.Random) -> Case:
-    words, errors = draw_words(source)
+    """A command line, and often one thing that it meets, because most of them end a command early."""
+    kind = source.choice(("streams", "variable", "early", "late", "late", "all"))
+    words, errors = draw_words(source, long=kind == "late")
     case = Case(words, group=source.random() < 0.5, errors=errors)
-    if source.random() < 0.5:
+    if kind in ("streams", "all"):
         for name in source.sample(("stdin", "stdout", "stderr"), source.choice((1, 1, 2, 3))):
             case.streams[name] = source.choice(STATES[1:])
-    if source.random() < 0.5:
+    if kind in ("variable", "all"):
         case.variables[source.choice(variables())] = draw_value(source)
-    if source.random() < 0.6:
-        case.signals = [source.uniform(0, source.choice((1.5, 1.5, 6.0)))]
+    if kind != "variable":
+        case.signals = [source.uniform(3.0, 7.0) if kind == "late" else source.uniform(0, 2.0)]
         while source.random() < 0.4:
             case.signals.append(case.signals[-1] + source.uniform(0, 0.4))
+    if kind == "streams" and source.random() < 0.8:
+        case.signals = []
     return case
 
 
@@ -108,7 +113,7 @@ def variables() -> tuple[str, ...]:
     module = find_spec("atari._emulator")
     assert module is not None
     assert module.origin is not None
-    found |= {name.decode() for name in re.findall(rb"\bATARI_[A-Z]+\b", Path(module.origin).read_bytes())}
+    found |= {name.decode() for name in re.findall(rb"\bATARI_[A-Z]+(?=\0)", Path(module.origin).read_bytes())}
     return tuple(sorted(found))
 
 
@@ -138,30 +143,42 @@ def programs() -> tuple[str, ...]:
     return tuple(sorted({*found} - {"atari"}))
 
 
-def draw_words(source: random.Random) -> tuple[list[str], int]:
-    """A command line, and the most errors that it may have: one, or one for each file of a list."""
-    if source.random() < 0.15:
+def draw_words(source: random.Random, long: bool) -> tuple[list[str], int]:
+    """A command line, and the most errors that it may have: one, or one for each file of a list.
+
+    A long one is likely to play for a long time: it has no options but numbers, which are large.
+    """
+    if source.random() < 0.15 and not long:
         module = source.choice(programs())
         words = source.choice(([], ["--help"], ["script.py"], ["nothing.py"], ["list"], ["pong", "--total-steps", "1"]))
         return [sys.executable, "-m", module, *words], 1
     script = Path(sys.executable).with_name("atari")
     begin = [str(script)] if script.exists() and source.random() < 0.5 else [sys.executable, "-m", "atari"]
-    if source.random() < 0.05:
+    if source.random() < 0.05 and not long:
         return [*begin, source.choice(("--version", "--help", "x", ""))], 1
-    words, parser = source.choice(commands())
+    name, parser = source.choice([each for each in commands() if not long or any(map(is_number, each[1]._actions))])
     given: list[str] = []
     errors = 1
     for action in parser._actions:
-        if action.option_strings and not action.required and source.random() > 0.12:
+        chosen = source.random() < (0.2 if long else 0.12) and (is_number(action) or not long)
+        if action.option_strings and not action.required and not chosen:
             continue
         if action.option_strings:
             given.append(source.choice(action.option_strings))
-        if action.nargs != 0:
+        if long and is_number(action):
+            given.append(LARGE)
+        elif action.nargs != 0:
             number = {"+": (1, 2), "*": (0, 1, 2), "?": (0, 1), argparse.REMAINDER: (2,)}.get(str(action.nargs), (1,))
             values = [draw_argument(source, action) for _ in range(source.choice(number))]
             errors = max(errors, len(values) if action.nargs == "+" else 1)
             given += values
-    return [*begin, *words, *given], errors
+    return [*begin, *name, *given], errors
+
+
+def is_number(action: argparse.Action) -> bool:
+    """Whether an option takes a large number, and no text."""
+    kind: Any = action.type
+    return bool(action.option_strings and kind not in (None, Path) and accepts(kind, LARGE) and not accepts(kind, "x"))
 
 
 def draw_argument(source: random.Random, action: argparse.Action) -> str:
@@ -226,7 +243,7 @@ def play(case: Case, folder: Path) -> Ended:
         if code is None:
             silent = silent or "it did not end after Ctrl-C"
     left = sorted(str(path.relative_to(work)) for path in work.rglob("*") if path.is_file())
-    left = [name for name in left if name != "script.py" and name.split("/")[0] not in KEPT]
+    left = [name for name in left if name != "script.py" and name.split("/")[0] not in KEPT and ".a26" not in name]
     return Ended(-9 if code is None else code, by_itself, silent, text(errors), left)
 
 
@@ -284,7 +301,8 @@ def stream(state: str, path: str, mode: str) -> Iterator[Any]:
 def faults(case: Case, ended: Ended) -> Iterator[str]:
     """What is wrong with an end."""
     outside = not re.search(r'File ".*/(atari|roms|wrappers)/.*\.py"', ended.errors)
-    early = not ended.by_itself and outside  # Python itself was starting, or the user's script was running
+    first = re.search(r'File ".*/atari/_start\.py"', ended.errors)  # the module that prepares the process for Ctrl-C
+    early = not ended.by_itself and bool(outside or first)  # Python itself was starting, or the user's script ran
     if ended.silent:
         yield ended.silent
     if "Traceback" in ended.errors and not early and 'File "script.py"' not in ended.errors:

@@ -22,7 +22,7 @@ from atari.cli import main  # noqa: E402
 from atari.files import durable  # noqa: E402
 from atari.learning import ReplayMemory, load_policy, record_games  # noqa: E402
 from atari.learning.command import Lines  # noqa: E402
-from atari.learning.report import draw_levels, finish  # noqa: E402
+from atari.learning.report import draw_levels, finish, learning_curves  # noqa: E402
 from atari.learning.run import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
 from atari.recording import Replay  # noqa: E402
@@ -489,6 +489,21 @@ def test_ctrl_c_saves_and_says_how_to_go_on(tmp_path: Path) -> None:
     assert training.wait() == 130, printed
     assert f"go on with `atari train --resume {tmp_path / 'run'}`" in printed
     assert Training.resume(tmp_path / "run").agent.steps >= 64
+
+
+def test_curves_say_what_is_drawn() -> None:
+    pytest.importorskip("matplotlib.figure")
+
+    def drawn(*scores: float, frames: float = 400.0) -> str:
+        rows = [{"frames": frames * number, "score": score} for number, score in enumerate(scores, 1)]
+        return learning_curves("breakout", [("this run", "red", rows)])
+
+    assert drawn(float("nan")) == "<p>No game has ended in the training, so there is no curve yet.</p>"
+    assert drawn() == drawn(float("nan"))
+    short, long = drawn(float("nan"), 3.0), drawn(1.0, 3.0, frames=20e6)
+    assert short.startswith("<p>Mean score of the last 100 whole games, all lives, not clipped.</p>\n<svg")
+    assert "Published curves" not in short
+    assert "Published curves are of other protocols" in long
 
 
 def test_a_human_far_above_the_curves_is_not_drawn() -> None:
