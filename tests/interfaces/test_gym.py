@@ -1,5 +1,8 @@
 """`atari.classic` has the interface of OpenAI Gym, and the comparison finds what would be missing."""
 
+import re
+from collections import Counter
+from functools import cache, partial
 from pathlib import Path
 
 import pytest
@@ -8,7 +11,12 @@ from interfaces import archive, facts
 from interfaces.__main__ import table
 from interfaces.compare import Ours, accepts, check, compare
 from interfaces.facts import Fact, merge, signature
+from interfaces.peers.gym import FILE
 from interfaces.reasons import Reason, tabulate
+
+gym_table = cache(partial(table, "gym"))
+
+PAGE = Path(__file__).parents[2] / "docs" / "classic.md"
 
 SOURCE = '''
 from enum import Enum
@@ -59,8 +67,18 @@ def package(tmp_path: Path) -> Path:
 
 
 def test_gym_has_nothing_that_is_missing_without_a_reason() -> None:
-    found = table("gym")
+    found = gym_table()
     assert not found.fails, f"\n{found}"
+
+
+def test_the_page_has_the_numbers() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    assert f"These are {len(facts.read(FILE)):,} facts" in page
+    counts = Counter[str]()
+    for reason, differences in gym_table().by_reason.items():
+        counts[str(reason).partition(":")[0]] += len(differences)
+    rows = re.findall(r"^\| (belongs|removed) .*\| (\d+) \|$", page, re.MULTILINE)
+    assert sorted(int(number) for _, number in rows) == sorted(counts.values())
 
 
 def test_facts_of_an_archive(package: Path) -> None:
