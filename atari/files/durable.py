@@ -4,6 +4,7 @@ Everything that must survive is written by the operations at the top of this mod
 stop trainings before some of them, drawn at random.
 """
 
+import errno
 import mmap
 import os
 from collections.abc import Iterator
@@ -62,83 +63,138 @@ def part_of(path: Path) -> Path:
     return path.with_name(path.name + ".part")
 
 
-def write_part(path: Path, data: bytes) -> Path:
+def check_target(path: Path) -> None:
+    """Check that a file can have this name.
+
+    Raises:
+        OSError: a folder, a device or a pipe has it, also through a symbolic link. Root could replace a device.
+    """
+    if path.exists() and not path.is_file():
+        number = errno.EISDIR if path.is_dir() else errno.EINVAL
+        raise OSError(number, "it is a folder, a device or a pipe; choose the name of a file", str(path))
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Give an OSError of the block the name of a file, unless it names another file than the successor.
+
+    Libraries name the successor, or no file, and their texts have addresses and times: the text is the system's.
+    """
+    try:
+        yield
+    except OSError as error:
+        if error.filename not in (None, str(part_of(path)), part_of(path)):
+            raise
+        number = error.errno or errno.EIO
+        raise OSError(number, os.strerror(number) if error.errno else str(error), str(path)) from error
+
+
+@contextmanager
+def _successor(path: Path) -> Iterator[Path]:
+    """The name of the successor of `path`, which an error of the block removes. An OSError names `path`."""
+    with naming(path):
+        try:
+            yield part_of(path)
+        except BaseException:
+            discard(path)
+            raise
+
+
+def discard(path: Path) -> None:
+    """Remove the successor of `path`, if there is one and the disk lets it go."""
+    with suppress(OSError):
+        remove(part_of(path))
+
+
+def begin(path: Path) -> Path:
+    """Make an empty successor of `path` and return its name. `publish` or `discard` ends it.
+
+    Raises:
+        OSError: the file cannot be created; `path` is as it was.
+    """
+    check_target(path)
+    with _successor(path) as part:
+        remove(part)  # if it is a link, its target does not change
+        os.close(os.open(part, os.O_WRONLY | _NEW, 0o666))
+    return part
+
+
+def write_part(path: Path, data: bytes, *, lasting: bool = True) -> Path:
     """Write the successor of `path`, and wait until it is on the disk. `publish` gives it its name.
+
+    Args:
+        path: the file.
+        data: its bytes.
+        lasting: False does not wait. A loss of power can then leave an incomplete file, a kill or a full disk cannot.
 
     Raises:
         OSError: the disk is full, for example; `path` is as it was.
     """
-    part = part_of(path)
-    try:
-        remove(part)  # if it is a link, its target does not change
+    check_target(path)
+    with _successor(path) as part:
+        remove(part)
         file = os.open(part, os.O_WRONLY | _NEW, 0o666)
         try:
             left = memoryview(data)
             while left:
                 left = left[write(file, left) :]
-            sync(file)
+            if lasting:
+                sync(file)
         finally:
             os.close(file)
-        sync_folder(path.parent)
-    except OSError:
-        with suppress(OSError):
-            remove(part)
-        raise
+        if lasting:
+            sync_folder(path.parent)
     return part
 
 
-def publish(path: Path) -> None:
-    """Replace `path` by its successor, and wait until that is on the disk.
+def publish(path: Path, *, lasting: bool = True) -> None:
+    """Replace `path` by its successor, and wait until that is on the disk, see `write_part`.
 
     Raises:
         OSError: the name cannot be given; `path` is as it was, and the successor is removed.
     """
-    try:
-        replace(part_of(path), path)
-    except OSError:
-        with suppress(OSError):
-            remove(part_of(path))
-        raise
-    sync_folder(path.parent)
+    with _successor(path) as part:
+        replace(part, path)
+    if lasting:
+        sync_folder(path.parent)
 
 
-def write_file(path: Path, data: bytes) -> None:
-    """Replace `path` by a file with `data`, or leave it as it was.
+def write_file(path: Path, data: bytes, *, lasting: bool = True) -> None:
+    """Replace `path` by a file with `data`, or leave it as it was. See `write_part`.
 
     Raises:
         OSError: the disk is full, for example; `path` is as it was.
     """
-    write_part(path, data)
-    publish(path)
+    write_part(path, data, lasting=lasting)
+    publish(path, lasting=lasting)
 
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """The name for a file that a library writes; the file replaces `path` when the block ends without an error."""
-    part = part_of(path)
-    remove(part)
-    try:
+    """The name for a file that a library writes; the file replaces `path` when the block ends without an error.
+
+    Raises:
+        OSError: the file cannot be written; `path` is as it was.
+    """
+    begin(path)
+    with _successor(path) as part:
         yield part
         file = os.open(part, os.O_RDWR | getattr(os, "O_NOFOLLOW", 0))
         try:
             sync(file)
         finally:
             os.close(file)
-        publish(path)
-    except Exception:
-        with suppress(OSError):
-            remove(part)
-        raise
+    publish(path)
 
 
-def create(path: Path) -> FileIO:
-    """A new, empty file in place of `path`, without a buffer, for a recording: a kill leaves its beginning.
+def start_recording(path: Path, beginning: bytes) -> FileIO:
+    """Replace `path` by a file with `beginning`, and open it, without a buffer: a kill leaves what was written.
 
     Raises:
-        OSError: the file cannot be created.
+        OSError: the disk is full, for example; `path` is as it was.
     """
-    remove(path)  # if it is a link, its target does not change
-    return FileIO(os.open(path, os.O_WRONLY | _NEW, 0o666), "wb")
+    write_file(path, beginning)
+    return FileIO(open_to_append(path), "ab")
 
 
 def append(path: Path, data: bytes) -> None:
@@ -150,12 +206,13 @@ def append(path: Path, data: bytes) -> None:
     file = open_to_append(path)
     try:
         size = os.fstat(file).st_size
-        try:
-            if write(file, data) != len(data):
-                raise OSError(f"no room for {len(data)} bytes in {path}")
-        except OSError:
-            truncate(file, size)
-            raise
+        with naming(path):
+            try:
+                if write(file, data) != len(data):
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            except BaseException:
+                truncate(file, size)
+                raise
     finally:
         os.close(file)
 

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from atari._extras import import_extra, pip_install
 from atari.files import durable, json_text
+from atari.files.writer_process import write_apart
 from atari.lab.labels import Labels
 from atari.recording.datasets import NO_STEPS, check_new_dataset, import_minari, write_minari
 from atari.recording.episodes import EpisodeArrays, Source, facts_of_replays, load_replays, replayed_episodes
@@ -33,6 +34,7 @@ _OWN_FACTS = {"columns", "game", "labels", "options", "sha256"}
 _CHECKED: dict[str, Any] = {"fletcher32": True}
 _GZIP: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, **_CHECKED}
 _HDF5_VERSION = "v110"  # the oldest format with checksums of groups and attributes
+_PORTION = 1 << 24  # bytes that the process that writes HDF5 has in memory
 
 
 def write_dataset(
@@ -122,8 +124,7 @@ def write_dataset(
 
     if format == "minari":
         infos = (replace(episode, infos={**episode.infos, **values}) for episode, values in episodes())
-        written = write_minari(infos, os.fspath(output), loaded[0], "dict", core=core, image=frames, metadata={})
-        written.storage.update_metadata(_as_json(said))
+        write_minari(infos, os.fspath(output), loaded[0], "dict", core=core, image=frames, facts=_as_json(said))
     else:
         write = _write_parquet if format == "parquet" else _write_hdf5
         described = {name: asdict(named.game.ram_labels[name]) for name in named.names}
@@ -255,20 +256,30 @@ def _as_json(facts: Mapping[str, Any]) -> dict[str, str]:
     return {name: json.dumps(value) for name, value in facts.items()}
 
 
-def _write_hdf5(h5py: Any, file: Path, facts: Mapping[str, str], episodes: Numbered) -> None:
-    with h5py.File(file, "w", libver=_HDF5_VERSION) as root:
-        root.attrs.update(json_text.seal(facts))
-        for number, (episode, values) in episodes:
-            group = root.create_group(f"episode_{number}")
-            frames = episode.observations["image"]
-            group.create_dataset("frames", data=frames, chunks=(1, *frames.shape[1:]), **_GZIP)
-            group.create_dataset("ram", data=episode.observations["ram"], **_GZIP)
-            for name in ("actions", "rewards", "terminations", "truncations"):
-                group.create_dataset(name, data=getattr(episode, name), **_CHECKED)
-            for kind, columns in values.items():
-                part = group.create_group(kind)
-                for name, column in columns.items():
-                    part.create_dataset(name, data=column, **_GZIP)
+def _write_hdf5(_: Any, file: Path, facts: Mapping[str, str], episodes: Numbered) -> None:
+    arguments = {"path": os.fspath(file), "facts": json_text.seal(facts), "version": _HDF5_VERSION}
+    write_apart("hdf5", arguments, _hdf5_parts(episodes))
+
+
+def _hdf5_parts(episodes: Numbered) -> Iterator[tuple[str, Any]]:
+    """The groups and datasets of episodes, in portions; see `atari.files.writer_process`."""
+    for number, (episode, values) in episodes:
+        group = f"episode_{number}"
+        frames = episode.observations["image"]
+        yield from _portions(f"{group}/frames", frames, {"chunks": (1, *frames.shape[1:]), **_GZIP})
+        yield from _portions(f"{group}/ram", episode.observations["ram"], _GZIP)
+        for name in ("actions", "rewards", "terminations", "truncations"):
+            yield from _portions(f"{group}/{name}", getattr(episode, name), _CHECKED)
+        for kind, columns in values.items():
+            yield f"{group}/{kind}", None
+            for name, column in columns.items():
+                yield from _portions(f"{group}/{kind}/{name}", column, _GZIP)
+
+
+def _portions(name: str, array: npt.NDArray[Any], options: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    rows = max(1, _PORTION // max(1, array[0].nbytes))
+    for first in range(0, len(array), rows):
+        yield name, (array.shape, first, array[first : first + rows], options)
 
 
 def _write_parquet(parquet: Any, file: Path, facts: Mapping[str, str], episodes: Numbered) -> None:

@@ -5,9 +5,10 @@ because Minari's JPEG encoding is off.
 """
 
 import json
-import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from gymnasium.envs.registration import EnvSpec, WrapperSpec
@@ -15,6 +16,8 @@ from gymnasium.envs.registration import EnvSpec, WrapperSpec
 from atari._extras import import_extra, install_extra
 from atari.env import ObsType
 from atari.env_ids import stem
+from atari.files import durable
+from atari.files.writer_process import write_apart
 from atari.recording.episodes import (
     DatasetObsType,
     EpisodeArrays,
@@ -77,9 +80,8 @@ def to_minari(
     import_minari()
     loaded = load_replays(replays)
     episodes = replayed_episodes(loaded, obs_type, core)
-    written = write_minari(episodes, dataset_id, loaded[0], obs_type, core=core, metadata=metadata)
-    written.storage.update_metadata({name: json.dumps(value) for name, value in facts_of_replays(loaded).items()})
-    return written
+    facts = {name: json.dumps(value) for name, value in facts_of_replays(loaded).items()}
+    return write_minari(episodes, dataset_id, loaded[0], obs_type, core=core, facts=facts, options=metadata)
 
 
 def write_minari(
@@ -90,30 +92,44 @@ def write_minari(
     *,
     core: str = "native",
     image: ObsType | None = None,
-    metadata: Mapping[str, Any],
+    facts: Mapping[str, str],
+    options: Mapping[str, Any] | None = None,
 ) -> Any:
-    """Write the episodes of replays as `to_minari` does. `replay` is one of them; see `replay_env` for `image`."""
+    """Write the episodes of replays as `to_minari` does, and return the dataset.
+
+    Args:
+        episodes: the episodes.
+        dataset_id: the name.
+        replay: one of the replays.
+        obs_type, core, image: see `replay_env`.
+        facts: added to the metadata.
+        options: passed to `minari.create_dataset_from_buffers`.
+    """
     minari = import_minari()
     check_new_dataset(minari, dataset_id)
-    env = replay_env(replay, obs_type, core, image)
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", module="minari")  # it warns of missing metadata
-        try:
-            buffers = (minari.data_collector.EpisodeBuffer(**vars(episode)) for episode in episodes)
-            first = next(buffers, None)
-            if first is None:
-                raise ValueError(NO_STEPS)
-            return minari.create_dataset_from_buffers(
-                dataset_id,
-                chain([first], buffers),
-                env=_spec(replay, obs_type, image),
-                observation_space=env.observation_space,
-                action_space=env.action_space,
-                jpeg_encoding=False,
-                **metadata,
-            )
-        finally:
-            env.close()
+    first = next(episodes, None)
+    if first is None:
+        raise ValueError(NO_STEPS)
+    with replay_env(replay, obs_type, core, image) as env:
+        spaces = {"observation_space": env.observation_space, "action_space": env.action_space}
+    made = {"env": _spec(replay, obs_type, image), **spaces, "jpeg_encoding": False, **(options or {})}
+    root = minari.storage.datasets_root_dir.get_dataset_path("")
+    with durable.naming(root / dataset_id):
+        # Minari's lists leave out names with a dot. The dataset gets its name when it is complete.
+        with TemporaryDirectory(prefix=".", suffix=".part", dir=root, ignore_cleanup_errors=True) as folder:
+            arguments = {"folder": folder, "dataset_id": dataset_id, "options": made, "facts": dict(facts)}
+            write_apart("minari", arguments, (vars(episode) for episode in chain([first], episodes)))
+            _move(Path(folder), root)
+    return minari.load_dataset(dataset_id)
+
+
+def _move(source: Path, target: Path) -> None:
+    """Move what is in a folder into another one, whose own files stay."""
+    for entry in source.iterdir():
+        if not (target / entry.name).exists():
+            entry.rename(target / entry.name)
+        elif entry.is_dir():
+            _move(entry, target / entry.name)
 
 
 def _spec(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None) -> EnvSpec:

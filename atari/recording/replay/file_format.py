@@ -169,8 +169,8 @@ class ReplayFileWriter:
         if self.path.suffix.lower() != SUFFIX:
             raise ValueError(f"the name of a replay must end in {SUFFIX!r}, got {str(path)!r}")
         self.path.parent.mkdir(parents=True, exist_ok=True)
-        self._file = durable.create(self.path)
-        self._put(magic.REPLAY + _chunk(b"H", _json({"format": FORMAT, **header})))
+        beginning = magic.REPLAY + _chunk(b"H", _json({"format": FORMAT, **header}))
+        self._file = durable.start_recording(self.path, beginning)
 
     def play(self, play: PlayChunk) -> None:
         """Append a chunk of play."""

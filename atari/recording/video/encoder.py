@@ -1,7 +1,7 @@
 """The encoders of frames and sound: a file written by FFmpeg, or a sequence of PNG files."""
 
+from contextlib import closing, suppress
 from fractions import Fraction
-from io import BufferedWriter
 from pathlib import Path
 from typing import Any
 
@@ -24,23 +24,34 @@ _LIMITED_RANGE = 1
 class FFmpegEncoder:
     """A container of FFmpeg with a video stream and, with sound, an audio stream.
 
+    The file gets its name when it has a second of frames, or when it is complete: an earlier file of the name stays
+    until there is something in its place.
+
     Raises:
         gymnasium.error.DependencyNotInstalled: PyAV is not installed.
         OSError: the file cannot be written.
     """
 
     def __init__(self, options: VideoOptions, comment: str = "") -> None:
-        format, rate = options.format, options.rate
         self._path = path = options.path
-        self._av = av = import_av()
+        self._av = import_av()
         path.parent.mkdir(parents=True, exist_ok=True)
-        durable.create(path).close()  # PyAV reports an unwritable file only at the first frame, and follows links
+        part = durable.begin(path)  # PyAV reports an unwritable file only at the first frame, and follows links
+        try:
+            self._open(part, options, comment)
+        except BaseException:
+            durable.discard(path)
+            raise
+
+    def _open(self, part: Path, options: VideoOptions, comment: str) -> None:
+        format, rate, av = options.format, options.rate, self._av
         container_options = dict(format.container_options)
         if format.container == "gif":  # without it, the last frame of slow motion would end at once
             container_options["final_delay"] = str(max(2, round(100 / rate)))
-        self._container = av.open(f"file:{path}", "w", format=format.container, options=container_options)
+        self._container = av.open(f"file:{part}", "w", format=format.container, options=container_options)
         if comment:
             self._container.metadata["comment"] = comment
+        self._rate = rate
         shown = rate if format.max_rate is None else Fraction(format.max_rate)
         self._ticks_per_frame = shown / rate
         self._stream = self._container.add_stream(format.codec, rate=shown, options=dict(format.codec_options))
@@ -56,6 +67,7 @@ class FFmpegEncoder:
             self._sound = AudioEncoder(av, self._container, format, rate)
         self._frames = 0
         self._last_tick = -1
+        self._named = False
 
     def write(self, image: ByteArray, samples: ByteArray | None) -> None:
         """Append an image, (height, width, 3) or smaller for a format that enlarges, and its sound.
@@ -71,6 +83,10 @@ class FFmpegEncoder:
             self._container.mux(self._stream.encode(frame))
         if self._sound is not None:
             self._container.mux(self._sound.write(samples))
+        if not self._named and self._frames > self._rate:
+            with suppress(PermissionError):  # Windows does not rename an open file; `close` does
+                durable.publish(self._path, lasting=False)
+                self._named = True
 
     def _encodable(self, image: ByteArray) -> Any:
         if self._palette is not None:
@@ -84,15 +100,20 @@ class FFmpegEncoder:
 
     def close(self, *, broken: bool = False) -> None:
         """Complete the file. A broken one is closed without flushing, because FFmpeg can crash after a failed write."""
+        whole = self._frames > 0 and not broken
         try:
-            if self._frames and not broken:
-                self._container.mux(self._stream.encode(None))
-                if self._sound is not None:
-                    self._container.mux(self._sound.finish())
-        finally:
-            self._container.close()
-            if not self._frames:
-                self._path.unlink()
+            with closing(self._container):
+                if whole:
+                    self._container.mux(self._stream.encode(None))
+                    if self._sound is not None:
+                        self._container.mux(self._sound.finish())
+        except BaseException:
+            durable.discard(self._path)
+            raise
+        if not whole:
+            durable.discard(self._path)
+        elif not self._named:
+            durable.publish(self._path, lasting=False)
 
 
 class PngEncoder:
@@ -110,8 +131,7 @@ class PngEncoder:
         """Write the next file."""
         _, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
         path = self._path if is_picture(self._path) else self._path.with_name(self._path.name % self._frames)
-        with BufferedWriter(durable.create(path)) as file:
-            file.write(data.tobytes())
+        durable.write_file(path, data.tobytes(), lasting=False)  # waiting for the disk would take longer than the frame
         self._frames += 1
 
     def close(self, *, broken: bool = False) -> None:
