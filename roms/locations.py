@@ -17,6 +17,7 @@ from pathlib import Path
 from platformdirs import user_data_path
 
 from atari._variables import value
+from atari.files import durable
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms.image import LIMIT, md5, read_image
@@ -158,7 +159,8 @@ def _create(target: Path, image: bytes) -> None:
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_name(f".{target.stem}.{uuid.uuid4().hex}")
     try:
-        part.write_bytes(image)
+        with durable.naming(target):
+            part.write_bytes(image)
         try:
             target.hardlink_to(part)  # unlike a rename, this never replaces a file
         except FileExistsError:

@@ -142,7 +142,12 @@ class VideoRecorder:
         self.encoder = encoder
         self.metadata["frames_per_second"] = float(self.frames_per_sec)
         self.metadata["encoder_version"] = encoder.version_info
-        self.write_metadata()
+        try:
+            self.write_metadata()
+        except BaseException:
+            self.encoder = None
+            encoder.close()  # a video without a frame leaves no file
+            raise
 
     def _add(self, frame: Any) -> None:
         assert self.encoder is not None

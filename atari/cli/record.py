@@ -2,7 +2,6 @@
 
 import argparse
 import math
-import shutil
 import sys
 import tempfile
 import time
@@ -21,6 +20,7 @@ from atari.cli.looks import Looks, add_looks
 from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
 from atari.cli.policies import PolicySession, find_played, games_of, replay_of
 from atari.cli.printing import print_json
+from atari.files import durable
 from atari.games.game import Game
 from atari.learning import load_policy
 from atari.learning.evaluation.played import says_nothing
@@ -258,7 +258,7 @@ class _Outputs:
         for path in self.replays:
             if path != replay.path:
                 path.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy(replay.path, path)
+                durable.write_file(path, replay.path.read_bytes())
         frames, part = replay.frames_total, dict[str, Any]()
         if self.best:
             part = {"episode": "best"}

@@ -1,7 +1,7 @@
-"""HDF5 writes in a process of its own: after one failed write, such as on a full disk, HDF5 ends its process by a signal.
+"""HDF5 writes in a process of its own: after a failed write, such as on a full disk, HDF5 ends its process by a signal.
 
 `write_apart` starts the process, which runs this file as a script. It imports nothing else of the package, so that it
-starts in a third of a second. It gets the data through a pipe, reports the first error, and ends without HDF5's own end.
+starts in a third of a second. It gets the data through a pipe, and reports the first error.
 """
 
 import os
@@ -11,8 +11,9 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from itertools import chain
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NoReturn
 
 _ERRNO = re.compile(r"errno = (\d+)")  # in the texts of HDF5's errors, some of which are no OSError
 
@@ -42,6 +43,7 @@ def write_apart(writer: str, arguments: Mapping[str, Any], items: Iterable[Any])
         **flags,
     )
     assert process.stdin is not None
+    assert process.stdout is not None
     try:
         try:
             pickle.dump([os.path.abspath(entry) for entry in sys.path], process.stdin)
@@ -51,20 +53,14 @@ def write_apart(writer: str, arguments: Mapping[str, Any], items: Iterable[Any])
             process.stdin.close()
         except BrokenPipeError:  # the other process has an error to report, or has ended
             pass
-        _raise_report(process)
-    except BaseException:
-        process.kill()
-        process.communicate()
-        raise
-
-
-def _raise_report(process: "subprocess.Popen[bytes]") -> None:
-    """Wait for the end of the process, and raise the error that it reports."""
-    assert process.stdout is not None
-    data = process.stdout.read()
-    process.stdout.close()
-    status = process.wait()
-    error = pickle.loads(data) if data else OSError(f"the process that wrote it has ended with status {status}")
+        data, status = process.stdout.read(), process.wait()
+    finally:
+        process.kill()  # after an error of `items` or Ctrl-C
+        process.wait()
+        for pipe in (process.stdin, process.stdout):
+            with suppress(OSError):  # what it has not read
+                pipe.close()
+    error = pickle.loads(data) if data else OSError(f"HDF5 could not write, and its process has ended ({status})")
     if error is not None:
         raise error
 
@@ -113,20 +109,36 @@ WRITERS: Mapping[str, Callable[..., None]] = {"hdf5": _hdf5, "minari": _minari}
 """The functions that write, by name."""
 
 
-def _main(source: BinaryIO, report: int) -> None:
+def _main(source: BinaryIO, output: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.dup2(2, 1)  # a library's text on stdout is no report
-    ignored: list[BaseException] = []
-    sys.unraisablehook = lambda args: ignored.append(args.exc_value or OSError(str(args.err_msg)))
-    error: BaseException | None = None
+
+    def end(error: BaseException | None) -> NoReturn:
+        os.write(output, pickle.dumps(_reported(error)))
+        os._exit(0)  # HDF5's own end would try once more to write what it could not, and crash
+
     try:
         sys.path[:] = pickle.load(source)
+        _end_at_first_error(end)
         writer, arguments = pickle.loads(pickle.load(source))
         WRITERS[writer](iter(lambda: pickle.load(source), None), **arguments)
-    except BaseException as raised:
-        error = raised
-    os.write(report, pickle.dumps(_reported(next(iter(ignored), error))))
-    os._exit(0)  # HDF5 would try once more to write what it could not, and crash
+    except BaseException as error:
+        end(error)
+    end(None)
+
+
+def _end_at_first_error(end: Callable[[BaseException], NoReturn]) -> None:
+    """Let HDF5 end the process at its first error: to close the file after it can crash."""
+    import h5py
+
+    def leave(file: Any, _: object, error: BaseException | None, __: object) -> None:
+        if error is not None:
+            end(error)
+        file.flush()
+        file.close()
+
+    h5py.File.__exit__ = leave
+    sys.unraisablehook = lambda args: end(args.exc_value or OSError(str(args.err_msg)))  # of objects that are freed
 
 
 def _reported(error: BaseException | None) -> BaseException | None:

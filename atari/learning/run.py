@@ -359,7 +359,6 @@ class RunFolder:
 
     def close(self) -> None:
         """Close the log, and unlock the folder. A memory must be closed before."""
-        self._log.close()
         if self._lock is None:
             return
         if self.memory is not None:

@@ -2,15 +2,20 @@
 
 import csv
 import io
+import os
+import socket
+import time
 import warnings
 from collections.abc import Mapping
+from itertools import count
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from atari.files import durable
 from atari.validation import check_file
+
+_NUMBERS = count()  # of the files of this process
 
 
 class RunLog:
@@ -20,7 +25,7 @@ class RunLog:
         self._folder, self._file = folder, folder / "log.csv"
         self._rows: list[Mapping[str, float]] = []
         self._columns: list[str] = []
-        self._board: Any = None
+        self._events = _EventFile(folder)
 
     def add(self, row: Mapping[str, float]) -> None:
         """Add a row. The first row names the columns.
@@ -37,26 +42,14 @@ class RunLog:
             if not isinstance(value, (int, float, np.number, np.bool_)):
                 raise TypeError(f"column {name!r} of the log takes a number, or math.nan for none, got {value!r}")
         self._rows.append(dict(row))
+        self._events.add(row)
         try:
             empty = not self._file.exists() or not self._file.stat().st_size
             durable.append(self._file, _text(self._columns, self._rows, header=empty))
             self._rows.clear()
-            self._add_to_board(row)
+            self._events.write()
         except OSError as error:
             warnings.warn(f"the log is kept in memory until there is room: {error}", RuntimeWarning, stacklevel=3)
-
-    def _add_to_board(self, row: Mapping[str, float]) -> None:
-        if self._board is None:
-            try:
-                from torch.utils.tensorboard import SummaryWriter  # tensorboard takes a second to import
-            except ImportError:
-                self._board = False
-            else:
-                self._board = SummaryWriter(str(self._folder), purge_step=int(row["step"]))
-        if self._board:
-            for name, value in row.items():
-                if name != "step" and np.isfinite(value):
-                    self._board.add_scalar(name, value, int(row["step"]))
 
     def sync(self) -> None:
         """Wait until all rows are on the disk."""
@@ -69,10 +62,51 @@ class RunLog:
         rows = [row for row in read_rows(self._file) if row["step"] <= step]
         durable.write_file(self._file, _text(list(rows[0]), rows, header=True) if rows else b"")
 
-    def close(self) -> None:
-        """Close TensorBoard's file."""
-        if self._board:
-            self._board.close()
+
+class _EventFile:
+    """TensorBoard's file of events. TensorBoard's own writer drops all events after a full disk, and cuts the last."""
+
+    def __init__(self, folder: Path) -> None:
+        name = f"events.out.tfevents.{time.time():010.0f}.{socket.gethostname()}.{os.getpid()}.{next(_NUMBERS)}"
+        self._file = folder / name
+        self._waiting = io.BytesIO()
+        self._empty = True
+
+    def add(self, row: Mapping[str, float]) -> None:
+        """Add the values of a row to the events that wait; without effect if TensorBoard is not installed."""
+        try:
+            from tensorboard.compat.proto.event_pb2 import Event, SessionLog  # tensorboard takes a second to import
+            from tensorboard.compat.proto.summary_pb2 import Summary
+            from tensorboard.summary.writer.record_writer import RecordWriter
+        except ImportError:
+            return
+        now, step = time.time(), int(row["step"])
+        values = [
+            Summary.Value(tag=name, simple_value=value)
+            for name, value in row.items()
+            if name != "step" and np.isfinite(value)
+        ]
+        events = [Event(wall_time=now, step=step, summary=Summary(value=values))]
+        if self._empty:  # the second event makes TensorBoard drop what an earlier file has from this step on
+            start = SessionLog(status=SessionLog.START)
+            events[:0] = [
+                Event(wall_time=now, step=step, file_version="brain.Event:2"),
+                Event(wall_time=now, step=step, session_log=start),
+            ]
+            self._empty = False
+        writer = RecordWriter(self._waiting)
+        for event in events:
+            writer.write(event.SerializeToString())
+
+    def write(self) -> None:
+        """Write the events that wait.
+
+        Raises:
+            OSError: the disk is full, for example; the events wait.
+        """
+        if self._waiting.tell():
+            durable.append(self._file, self._waiting.getvalue())
+            self._waiting = io.BytesIO()
 
 
 def read_rows(file: Path) -> list[dict[str, float]]:

@@ -114,12 +114,14 @@ def write_minari(
         spaces = {"observation_space": env.observation_space, "action_space": env.action_space}
     made = {"env": _spec(replay, obs_type, image), **spaces, "jpeg_encoding": False, **(options or {})}
     root = minari.storage.datasets_root_dir.get_dataset_path("")
-    with durable.naming(root / dataset_id):
-        # Minari's lists leave out names with a dot. The dataset gets its name when it is complete.
-        with TemporaryDirectory(prefix=".", suffix=".part", dir=root, ignore_cleanup_errors=True) as folder:
-            arguments = {"folder": folder, "dataset_id": dataset_id, "options": made, "facts": dict(facts)}
-            write_apart("minari", arguments, (vars(episode) for episode in chain([first], episodes)))
-            _move(Path(folder), root)
+    with (
+        durable.naming(root / dataset_id),
+        # The dataset gets its name when it is complete: Minari's lists leave out names that begin with a dot.
+        TemporaryDirectory(prefix=".", suffix=".part", dir=root, ignore_cleanup_errors=True) as folder,
+    ):
+        arguments = {"folder": folder, "dataset_id": dataset_id, "options": made, "facts": dict(facts)}
+        write_apart("minari", arguments, (vars(episode) for episode in chain([first], episodes)))
+        _move(Path(folder), root)
     return minari.load_dataset(dataset_id)
 
 

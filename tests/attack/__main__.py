@@ -21,6 +21,7 @@ ATTACKERS = tuple(
         path.stem for path in Path(__file__).parent.glob("*.py") if "\ndef attack(" in path.read_text(encoding="utf-8")
     )
 )
+REPORT_MISSING = ("disks",)  # they have a function `missing`, which says what is not played here, and why
 NEED_TORCH = ("crashes", "runs")
 HANGS_AFTER = 60.0  # seconds without a new seed
 
@@ -41,6 +42,10 @@ def main() -> int:
     if not arguments.attackers and importlib.util.find_spec("torch") is None:
         names = [name for name in ATTACKERS if name not in NEED_TORCH]
         print(f"{', '.join(NEED_TORCH)}: NOT run, because they need PyTorch", flush=True)
+    for name in () if arguments.seed is not None or arguments.until is not None else names:
+        if name in REPORT_MISSING:
+            for line in importlib.import_module(f"attack.{name}").missing():
+                print(f"{name}: NOT played: {line}", flush=True)
     with tempfile.TemporaryDirectory() as home:
         os.environ.update(HOME=home, XDG_DATA_HOME=home)  # your own ROM files stay out of it
         return run(arguments, names)

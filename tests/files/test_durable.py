@@ -35,7 +35,7 @@ def test_half_a_write_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(durable, "write", lambda file, data: os.write(file, data[:2]))
     durable.write_file(tmp_path / "a", b"twelve bytes")
     assert (tmp_path / "a").read_bytes() == b"twelve bytes"
-    with pytest.raises(OSError, match="No space left on device: .*a'"):
+    with pytest.raises(OSError, match="No space left on device"):
         durable.append(tmp_path / "a", b"and")
     assert (tmp_path / "a").read_bytes() == b"twelve bytes"
 

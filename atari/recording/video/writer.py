@@ -221,7 +221,9 @@ class VideoWriter:
         if not isinstance(error, OSError):
             return error
         number = error.errno or errno.EIO
-        return OSError(number, f"{os.strerror(number)}; incomplete, after {self.frames:,} frames", str(self.path))
+        return OSError(
+            number, f"{error.strerror or os.strerror(number)}; incomplete, after {self.frames:,} frames", str(self.path)
+        )
 
     def __enter__(self) -> "VideoWriter":
         return self

@@ -163,8 +163,21 @@ def test_file_is_playable_after_an_exception(tmp_path: Path) -> None:
 
 def test_no_screen_no_file(tmp_path: Path) -> None:
     with VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC):
-        assert (tmp_path / "a.mp4").exists()
-    assert not (tmp_path / "a.mp4").exists()
+        assert not (tmp_path / "a.mp4").exists()
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_older_video_is_there_until_a_second_is_written(tmp_path: Path) -> None:
+    path = tmp_path / "a.mp4"
+    path.write_bytes(b"older")
+    with VideoWriter(path, (16, 16), 10, scale=1) as video:
+        for _ in range(10):
+            assert path.read_bytes() == b"older"
+            video.write(np.zeros((16, 16, 3), np.uint8))
+        video.write(np.zeros((16, 16, 3), np.uint8))
+        assert path.read_bytes() != b"older"
+        assert [one.name for one in tmp_path.iterdir()] == ["a.mp4"]
+    assert len(video_frames(path)) == 11
 
 
 def test_missing_folders_are_made_and_an_old_file_replaced(tmp_path: Path) -> None:
