@@ -146,7 +146,8 @@ class VideoRecorder:
             self.write_metadata()
         except BaseException:
             self.encoder = None
-            encoder.close()  # a video without a frame leaves no file
+            if isinstance(encoder, ImageEncoder):
+                encoder.close()  # a video without a frame leaves no file
             raise
 
     def _add(self, frame: Any) -> None:

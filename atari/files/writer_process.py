@@ -36,7 +36,7 @@ def write_apart(writer: str, arguments: Mapping[str, Any], items: Iterable[Any])
     if os.name == "nt":
         flags = {"creationflags": getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)}
     process = subprocess.Popen(
-        [sys.executable, "-I", __file__],
+        [sys.executable, "-IB", __file__],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,

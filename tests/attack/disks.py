@@ -54,7 +54,10 @@ def check(name: str, disk: dict[str, Any], size: int, older: bool) -> None:
     case = json.dumps({"name": name, "disk": disk, "size": size, "older": older})
     with bad_disk.outside(disk) as (folder, environment):
         environment.update(
-            PYTHONPATH=os.pathsep.join(filter(None, sys.path)), SDL_VIDEODRIVER="dummy", SDL_AUDIODRIVER="dummy"
+            PYTHONDONTWRITEBYTECODE="1",  # below a limit of a file's size, Python writes half a file of bytecode
+            PYTHONPATH=os.pathsep.join(filter(None, sys.path)),
+            SDL_VIDEODRIVER="dummy",
+            SDL_AUDIODRIVER="dummy",
         )
         words = [sys.executable, "-X", "faulthandler", "-c", MAIN, case, str(folder)]
         inputs = folder.parent / "inputs"

@@ -2,9 +2,12 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from os import replace
+from pathlib import Path
 from typing import IO, Any
+
+from atari.files import durable
 
 __all__ = ["atomic_write", "replace"]
 
@@ -16,7 +19,7 @@ def atomic_write(filepath: str | os.PathLike[str], binary: bool = False, fsync: 
     Args:
         filepath: the file.
         binary: whether it takes bytes rather than text.
-        fsync: wait until the content is on the disk.
+        fsync: has no effect; the content is on the disk.
 
     Example:
         >>> import pathlib, tempfile
@@ -27,16 +30,5 @@ def atomic_write(filepath: str | os.PathLike[str], binary: bool = False, fsync: 
         >>> path.read_text()
         '195.0'
     """
-    part = f"{os.fspath(filepath)}~"
-    while os.path.lexists(part):
-        part += "~"
-    try:
-        with open(part, "xb" if binary else "x") as file:
-            yield file
-            if fsync:
-                file.flush()
-                os.fsync(file.fileno())
-        replace(part, filepath)
-    finally:
-        with suppress(OSError):  # it has the other name, if all went well
-            os.remove(part)
+    with durable.replacing(Path(filepath)) as part, open(part, "wb" if binary else "w") as file:
+        yield file
