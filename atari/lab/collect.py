@@ -53,7 +53,8 @@ def write_dataset(
 
     A step is a step of the recorded environment, as in `to_minari`. An episode of n steps has n + 1 states, beginning
     with the state before the first step. One episode at a time is in memory: 100 kB a step in RGB, a third in
-    grayscale.
+    grayscale. Another process writes HDF5 and Minari, which crash after a failed write; for Minari it has the episode in
+    memory, too.
 
     - "hdf5": a group `episode_0`, ... for each episode, with the datasets `frames` (n + 1, height, width[, 3]) and
       `ram` (n + 1, 128), uint8, `actions` (n,) int64 (or (n, 3) float32), `rewards` (n,) float64, `terminations` and
@@ -87,7 +88,7 @@ def write_dataset(
         ValueError: there are no replays, they differ in game or options, or have no steps; `output` exists or has
             another ending.
         KeyError: the game has no such label.
-        OSError: the file cannot be written; it is removed.
+        OSError: the file cannot be written, for example because the disk is full; nothing of it stays.
         gymnasium.error.DependencyNotInstalled: the package of the format is not installed; the text names it.
 
     Example:

@@ -63,6 +63,7 @@ def to_minari(
 
     Raises:
         ValueError: there are no replays, they differ in game or options, or have no steps; or the dataset exists.
+        OSError: the dataset cannot be written, for example because the disk is full; nothing of it stays.
         gymnasium.error.DependencyNotInstalled: Minari is not installed.
 
     Example:

@@ -124,6 +124,7 @@ BY_ANOTHER = {
 ITSELF = {
     "atari.files.durable",
     "atari.files.writer_process",  # HDF5, which takes the name of the successor
+    "atari._program",  # the null device
     "atari.classic.utils.atomic_write",  # the successor
     "atari.classic.video_recorder",  # an empty file, as Gym's `touch`
     "atari.recording.video.encoder",  # FFmpeg, as well

@@ -77,7 +77,8 @@ class VideoWriter:
     """A video file that grows by one frame, with its sound, at each `write`.
 
     Use it in a `with` statement, or call `close`, which completes the file. A writer that is closed without a frame
-    leaves no file. If the process is killed, the file plays up to its last second.
+    leaves no file. If the process is killed, the file plays up to its last second. It has its name when a second of it
+    is written, and is named NAME.part before.
 
     The suffix of the file name chooses the format:
 
