@@ -13,6 +13,7 @@ import pytest
 import atari.classic as gym
 from atari.classic.monitor_files import capped_cubic_video_schedule, load_results
 from atari.classic.wrappers import Monitor
+from atari.classic.wrappers.monitoring.stats_recorder import StatsRecorder
 
 
 class Clip(gym.Env):
@@ -267,6 +268,34 @@ def test_hooks_of_a_subclass_are_called_as_in_gym(tmp_path: Path) -> None:
     assert [path.name.split(".")[-2] for path in tmp_path.glob("*.mp4")] == ["video000000"]
     assert read(tmp_path, "manifest")["env_info"]["env_id"] == "mine"
     assert read(tmp_path, "episode_batch")["episode_lengths"] == [2, 2]
+
+
+def test_a_recorder_of_statistics_of_ones_own(tmp_path: Path) -> None:
+    """As in PFRL and ChainerRL: a monitor whose `_start` replaces the recorder, for resets before the end."""
+
+    class Recorder(StatsRecorder):
+        def before_reset(self) -> None:
+            if self.done is False and self.steps:
+                self.save_complete()
+            self.done = False
+            self.initial_reset_timestamp = self.initial_reset_timestamp or 1.0
+
+    class Patient(Monitor):
+        def _start(self, directory: Any, *arguments: Any, **options: Any) -> None:
+            super()._start(directory, *arguments, **options)
+            name = f"{self.file_prefix}.episode_batch.{self.file_infix}"
+            self.stats_recorder = Recorder(directory, name, autoreset=False, env_id="Clip-v0")
+            self._set_mode("evaluation")
+
+    with Patient(Clip(), tmp_path, video_callable=False) as env:
+        play(env, 1, steps=2)
+        play(env, 1)
+        with pytest.raises(gym.error.Error, match="the type of an episode is 't' for training or 'e' for evaluation"):
+            env.stats_recorder.type = "x"  # type: ignore[attr-defined]
+    stats = read(tmp_path, "episode_batch")
+    assert (stats["episode_lengths"], stats["episode_types"]) == ([2, 3], ["e", "e"])
+    with pytest.raises(gym.error.Error, match=r"^this recorder is closed; make another one$"):
+        StatsRecorder.before_reset(env.stats_recorder)  # type: ignore[attr-defined]
 
 
 def test_results_of_several_monitors_are_in_the_order_of_time(tmp_path: Path) -> None:
