@@ -302,6 +302,11 @@ class AtariEnv(EnvState):
             "render() needs a render mode; make the environment with render_mode='rgb_array' or 'human'"
         )
 
+    @property
+    def recent_screens(self) -> tuple[Any, ...]:
+        """The screens since the last `render`, with the render mode "rgb_array_list"; none otherwise."""
+        return tuple(self._frames)
+
     def close(self) -> None:
         """Release the emulator and the window. As in ale-py, a later `reset` opens them again."""
         if self._window is not None:

@@ -9,6 +9,7 @@ import inspect
 import sys
 import time
 from collections.abc import Callable, Sequence
+from operator import attrgetter
 from os import PathLike
 from types import FrameType
 from typing import Any
@@ -268,6 +269,16 @@ class _Recorder(VecEnvWrapper):  # type: ignore[misc]
         return played
 
 
+def _of_recorder(name: str) -> Any:
+    """An attribute of the recorder of the vector."""
+    path = f"venv.vector.{name}"
+
+    def put(self: Any, value: Any) -> None:
+        setattr(self.venv.vector, name, value)
+
+    return property(attrgetter(path), put, doc=f"`{name}` of `atari.recording.RecordVideo`.")
+
+
 class RecordVideo(_Recorder):
     """Record videos of an `AtariVecEnv`, like `atari.recording.RecordVideo` for a vector.
 
@@ -275,7 +286,8 @@ class RecordVideo(_Recorder):
 
     Args:
         venv: an `AtariVecEnv`, in no other wrapper.
-        video_folder, options: see `atari.recording.RecordVideo`.
+        record_video_trigger: Stable-Baselines3's name of `step_trigger`; videos then have 200 steps by default.
+        video_folder, video_length, name_prefix, options: see `atari.recording.RecordVideo`.
 
     Raises:
         TypeError, ValueError, OSError: see `atari.recording.RecordVideo`; or `venv` is no `AtariVecEnv`.
@@ -289,8 +301,38 @@ class RecordVideo(_Recorder):
         >>> envs.close()
     """
 
-    def __init__(self, venv: AtariVecEnv, video_folder: str | PathLike[str], **options: Any) -> None:
+    def __init__(
+        self,
+        venv: AtariVecEnv,
+        video_folder: str | PathLike[str],
+        record_video_trigger: Callable[[int], bool] | None = None,
+        video_length: int | None = None,
+        name_prefix: str = "rl-video",
+        **options: Any,
+    ) -> None:
+        if record_video_trigger is not None:
+            if "step_trigger" in options:
+                raise TypeError("record_video_trigger and step_trigger are two names of one argument; give one of them")
+            options["step_trigger"] = record_video_trigger
+        if video_length is None:
+            video_length = 0 if record_video_trigger is None else 200
+        options.update(video_length=video_length, name_prefix=name_prefix)
         super().__init__(venv, lambda vector: RecordVectorVideo(vector, video_folder, **options))
+
+    env = property(attrgetter("venv"), doc="The recorded environments.")
+    record_video_trigger = _of_recorder("step_trigger")
+
+
+for _name in (
+    "frames_per_sec",
+    "name_prefix",
+    "recorded_frames",
+    "recording",
+    "step_id",
+    "video_folder",
+    "video_length",
+):
+    setattr(RecordVideo, _name, _of_recorder(_name))
 
 
 class RecordReplay(_Recorder):

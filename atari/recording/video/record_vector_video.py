@@ -9,6 +9,7 @@ after the reset.
 import math
 import os
 from collections.abc import Callable, Iterable, Sequence
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -77,11 +78,23 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         size = tile([np.zeros((*inner.games[i].screen.shape, 3), np.uint8) for i in filmed], self._columns).shape
         self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
+        self.disable_logger, self.gc_trigger = disable_logger, gc_trigger
+        self.record_first_only, self.video_aspect_ratio = record_first_only, video_aspect_ratio
         self.video_folder = make_folder(video_folder, name_prefix)
         self._watch()
         self._shadows = [ShadowCore(inner, i) for i in filmed]
         self._sound_shadow = next(shadow for shadow in self._shadows if shadow.index == self._index)
         self._done = np.zeros(inner.num_envs, np.bool_)
+
+    frame_cols = property(attrgetter("_columns"), doc="The columns of the mosaic.")
+    frame_rows = property(lambda self: math.ceil(len(self._shadows) / self._columns), doc="The rows of the mosaic.")
+    autoreset_mode = property(attrgetter("_vector.autoreset_mode"), doc="The autoreset mode of the environments.")
+    render_history: list[Any] = []  # noqa: RUF012 - Gymnasium's, for render modes that a vector does not have
+
+    @property
+    def has_autoreset(self) -> bool:
+        """Whether the next step begins an episode of environment `index`."""
+        return self.autoreset_mode == AutoresetMode.NEXT_STEP and bool(self._done[self._index])
 
     def _watch(self) -> None:
         inner, index = self._vector, self._index  # the recorder must not refer to this wrapper

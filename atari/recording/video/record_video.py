@@ -51,6 +51,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
         rate = shown_rate(inner.game, f".{format}", fps, speed)
         self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
+        self.disable_logger, self.gc_trigger = disable_logger, gc_trigger
         self.video_folder = make_folder(video_folder, name_prefix)
         if self._settings.sound:
             inner.driver.make_sound()
@@ -60,6 +61,11 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
         inner = self._atari  # the recorder must not refer to this wrapper, which ends the video when it is collected
         self._make_recorder(lambda: inner.task)
         self._atari.driver.observers.append(FrameObserver(self._atari, self._recorder))
+
+    @property
+    def render_history(self) -> list[Any]:
+        """The screens that the next `render` returns, with the render mode "rgb_array_list"."""
+        return list(self._atari.recent_screens)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset the environment, end the last episode's video, and begin one if a trigger selects it."""
@@ -109,7 +115,8 @@ class RecordVideo(RecordEnvVideo):
             the video with the episode.
         name_prefix: the start of the names "{name_prefix}-episode-{number}.mp4" and "{name_prefix}-step-{number}.mp4".
         fps: frames a second; None is the console's rate times `speed`.
-        disable_logger, gc_trigger: accepted for code that was written for Gymnasium's wrapper, without effect.
+        disable_logger: False prints the path of each complete video.
+        gc_trigger: returns whether to collect garbage after a video, by the number of the episode.
         format: "mp4", "mkv", "webm", "gif" or "png", see `VideoWriter`. With "png" a video is a folder.
         speed: 0.25 is slow motion, and 4 is fast, within 0.05..16; see `VideoWriter`. The sound is lower or higher.
         scale: a pixel becomes `2 * scale` x `scale` pixels of the video.
@@ -117,6 +124,12 @@ class RecordVideo(RecordEnvVideo):
         overlay: parts of the text below the frame: some of "score", "action", "ram" and "curve", the score of the game
             so far.
         keep: "all" videos, or only the "best" so far, which has the highest sum of rewards without clipping.
+
+    Attributes:
+        episode_trigger, step_trigger, video_length, name_prefix, frames_per_sec, video_folder, gc_trigger,
+            disable_logger: as in Gymnasium. They can be set, and apply to the videos that begin from then on.
+        recording, episode_id, step_id: whether a video is open, and the numbers of the episode and of the last step.
+        recorded_frames: has the length of the open video; the frames are in the file.
 
     Raises:
         TypeError: the environment is another one, or an argument has the wrong type.

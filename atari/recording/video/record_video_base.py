@@ -3,10 +3,12 @@
 It begins and ends videos and counts episodes and steps. The subclasses record the frames of a step.
 """
 
+import gc
 import os
 import shutil
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,24 @@ from gymnasium import logger
 from atari.recording.video.recorder import VideoRecorder, VideoSettings
 from atari.recording.video.schedule import Schedule
 from atari.task import Task
+
+
+class RecordedFrames(Sequence[Any]):
+    """The number of frames of an open video; the frames themselves are in its file."""
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __getitem__(self, index: Any) -> Any:
+        raise LookupError(f"frame {index!r} is not kept in memory; read the video's file once it is complete")
+
+
+def _scheduled(name: str, text: str) -> Any:
+    """An attribute of the `Schedule`, which can be set."""
+    return property(attrgetter(f"_schedule.{name}"), lambda self, value: self._schedule.set(name, value), doc=text)
 
 
 class RecordVideoBase:
@@ -41,6 +61,30 @@ class RecordVideoBase:
     def _make_recorder(self, task: Callable[[], Task]) -> None:
         self._recorder = VideoRecorder(self._settings, task)
         self._finalizer = weakref.finalize(self, self._recorder.stop)  # without a call of close
+
+    # Gymnasium's attributes. What is set applies to the videos that begin from then on.
+
+    disable_logger: bool = True
+    gc_trigger: Callable[[int], bool] | None = None
+    episode_trigger = _scheduled("episode_trigger", "Whether to record an episode, by its number; or None.")
+    step_trigger = _scheduled("step_trigger", "Whether to begin a video at a step, by its number; or None.")
+    video_length = _scheduled("video_length", "The steps in a video; infinite if it ends with its episode.")
+    name_prefix = _scheduled("name_prefix", "The start of the names of the videos.")
+
+    @property
+    def frames_per_sec(self) -> float:
+        """The frames a second of the videos."""
+        fps = self._settings.fps
+        return fps if isinstance(fps, (int, float)) else float(fps)
+
+    @frames_per_sec.setter
+    def frames_per_sec(self, fps: float) -> None:
+        self._settings.set_fps(fps)
+
+    @property
+    def recorded_frames(self) -> RecordedFrames:
+        """A sequence with the length of the open video; its frames are in the file, not in memory."""
+        return RecordedFrames(self._recorder.frames)
 
     @property
     def recording(self) -> bool:
@@ -75,8 +119,14 @@ class RecordVideoBase:
         """
         path, score = self._recorder.path, self._recorder.score
         self._recorder.stop()
-        if path is not None and self._settings.keep == "best":
+        if path is None:
+            return
+        if not self.disable_logger:
+            print(f"atari.recording: the video {path} is complete")
+        if self._settings.keep == "best":
             self._keep_best(path, score)
+        if self.gc_trigger is not None and self.gc_trigger(self.episode_id):
+            gc.collect()
 
     def _keep_best(self, path: Path, score: int) -> None:
         """Delete a video that is not better than the best so far, or else that one."""

@@ -48,6 +48,15 @@ class VideoSettings:
         if FORMATS[f".{format}"].container:
             import_av()
 
+    def set_fps(self, fps: float) -> None:
+        """Set the frames a second of the videos that begin from now on.
+
+        Raises:
+            TypeError, ValueError: it is no number, or out of range.
+        """
+        VideoOptions.check(self.path("", "x"), self.size, fps, **self._options())
+        self.fps = fps
+
     def _options(self) -> dict[str, Any]:
         return {"scale": self.scale, "sound": self.sound, "caption_lines": self.overlay.caption_lines}
 

@@ -6,6 +6,7 @@ so that the video includes the frames inside it. The recorded episodes and steps
 
 from collections.abc import Callable
 from math import inf
+from typing import Any
 
 from atari.validation import check_integer
 
@@ -33,15 +34,32 @@ class Schedule:
     ) -> None:
         if episode_trigger is None and step_trigger is None:
             episode_trigger = capped_cubic_video_schedule
-        for name, trigger in (("episode_trigger", episode_trigger), ("step_trigger", step_trigger)):
-            if trigger is not None and not callable(trigger):
-                raise TypeError(f"{name} is a function of a number, got {trigger!r}")
-        self.episode_trigger, self.step_trigger = episode_trigger, step_trigger
-        self.video_length: float = check_integer("video_length", video_length, 0, 2**31) or inf
-        self.name_prefix = name_prefix
+        self.video_length: float = inf
+        self.set("episode_trigger", episode_trigger)
+        self.set("step_trigger", step_trigger)
+        self.set("video_length", video_length)
+        self.set("name_prefix", name_prefix)
         self.episode_id = self.step_id = -1
         self._checked: dict[str, int] = {}  # by unit: the last number that was passed to its trigger
         self._counted = 0
+
+    episode_trigger: Trigger | None
+    step_trigger: Trigger | None
+    name_prefix: str
+
+    def set(self, name: str, value: Any) -> None:
+        """Set an argument for the videos that begin from now on, and `video_length` for the open one too.
+
+        Raises:
+            TypeError, ValueError: the value is of the wrong kind or out of range.
+        """
+        if name.endswith("_trigger") and value is not None and not callable(value):
+            raise TypeError(f"{name} is a function of a number, got {value!r}")
+        if name == "name_prefix" and not isinstance(value, str):
+            raise TypeError(f"name_prefix is a text, got {value!r}")
+        if name == "video_length" and value != inf:
+            value = check_integer(name, value, 0, 2**31) or inf
+        setattr(self, name, value)
 
     @property
     def by_episode(self) -> bool:
