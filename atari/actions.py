@@ -1,8 +1,8 @@
 """The eighteen joystick actions of the Arcade Learning Environment, action spaces, and continuous actions."""
 
 from collections.abc import Sequence
-from enum import Enum, IntEnum
-from typing import TYPE_CHECKING, Any
+from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from gymnasium import spaces
@@ -69,26 +69,6 @@ class Switch(IntEnum):
 
 PLAYER_ACTIONS: tuple[Action, ...] = tuple(Action)
 """The 18 actions in ALE's order; the number of an action is its index here."""
-
-
-class AleEnum(Enum):
-    """A base of ale-py's enumerations, whose members are no numbers: they are true, and equal themselves alone."""
-
-    __repr__ = Enum.__str__
-
-
-if TYPE_CHECKING:
-    AleAction = Action
-else:
-
-    class _AleAction(AleEnum):
-        """The base of `AleAction`, whose members are accepted for a number, also by ale-py itself."""
-
-        def __index__(self) -> int:
-            return self.value
-
-    AleAction = _AleAction("Action", {action.name: action.value for action in Action}, module="atari.ale_py")
-    AleAction.__doc__ = "ale-py's enumeration of the actions: `atari.Action` with ale-py's members."
 
 
 def make_action_space(actions: Sequence[Action], continuous: bool) -> spaces.Space[Any]:

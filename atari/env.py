@@ -16,8 +16,9 @@ from gymnasium import spaces
 from typing_extensions import Unpack
 
 from atari._renamed import missing_attribute
-from atari.actions import PLAYER_ACTIONS, Action, AleAction, make_action_space
+from atari.actions import PLAYER_ACTIONS, Action, make_action_space
 from atari.cores import CORES
+from atari.cores.ale_actions import Action as AleAction
 from atari.cores.ale_interface import AleInterface
 from atari.cores.options import check_difficulty, check_mode
 from atari.driver import Driver

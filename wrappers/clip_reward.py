@@ -1,5 +1,7 @@
 """`ClipReward`: clip rewards to -1..1, so that one learning rate fits all games (Mnih et al. 2015)."""
 
+import math
+from collections.abc import Callable
 from typing import Any, SupportsFloat
 
 import gymnasium
@@ -10,7 +12,7 @@ from atari.wrappers._checks import Environment
 
 
 class ClipReward(Restorable, gymnasium.RewardWrapper[Any, Any], RecordConstructorArgs):
-    """Clip each reward to `min_reward`..`max_reward`; the result is a Python float.
+    """Clip each reward to `min_reward`..`max_reward`, None for no limit; the result is a Python float.
 
     Scores are whole numbers, for which clipping to -1..1 and taking the sign (as Baselines does) are the same.
     Gymnasium's `ClipReward` computes the same, but keeps a lambda and so cannot be pickled.
@@ -28,12 +30,19 @@ class ClipReward(Restorable, gymnasium.RewardWrapper[Any, Any], RecordConstructo
         (1.0, -1.0, 0.0)
     """
 
-    def __init__(self, env: Environment, min_reward: float = -1.0, max_reward: float = 1.0) -> None:
-        if not min_reward < max_reward:
+    def __init__(self, env: Environment, min_reward: float | None = -1.0, max_reward: float | None = 1.0) -> None:
+        low = -math.inf if min_reward is None else float(min_reward)
+        high = math.inf if max_reward is None else float(max_reward)
+        if not low < high:
             raise ValueError(f"min_reward must be less than max_reward, got {min_reward} and {max_reward}")
         RecordConstructorArgs.__init__(self, min_reward=min_reward, max_reward=max_reward)
         super().__init__(env)
-        self._min, self._max = float(min_reward), float(max_reward)
+        self._min, self._max = low, high
+
+    @property
+    def func(self) -> Callable[[SupportsFloat], float]:
+        """The function that clips, as Gymnasium's wrapper names it."""
+        return self.reward
 
     def reward(self, reward: SupportsFloat) -> float:
         """The reward, clipped."""

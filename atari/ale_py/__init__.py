@@ -15,12 +15,12 @@ Example:
 
 from pathlib import Path
 
-from atari.actions import AleAction as Action
 from atari.ale_py import registration, roms
 from atari.ale_py.env import AtariEnv, AtariEnvStepMetadata
 from atari.ale_py.interface import ALEInterface, ALEState, LoggerMode
 from atari.ale_py.registration import register_v0_v4_envs, register_v5_envs
 from atari.ale_py.vector_env import ALEVectorInterface, AtariVectorEnv
+from atari.cores.ale_actions import Action
 
 __version__ = "0.12.1"
 """The version of ale-py whose interface this is."""

@@ -4,8 +4,8 @@ from os import PathLike, fspath
 from typing import Any
 
 from atari import _emulator
-from atari.actions import AleEnum
 from atari.cores import NativeCore
+from atari.cores.ale_actions import AleEnum
 from atari.cores.ale_game import AleGame
 from atari.cores.ale_interface import AleInterface, AleSettings
 from atari.cores.core import Core

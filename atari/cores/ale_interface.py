@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from atari.actions import AleAction
+from atari.cores.ale_actions import Action as AleAction
 from atari.cores.core import ByteArray, Core
 from atari.cores.options import SEED_LIMIT
 from atari.files import durable

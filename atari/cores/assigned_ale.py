@@ -7,7 +7,7 @@ class between the two, so an environment without an assignment does not change.
 
 from typing import Any
 
-from atari.actions import AleAction
+from atari.cores.ale_actions import Action as AleAction
 from atari.cores.core import ByteArray, Core
 
 

@@ -323,15 +323,8 @@ class RecordVideo(_Recorder):
     record_video_trigger = _of_recorder("step_trigger")
 
 
-for _name in (
-    "frames_per_sec",
-    "name_prefix",
-    "recorded_frames",
-    "recording",
-    "step_id",
-    "video_folder",
-    "video_length",
-):
+_NAMES = "frames_per_sec name_prefix recorded_frames recording step_id video_folder video_length video_name video_path"
+for _name in _NAMES.split():
     setattr(RecordVideo, _name, _of_recorder(_name))
 
 

@@ -62,6 +62,10 @@ class ParallelAtariEnv(MultiplayerEnv):
         )
         self.metadata["name"] = env_name or f"custom_{game}"
 
+    def step(self, action_dict: dict[str, int]) -> Any:
+        """Play a step, see `MultiplayerEnv.step`."""
+        return super().step(action_dict)
+
 
 def BaseAtariEnv(**kwargs: Any) -> Any:
     """A `ParallelAtariEnv` in which agents take turns; the arguments are those of `ParallelAtariEnv`.

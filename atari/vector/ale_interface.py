@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from atari.actions import AleAction
+from atari.cores.ale_actions import Action as AleAction
 from atari.validation import check_strength
 
 

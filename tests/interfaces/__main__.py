@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 from interfaces.compare import compare
+from interfaces.live import NotInstalled
 from interfaces.reasons import Table, reasons, tabulate
 
 PEERS = tuple(sorted(path.stem for path in (Path(__file__).parent / "peers").glob("[a-z]*.py")))
@@ -38,7 +39,12 @@ def main() -> int:
             importlib.import_module(f"interfaces.peers.{peer}").write(arguments.archives)
     fails = False
     for peer in arguments.peers or PEERS:
-        found = table(peer, arguments.archives if peer == "gym" else None)
+        try:
+            found = table(peer, arguments.archives if peer == "gym" else None)
+        except NotInstalled as error:
+            print(f"{peer}\n  NOT COMPARED: {error}\n")
+            fails = True
+            continue
         print(f"{peer}\n{found}\n")
         fails |= found.fails
     return int(fails)

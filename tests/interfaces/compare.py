@@ -10,6 +10,7 @@ from functools import cache
 from typing import Any
 
 from interfaces import facts as facts_of
+from interfaces.enumerations import compare_enumeration
 from interfaces.facts import UNKNOWN, Fact
 
 _KIND = inspect.Parameter
@@ -127,6 +128,8 @@ def check(fact: Fact, ours: Ours) -> str | None:
         return None if not fact.text or int(found) == int(fact.text) else f"{int(found)}, not {fact.text}"
     if last.startswith("__") and last not in ("__init__", "__call__"):
         return None  # Python calls it, by position
+    if fact.kind == "enumeration":
+        return compare_enumeration(fact.text, found)
     if fact.kind in ("function", "method") and fact.text:
         return _check_signature(fact, found, last, ours.path(owner))
     return None

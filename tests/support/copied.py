@@ -97,6 +97,37 @@ def raw_frames(ale: Any, count: int = 200) -> list[Any]:
     return [(reward, ale.lives(), plain(ale.getRAM()), plain(ale.getScreenRGB())) for reward, ale in played]
 
 
+def raw_vector() -> Any:
+    envs = ale_py.ALEVectorInterface(ale_py.roms.get_rom_path("breakout"), 2)
+    envs.reset([0, 1], [3, 4])
+    return envs
+
+
+def raw_steps(envs: Any, count: int = 40) -> list[Any]:
+    """The results of steps of ale-py's interface of a vector."""
+    results = []
+    for number in range(count):
+        envs.send([number % 4, 1], [1.0, 1.0])
+        results.append(plain(envs.recv()))
+    return results
+
+
+def raw_match() -> Any:
+    ale = atari.multiplayer.ALEInterface()
+    ale.setInt(b"random_seed", 3)
+    ale.loadROM(ale_py.roms.get_rom_path("pong"))
+    ale.reset_game()
+    return ale
+
+
+def raw_turns(ale: Any, count: int = 100) -> list[Any]:
+    """Rewards, RAM and screens of Multi-Agent-ALE's interface."""
+    return [
+        plain((ale.act([number % 6, number % 5]), ale.allLives(), ale.getRAM(), ale.getScreenRGB()))
+        for number in range(count)
+    ]
+
+
 def match(env: Any, count: int = 40) -> list[Any]:
     """All results of a parallel environment of PettingZoo's, over a reset."""
     results = []
@@ -411,6 +442,12 @@ CASES: Mapping[str, Case] = {
     ),
     "atari.ale_py.interface.ALEInterface": (raw_program, raw_frames),
     "atari.ale_py.interface.LoggerMode": (lambda: ale_py.LoggerMode.Error, itself),
+    "atari.ale_py.env.AtariEnvStepMetadata": (
+        lambda: ale_py.AtariEnvStepMetadata(lives=5, episode_frame_number=1, frame_number=2),
+        itself,
+    ),
+    "atari.ale_py.vector_env.ALEVectorInterface": (raw_vector, raw_steps),
+    "atari.multiplayer.ale.ALEInterface": (raw_match, raw_turns),
     "atari.cores.native.PlainCore": (lambda: core(atari.cores.PlainCore, "breakout", difficulty=1), frames),
     "atari.testing.contract.ContractError": (lambda: ContractError("a sentence"), text),
     "atari.recording.video.record_video.RecordVideo": (lambda: video(lambda: atari.AtariEnv("pong")), steps),
@@ -432,6 +469,11 @@ CASES: Mapping[str, Case] = {
         itself,
     ),
     "atari.integrations.envpool.pool.EnvPool": (pooled, pool_steps),
+    "atari.integrations.envpool.pool.GymnasiumEnvPool": (pooled, pool_steps),
+    "atari.integrations.envpool.arrays.ArraySpec": (
+        lambda: envpool.make_spec("Pong-v5").state_array_spec["obs"],
+        itself,
+    ),
     "atari.integrations.envpool.spec.EnvPoolSpec": (
         lambda: envpool.make_spec("Pong-v5", num_envs=3),
         lambda spec: [spec.config, spec.played, str(spec.observation_space)],

@@ -22,6 +22,7 @@ __version__ = "1.2.5"
 """The version of EnvPool with this interface, for scripts that check it."""
 
 EnvSpec = EnvPoolSpec
+"""EnvPool's name of `EnvPoolSpec`."""
 
 __all__ = [
     "ArraySpec",

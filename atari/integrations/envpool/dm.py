@@ -12,7 +12,8 @@ from atari.integrations.envpool.pool import EnvPool
 from atari.integrations.envpool.spec import EnvPoolSpec
 
 players = namedtuple("players", ["env_id"])
-State = namedtuple("State", ["env_id", "players", "obs", "lives", "reward", "terminated", "ram"])
+_ARRAYS = ("obs", "lives", "reward", "terminated", "ram")
+State = namedtuple("State", ["env_id", "players", *_ARRAYS])  # type: ignore[misc]
 
 
 class DMEnvPool(EnvPool, dm_env.Environment):  # type: ignore[misc]
@@ -69,10 +70,9 @@ class DMEnvPool(EnvPool, dm_env.Environment):  # type: ignore[misc]
 
 def observation_spec(arrays: dict[str, ArraySpec]) -> State:
     """The specs of dm_env of the arrays of an observation."""
-    named = {
-        name: as_dm(name, arrays.get(f"info:{name}", arrays["obs"])) for name in State._fields if name != "players"
-    }
-    return State(players=players(as_dm("env_id", arrays["info:players.env_id"])), **named)
+    named = {name: as_dm(name, arrays.get(f"info:{name}", arrays["obs"])) for name in _ARRAYS}
+    env_ids = [as_dm("env_id", arrays[f"info:{name}"]) for name in ("env_id", "players.env_id")]
+    return State(env_ids[0], players(env_ids[1]), **named)
 
 
 def as_dm(name: str, array: ArraySpec) -> Any:

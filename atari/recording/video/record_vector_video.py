@@ -35,8 +35,8 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
 
     Args:
         env: an `AtariVectorEnv` with batches of all environments, in any wrappers that do not change actions.
-        record_first_only: record only environment `index`, instead of a mosaic of all.
         video_aspect_ratio: (width, height), the approximate ratio of the mosaic's sides.
+        record_first_only: record only environment `index`, instead of a mosaic of all.
         index: the environment whose episodes are counted and whose sound and overlay are recorded.
 
     Raises:
@@ -48,8 +48,8 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         self,
         env: Any,
         video_folder: str | os.PathLike[str],
-        record_first_only: bool = False,
         video_aspect_ratio: tuple[int, int] = (1, 1),
+        record_first_only: bool = False,
         episode_trigger: Trigger | None = None,
         step_trigger: Trigger | None = None,
         video_length: int = 0,

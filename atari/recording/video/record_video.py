@@ -103,9 +103,9 @@ class RecordVideo(RecordEnvVideo):
 
     Args:
         env: an `AtariEnv`, in any wrappers; or an `AtariVectorEnv` with batches of all environments, in any wrappers
-            that do not change actions. A vector has these arguments, too: after `video_folder`, `record_first_only`
-            (False) films only environment `index`, and `video_aspect_ratio`, (width, height), is the approximate ratio
-            of the mosaic's sides; by name, `index` is the environment whose episodes are counted and whose sound and
+            that do not change actions. A vector has these arguments, too: after `video_folder`, `video_aspect_ratio`,
+            (width, height), is the approximate ratio of the mosaic's sides, and `record_first_only` (False) films only
+            environment `index`; by name, `index` is the environment whose episodes are counted and whose sound and
             overlay are recorded.
         video_folder: the folder of the videos; it is created.
         episode_trigger: returns whether to record an episode, by its number from 0. Without triggers it is

@@ -45,6 +45,8 @@ class RecordVideoBase:
     """
 
     video_folder: str
+    video_path: str = ""
+    """The path of the open or last video; "" before the first."""
     _settings: VideoSettings
     _schedule: Schedule
     _best: tuple[Path, int] | None = None
@@ -70,6 +72,11 @@ class RecordVideoBase:
     step_trigger = _scheduled("step_trigger", "Whether to begin a video at a step, by its number; or None.")
     video_length = _scheduled("video_length", "The steps in a video; infinite if it ends with its episode.")
     name_prefix = _scheduled("name_prefix", "The start of the names of the videos.")
+
+    @property
+    def video_name(self) -> str:
+        """The name of the file of the open or last video; "" before the first."""
+        return os.path.basename(self.video_path)
 
     @property
     def frames_per_sec(self) -> float:
@@ -108,7 +115,9 @@ class RecordVideoBase:
             OSError: a file cannot be written.
         """
         self.stop_recording()
-        self._recorder.start(self._settings.path(self.video_folder, video_name))
+        path = self._settings.path(self.video_folder, video_name)
+        self._recorder.start(path)
+        self.video_path = str(path)
         self._schedule.start_video()
 
     def stop_recording(self) -> None:
