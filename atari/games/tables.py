@@ -74,7 +74,7 @@ def starting_actions(names: "Literal['all'] | list[str]") -> tuple[Action | Swit
     if names == "all":
         return PLAYER_ACTIONS
     check_value("[actions] a list of actions", names, tuple[str, ...])
-    known = {**Action.__members__, **_SWITCHES}
+    known: dict[str, Action | Switch] = {**Action.__members__, **_SWITCHES}
     unknown = [name for name in names if name not in known]
     if unknown:
         raise ValueError(f"[actions] unknown action {unknown[0]!r}")

@@ -13,7 +13,7 @@ from atari.integrations.envpool.spec import EnvPoolSpec
 
 players = namedtuple("players", ["env_id"])
 _ARRAYS = ("obs", "lives", "reward", "terminated", "ram")
-State = namedtuple("State", ["env_id", "players", *_ARRAYS])  # type: ignore[misc]
+State = namedtuple("State", ["env_id", "players", "obs", "lives", "reward", "terminated", "ram"])
 
 
 class DMEnvPool(EnvPool, dm_env.Environment):  # type: ignore[misc]
