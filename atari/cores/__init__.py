@@ -12,9 +12,9 @@ from atari.cores.core import Core
 from atari.cores.native import NativeCore, PlainCore
 from atari.games.frozen import FrozenDict
 
-CORES: Mapping[str, type[NativeCore] | type[AleCore]] = FrozenDict(
-    {"native": NativeCore, "ale": AleCore, "plain": PlainCore}
-)
+_BY_NAME: dict[str, type[NativeCore] | type[AleCore]] = {"native": NativeCore, "ale": AleCore, "plain": PlainCore}
+
+CORES: Mapping[str, type[NativeCore] | type[AleCore]] = FrozenDict(_BY_NAME)
 """The class of each value of the option `core`."""
 
 __all__ = ["AleCore", "Core", "NativeCore", "PlainCore"]
