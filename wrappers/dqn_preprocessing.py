@@ -153,11 +153,11 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             shown = (stack_size or 1, 128)
         elif obs_type == "image":
             width, height = _check_size(screen_size, screen.shape)
-            try:
-                self._images = _make_images(screen, height, width, settings)
-            except ValueError:  # only OpenCV makes this size, from images of the screen
-                self._resized = width, height
-                self._images = _make_images(screen, *screen.shape, settings)
+            size = height, width
+            if height > screen.shape[0] or width > screen.shape[1]:
+                self._resized = width, height  # by OpenCV, from images of the screen
+                size = screen.shape
+            self._images = _make_images(screen, *size, settings)
             shown = (stack_size or 1, height, width, 3)[not self._stacked : 3 if grayscale else 4]
         self.observation_space = spaces.Box(0, 255, shown, np.uint8)
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import cv2
 import numpy as np
 import pytest
-from atari_inspection import SimdLevel, best_simd_level, pool_gray, resize_area
+from atari_inspection import SimdLevel, best_simd_level, pool_gray, resize
 
 from atari.cores import ByteArray, NativeCore
 
@@ -13,6 +13,7 @@ GAMES = {210: "ms_pacman", 214: "carnival", 220: "pooyan", 230: "journey_escape"
 """A game for each height of the screen."""
 
 SIZES = [(84, 84), (64, 64), (96, 96), (42, 42), (110, 84), (84, 110), (100, 120), (13, 11), (1, 84), (200, 160)]
+SIZES += [(105, 80), (210, 160), (70, 32), (7, 3), (1, 1), (210, 2)]
 """(height, width)."""
 
 WHOLE_ROW = (1 << 20) - 1
@@ -73,19 +74,44 @@ def test_equals_opencv(rows: int, level: SimdLevel) -> None:
         for seed in range(4):
             for frame in (noise(rows, seed), few_grays(rows, seed)):
                 expected = opencv(frame, height, width)
-                assert np.array_equal(resize_area(frame, height, width, level=level), expected), (height, width, seed)
+                assert np.array_equal(resize(frame, height, width, level=level), expected), (height, width, seed)
 
 
 @each_level
 def test_equals_opencv_at_every_size(level: SimdLevel) -> None:
-    """Every width once, every height once; 10 rows have sizes that divide one side only."""
-    for rows, sizes in {210: [(84, width) for width in range(11, 161)], 250: [(h, 84) for h in range(1, 251)]}.items():
+    """Every width with low images too, where a row is near the end; every height; sizes that divide one side or both."""
+    widths = [(height, width) for width in range(1, 161) for height in (1, 2, 3, 84, 210)]
+    for rows, sizes in {210: widths, 250: [(height, 84) for height in range(1, 251)]}.items():
         for height, width in sizes:
             frame = few_grays(rows, width + height)
             expected = opencv(frame, height, width)
-            assert np.array_equal(resize_area(frame, height, width, level=level), expected), (height, width)
-    for height, width in ((5, 84), (3, 80), (10, 84), (7, 160), (10, 159)):
-        assert np.array_equal(resize_area(noise(10), height, width, level=level), opencv(noise(10), height, width))
+            assert np.array_equal(resize(frame, height, width, level=level), expected), (height, width)
+    for height, width in ((5, 84), (3, 80), (10, 84), (7, 160), (10, 159), (10, 160), (5, 80), (3, 1)):
+        assert np.array_equal(resize(noise(10), height, width, level=level), opencv(noise(10), height, width))
+
+
+@pytest.mark.parametrize("rows", [49, *GAMES])
+def test_equals_opencv_at_sizes_that_divide_the_frame(rows: int) -> None:
+    """OpenCV sums blocks only if 1 / (height / rows) is a whole number in doubles, which 1 / (1 / 210) is not."""
+    for height in (height for height in range(1, rows + 1) if rows % height == 0):
+        for width in (width for width in range(1, 161) if 160 % width == 0):
+            for seed in range(5):
+                frame = few_grays(rows, seed)
+                assert np.array_equal(resize(frame, height, width), opencv(frame, height, width)), (height, width)
+
+
+@each_level
+@pytest.mark.parametrize("width", range(1, 161))
+def test_some_rows_of_a_result(width: int, level: SimdLevel) -> None:
+    """The rows before and after them are not written: `resize` checks it."""
+    random = np.random.default_rng(width)
+    frame, height = noise(210, width), int(random.choice((11, 12, 84, 209)))
+    expected = opencv(frame, height, width)
+    for _ in range(5):
+        first = int(random.integers(height))
+        last = min(height, first + int(random.integers(1, 5)))
+        made = resize(frame, height, width, level=level, rows=(first, last))
+        assert np.array_equal(made, expected[first:last]), (height, first, last)
 
 
 @each_level
@@ -105,8 +131,8 @@ def test_games(rows: int, level: SimdLevel) -> None:
             repeated += changes.count(0)
             for height, width in ((84, 84), (64, 64)):
                 small = opencv(expected, height, width)
-                assert np.array_equal(resize_area(gray, height, width, level=level), small)
-                assert np.array_equal(resize_area(gray, height, width, changes, level=level), small)
+                assert np.array_equal(resize(gray, height, width, level=level), small)
+                assert np.array_equal(resize(gray, height, width, changes, level=level), small)
     assert repeated > 100
 
 
@@ -168,7 +194,7 @@ def test_a_row_marked_as_repeated_is_not_read(level: SimdLevel) -> None:
     changed[0] = 1
     source = np.maximum.accumulate(np.where(changed, np.arange(210), 0))
     changes = (changed * WHOLE_ROW).tolist()
-    assert np.array_equal(resize_area(frame, 84, 84, changes, level=level), opencv(frame[source], 84, 84))
+    assert np.array_equal(resize(frame, 84, 84, changes, level=level), opencv(frame[source], 84, 84))
 
 
 @each_level
@@ -181,31 +207,19 @@ def test_only_columns_marked_as_changed_are_read(height: int, width: int, level:
     for row in range(1, 210):
         frame[row] = np.where(changed[row].repeat(8), frame[row], frame[row - 1])
     changes = [WHOLE_ROW, *(changed[1:] @ (1 << np.arange(20))).tolist()]
-    assert np.array_equal(resize_area(frame, height, width, changes, level=level), opencv(frame, height, width))
+    assert np.array_equal(resize(frame, height, width, changes, level=level), opencv(frame, height, width))
 
 
 def test_changes_are_checked() -> None:
     for changes in ([0] * 209, [WHOLE_ROW + 1] * 210):
         with pytest.raises(ValueError, match="`changes` has"):
-            resize_area(noise(210), 84, 84, changes)
+            resize(noise(210), 84, 84, changes)
 
 
-@pytest.mark.parametrize(
-    ("height", "width", "text"),
-    [
-        (211, 84, "smaller"),
-        (84, 161, "smaller"),
-        (0, 84, "smaller"),
-        (-1, 84, "smaller"),
-        (84, 10, "smaller"),
-        (105, 80, "divide"),
-        (210, 160, "divide"),
-        (70, 32, "divide"),
-    ],
-)
-def test_sizes_that_are_not_served(height: int, width: int, text: str) -> None:
-    with pytest.raises(ValueError, match=text):
-        resize_area(noise(210), height, width)
+@pytest.mark.parametrize(("height", "width"), [(211, 84), (84, 161), (0, 84), (-1, 84), (84, 0), (84, -1)])
+def test_sizes_that_are_not_served(height: int, width: int) -> None:
+    with pytest.raises(ValueError, match=f"{height} x {width}: the height must be within 1..210, the width within 1"):
+        resize(noise(210), height, width)
 
 
 def test_shapes_are_checked() -> None:
@@ -215,8 +229,8 @@ def test_shapes_are_checked() -> None:
     with pytest.raises(ValueError, match="table of 256 or 65536"):
         pool_gray(frame, frame, table[:255])
     with pytest.raises(ValueError, match="each row"):
-        resize_area(frame, 84, 84, np.zeros(209, np.uint8))
-    with pytest.raises(ValueError, match="300 rows"):
-        resize_area(noise(301), 84, 84)
+        resize(frame, 84, 84, np.zeros(209, np.uint8))
+    with pytest.raises(ValueError, match="a frame of 301 x 160"):
+        resize(noise(301), 84, 84)
     with pytest.raises(TypeError):
-        resize_area(frame[:, :159].copy(), 84, 84)
+        resize(frame[:, :159].copy(), 84, 84)

@@ -19,7 +19,7 @@
 #include "ale/environment_parts.hpp"
 #include "fast/fast_console.hpp"
 #include "input.hpp"
-#include "observations/area_resize.hpp"
+#include "observations/resizer.hpp"
 #include "observations/pooling.hpp"
 
 namespace atari {
@@ -302,17 +302,21 @@ void play_console(Reader& in) {
     }
 }
 
-// Checks that pooling and resizing give the same at every SIMD level of this processor, and read nothing after the last
-// pixel.
+// Checks that pooling and resizing give the same at every SIMD level of this processor, and read and write nothing
+// after the last pixel. The frame decides to which size it is resized.
 void scale(const Bytes& indices, int rows, const uint8_t* table) {
+    size_t number = 0;
+    for (const uint8_t index : indices) number = 31 * number + index;
+    const size_t height = number / kScreenWidth % static_cast<size_t>(rows) + 1, width = number % kScreenWidth + 1;
     Bytes expected;
     for (SimdLevel level : {SimdLevel::kScalar, SimdLevel::kSimd128, SimdLevel::kAvx2, SimdLevel::kAvx512}) {
         if (level > best_simd_level()) break;
-        Bytes pooled(indices.size()), small(84 * 84), whole(84 * 84);
+        Bytes pooled(indices.size()), small(height * width), whole(height * width);
         std::vector<uint32_t> changes(static_cast<size_t>(rows));
         pool_gray(indices.data(), indices.data(), rows, table, pooled.data(), changes.data(), level);
-        AreaResize(rows, 84, 84, level)(pooled.data(), changes.data(), small.data());
-        AreaResize(rows, 84, 84, level)(pooled.data(), nullptr, whole.data());
+        const Resizer resize(rows, static_cast<int>(height), static_cast<int>(width), level);
+        resize(pooled.data(), changes.data(), small.data());
+        resize(pooled.data(), nullptr, whole.data());
         expect(small == whole, "what does not change need not be looked at");
         if (level == SimdLevel::kScalar) expected = small;
         expect(small == expected, "framebuffers are resized alike at every SIMD level");

@@ -11,7 +11,7 @@
 #include "ale/colours/colour_conversion.hpp"
 #include "fast/simd.hpp"
 #include "fast/tia/paint.hpp"
-#include "observations/area_resize.hpp"
+#include "observations/resizer.hpp"
 #include "observations/pooling.hpp"
 
 namespace atari {
@@ -46,9 +46,10 @@ std::vector<Frame> results(unsigned seed, SimdLevel level) {
     pool_gray(early.data(), late.data(), kRows, table.data(), gray.data(), changes.data(), level);
     pool_pairs(early.data(), late.data(), kRows, pair_table.data(), pairs.data(), pair_changes.data(), level);
     to_rgb(early.data(), kRows, palette_of("NTSC"), rgb.data(), level);
-    for (const auto& [height, width] : {std::pair{84, 84}, {64, 64}, {42, 42}, {210, 11}, {100, 159}}) {
+    for (const auto& [height, width] :
+         {std::pair{84, 84}, {64, 64}, {42, 42}, {210, 11}, {100, 159}, {7, 3}, {12, 11}}) {
         Frame small(static_cast<size_t>(height * width)), whole = small;
-        const AreaResize resize(kRows, height, width, level);
+        const Resizer resize(kRows, height, width, level);
         resize(gray.data(), changes.data(), small.data());
         resize(gray.data(), nullptr, whole.data());
         found.push_back(small);

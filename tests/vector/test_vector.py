@@ -409,7 +409,7 @@ class TestBadInput:
             ({"stack_num": 0}, ValueError, "stack_num"),
             ({"img_height": 0}, ValueError, "img_height"),
             ({"img_height": 211}, ValueError, "img_height must be at most 210"),
-            ({"img_width": 7}, ValueError, "the width within 11..160"),
+            ({"img_width": 161}, ValueError, "img_width must be within 1..160, got 161"),
             ({"noop_max": -1}, ValueError, "noop_max"),
             ({"repeat_action_probability": 1.5}, ValueError, "repeat_action_probability"),
             ({"repeat_action_probability": float("nan")}, TypeError, "repeat_action_probability"),

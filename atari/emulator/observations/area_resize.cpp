@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <stdexcept>
 
 namespace atari {
 namespace {
@@ -13,7 +12,16 @@ constexpr int kMostResults = 8 * 21;  // upper bound of padded results: at most 
 
 // Returns the number of results that are computed at once, in one window of pixels.
 constexpr int lanes_of(SimdLevel level) { return level == SimdLevel::kAvx512 ? 16 : 8; }
-constexpr unsigned reach_of(SimdLevel level) { return level == SimdLevel::kAvx512 ? 64u : 16u; }
+
+// Returns the number of pixels in a window: those of a register, or the whole row.
+constexpr int reach_of(SimdLevel level) {
+    return level == SimdLevel::kAvx512 ? 64 : level == SimdLevel::kScalar ? kScreenWidth : 16;
+}
+
+// Returns `level`, or scalar code if the results of so narrow an image need more pixels than a register holds.
+SimdLevel level_for(int width, SimdLevel level) {
+    return kScreenWidth / width + 2 > reach_of(level) ? SimdLevel::kScalar : level;
+}
 
 // Computes neighbouring results of a row. The sums are float32, and each product is rounded before it is added, in the
 // order of the pixels. In ties, which are frequent in games, the last bit of the sum decides.
@@ -22,14 +30,13 @@ void across_scalar(const uint8_t* pixels, const AreaResize::Taps* taps, int dept
     float sums[lanes] = {};
     for (int n = 0; n < depth; ++n)
         for (int i = 0; i < lanes; ++i) {
-            // Unused taps read the first pixel.
-            const float value = pixels[taps[n].pixel[i] % reach_of(SimdLevel::kScalar)];
+            const float value = pixels[taps[n].pixel[i] & 0xff];  // unused taps read pixel 0x80 of the row
             sums[i] += value * taps[n].weight[i];
         }
     std::memcpy(results, sums, sizeof sums);
 }
 
-LEVEL_INLINE void scale(const float* __restrict line, float weight, int count, float* __restrict sum) {
+LEVEL_INLINE void multiply(const float* __restrict line, float weight, int count, float* __restrict sum) {
     for (int i = 0; i < count; ++i) sum[i] = weight * line[i];
 }
 
@@ -89,12 +96,7 @@ TARGET_AVX512 inline void across_avx512(const uint8_t* pixels, const AreaResize:
 }  // namespace
 
 AreaResize::AreaResize(int rows, int height, int width, SimdLevel level)
-    : rows_(rows), height_(height), width_(width), level_(level) {
-    if (rows > kFrameRows) throw std::invalid_argument("a frame has at most 300 rows");
-    if (height < 1 || height > rows || width < 11 || width > kScreenWidth)
-        throw std::invalid_argument("a frame is only made smaller here, and no narrower than 11");
-    if (rows % height == 0 && kScreenWidth % width == 0)
-        throw std::invalid_argument("the size must not divide that of the frame in both directions");
+    : height_(height), width_(width), level_(level_for(width, level)) {
     down_ = taps(rows, height);
     std::stable_sort(down_.begin(), down_.end(), [](const Tap& a, const Tap& b) { return a.source < b.source; });
     for (size_t i = 0; i < down_.size(); ++i) {
@@ -107,10 +109,12 @@ AreaResize::AreaResize(int rows, int height, int width, SimdLevel level)
     make_windows(taps(kScreenWidth, width));
 }
 
+double AreaResize::scale(int source, int target) { return 1.0 / (static_cast<double>(target) / source); }
+
 // Returns OpenCV's weights: computed in doubles, without slivers, and rounded to float.
 std::vector<AreaResize::Tap> AreaResize::taps(int source, int target) {
     std::vector<Tap> all;
-    const double scale = static_cast<double>(source) / target;
+    const double scale = AreaResize::scale(source, target);
     for (int i = 0; i < target; ++i) {
         const double start = i * scale, end = start + scale, extent = std::min(scale, source - start);
         const int whole_end = std::min(static_cast<int>(std::floor(end)), source - 1);
@@ -128,7 +132,7 @@ std::vector<AreaResize::Tap> AreaResize::taps(int source, int target) {
 }
 
 void AreaResize::make_windows(const std::vector<Tap>& across) {
-    const int lanes = lanes_of(level_), reach = static_cast<int>(reach_of(level_));
+    const int lanes = lanes_of(level_), reach = reach_of(level_);
     for (auto tap = across.begin(); tap != across.end();) {
         const auto last = std::find_if(tap, across.end(), [](const Tap& t) { return t.last; });
         if (windows_.empty() || windows_.back().count == lanes || last->source >= windows_.back().source + reach)
@@ -139,13 +143,10 @@ void AreaResize::make_windows(const std::vector<Tap>& across) {
     }
     Taps unused{};
     std::fill_n(unused.pixel, 16, 0x80808080u);
-    for (size_t k = 0; k < windows_.size(); ++k) {
-        const int last = std::min(windows_[k].source + reach, kScreenWidth) - 1;
-        for (int column = windows_[k].source / 8; column <= last / 8; ++column) windows_with_[column] |= 1u << k;
-    }
     across_.assign(windows_.size() * static_cast<size_t>(depth_), unused);
     Taps* place = across_.data();
-    for (const Window& window : windows_) {
+    for (size_t k = 0; k < windows_.size(); ++k) {
+        const Window& window = windows_[k];
         Taps* taps = place;
         for (const Tap& tap : across) {
             const int i = tap.result - window.result;
@@ -154,6 +155,7 @@ void AreaResize::make_windows(const std::vector<Tap>& across) {
             taps->pixel[i] = 0x80808000u | static_cast<uint32_t>(tap.source - window.source);
             taps->weight[i] = tap.weight;
             ++taps;
+            windows_with_[tap.source / 8] |= 1u << k;
         }
         place += depth_;
     }
@@ -164,6 +166,18 @@ LEVEL_INLINE uint32_t AreaResize::changed_windows(uint32_t changes) const {
     uint32_t windows = 0;
     for (; changes != 0; changes &= changes - 1) windows |= windows_with_[std::countr_zero(changes)];
     return windows;
+}
+
+// Copies a row of results to `out`, and writes nothing from `end` on. Where there is room, all lanes of a window are
+// copied: the next window, or the next row, overwrites those after the window's results.
+template <int lanes>
+LEVEL_INLINE void AreaResize::store(const uint8_t* bytes, uint8_t* out, const uint8_t* end) const {
+    const bool room = end - out >= width_ + lanes;
+    for (const Window& window : windows_) {
+        if (room) std::memcpy(out + window.result, bytes, lanes);
+        else std::copy_n(bytes, window.count, out + window.result);
+        bytes += lanes;
+    }
 }
 
 // The results of a source row are computed once, where the row changes. They are then added to the sums of the one or
@@ -187,16 +201,11 @@ LEVEL_INLINE void AreaResize::run(const uint8_t* frame, const uint32_t* changes,
                 across(pixels + windows[k].source, taps + depth * k, depth, line + lanes * k);
             }
         }
-        if (tap.first) scale(line, tap.weight, lanes * count, sum);
+        if (tap.first) multiply(line, tap.weight, lanes * count, sum);
         else add(line, tap.weight, lanes * count, sum);
         if (!tap.last) continue;
         round(sum, lanes * count, bytes);
-        uint8_t* const results = out + width_ * tap.result;
-        const bool more = tap.result < last - 1;
-        // All lanes are written at once. The next window or the next row overwrites the lanes after a window's results.
-        for (int k = 0; k < count; ++k)
-            if (more) std::memcpy(results + windows[k].result, bytes + lanes * k, lanes);
-            else std::copy_n(bytes + lanes * k, windows[k].count, results + windows[k].result);
+        store<lanes>(bytes, out + width_ * tap.result, out + width_ * last);
     }
 }
 

@@ -1,6 +1,4 @@
 // `AreaResize`: reduces a gray frame, equal to OpenCV's INTER_AREA in every byte.
-//
-// A `SimdLevel` other than the chosen one is for tests: the results are the same.
 #pragma once
 
 #include <cstddef>
@@ -15,24 +13,21 @@ namespace atari {
 // Reduces a gray frame, rows x 160, to height x width. Each result is the mean of the area that it covers. Immutable,
 // so threads may share one.
 //
-// Serves up to kFrameRows rows, heights 1..rows and widths 11..160. Sizes that divide the frame's in both directions
-// (105 x 80 of 210 x 160) are excluded, because OpenCV rounds differently for them. For sizes larger than the frame,
-// INTER_AREA interpolates.
+// Heights are within 1..rows, widths within 1..160, and rows at most kFrameRows; `Resizer` checks them.
 class AreaResize {
   public:
-    // Throws std::invalid_argument if the size is not served.
-    AreaResize(int rows, int height, int width, SimdLevel level = simd_level());
+    // Returns how many source pixels a result covers in one direction, with OpenCV's rounding: the inverse of an
+    // inverse. OpenCV sums blocks of pixels if both scales are whole numbers, which 1 / (1 / 210) is not.
+    static double scale(int source, int target);
 
-    int rows() const { return rows_; }
-    int height() const { return height_; }
-    int width() const { return width_; }
+    AreaResize(int rows, int height, int width, SimdLevel level);
 
-    // `changes` is as `pool_gray` writes it; null if every row is new.
+    // Writes height x width bytes. `changes` is as `pool_gray` writes it; null if every row is new.
     void operator()(const uint8_t* frame, const uint32_t* changes, uint8_t* out) const {
         make_rows(frame, changes, out, 0, height_);
     }
 
-    // Computes rows first .. last-1 of the result. They depend on the frame's rows from `sources(first).first` to
+    // Writes rows first .. last-1 of the result, and nothing after them. They depend on the frame's rows from `sources(first).first` to
     // `sources(last - 1).last`. If `changes` is not null, all bits must be set for the first of these rows.
     void make_rows(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
 
@@ -62,13 +57,15 @@ class AreaResize {
     static std::vector<Tap> taps(int source, int target);
     void make_windows(const std::vector<Tap>& across);
     uint32_t changed_windows(uint32_t changes) const;
+    template <int lanes>
+    void store(const uint8_t* bytes, uint8_t* out, const uint8_t* end) const;
     template <auto across, int lanes>
     void run(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
     void run_simd128(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
     void run_avx2(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
     void run_avx512(const uint8_t* frame, const uint32_t* changes, uint8_t* out, int first, int last) const;
 
-    int rows_, height_, width_;
+    int height_, width_;
     SimdLevel level_;
     std::vector<Tap> down_;  // ordered by source, and so by result
     std::vector<Sources> sources_;

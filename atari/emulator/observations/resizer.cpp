@@ -7,15 +7,14 @@
 
 namespace atari {
 
-Resizer::Resizer(int rows, int height, int width) : rows_(rows), height_(height), width_(width) {
-    const bool divides = height > 0 && width > 0 && rows % height == 0 && kScreenWidth % width == 0;
-    if (divides) return;
-    if (height < 1 || height > rows || width < 11 || width > kScreenWidth)
+Resizer::Resizer(int rows, int height, int width, SimdLevel level) : rows_(rows), height_(height), width_(width) {
+    if (rows < 1 || rows > kFrameRows || height < 1 || height > rows || width < 1 || width > kScreenWidth)
         throw std::invalid_argument("a frame of " + std::to_string(rows) + " x 160 pixels cannot be made " +
                                     std::to_string(height) + " x " + std::to_string(width) +
                                     ": the height must be within 1.." + std::to_string(rows) +
-                                    ", the width within 11..160");
-    resize_.emplace(rows, height, width);
+                                    ", the width within 1..160");
+    const double down = AreaResize::scale(rows, height), across = AreaResize::scale(kScreenWidth, width);
+    if (down != std::floor(down) || across != std::floor(across)) resize_.emplace(rows, height, width, level);
 }
 
 void Resizer::operator()(const uint8_t* frame, const uint32_t* changes, uint8_t* out) const {

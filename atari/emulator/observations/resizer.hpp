@@ -1,7 +1,9 @@
 // `Resizer`: reduces a frame to any size for which OpenCV's INTER_AREA takes means, equal to OpenCV in every byte.
 //
-// `AreaResize` serves most sizes. This class adds the sizes that divide the frame's, for which OpenCV sums whole blocks
-// of pixels, and the frame's own size.
+// `AreaResize` serves most sizes. This class adds the sizes with whole scales in both directions, for which OpenCV sums
+// blocks of pixels and rounds differently (105 x 80 of 210 x 160), and the frame's own size.
+//
+// A `SimdLevel` other than the chosen one is for tests: the results are the same.
 #pragma once
 
 #include <optional>
@@ -12,11 +14,11 @@ namespace atari {
 
 class Resizer {
   public:
-    // Takes frames of rows x 160. Throws std::invalid_argument if the size is not served: larger than the frame, or
-    // narrower than 11 without dividing the frame's width and height.
-    Resizer(int rows, int height, int width);
+    // Takes frames of rows x 160. Throws std::invalid_argument if the size is not within 1 x 1 .. rows x 160: for larger
+    // sizes, INTER_AREA interpolates.
+    Resizer(int rows, int height, int width, SimdLevel level = simd_level());
 
-    // `changes` is as `pool_gray` writes it; null if every row is new.
+    // Writes height x width bytes. `changes` is as `pool_gray` writes it; null if every row is new.
     void operator()(const uint8_t* frame, const uint32_t* changes, uint8_t* out) const;
 
     // Returns the resizer of single rows; null if this size is served by sums of blocks or by a copy.

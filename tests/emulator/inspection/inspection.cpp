@@ -1,5 +1,6 @@
 // The extension module atari_inspection, for tests alone. `Console` is a console without a game's rules or a seed; its
-// methods run single accesses or instructions. `pool_gray` and `resize_area` are the two steps of an observation.
+// methods run single accesses or instructions. `pool_gray` and `resize` are the two steps of an observation.
+// Functions that write into memory write between guard values here, which are checked.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -24,8 +25,8 @@
 #include "machine/console.hpp"
 #include "machine/cpu/cpu_instructions.hpp"
 #include "fast/fast_console.hpp"
-#include "observations/area_resize.hpp"
 #include "observations/pooling.hpp"
+#include "observations/resizer.hpp"
 #include "fast/tia/paint.hpp"
 
 namespace nb = nanobind;
@@ -291,30 +292,66 @@ SimdLevel checked_level(std::optional<SimdLevel> level) {
     return level.value_or(best_simd_level());
 }
 
+// Memory for a function's output, between values that the function must leave alone.
+template <typename Value>
+class Guarded {
+  public:
+    explicit Guarded(size_t size) : values_(size + 2 * kGuards, kGuard) {}
+
+    Value* data() { return values_.data() + kGuards; }
+
+    // Throws std::logic_error if the function has written before `first` or from `last` on.
+    void check(size_t first, size_t last) const {
+        const auto untouched = [](Value value) { return value == kGuard; };
+        const auto begin = values_.begin() + kGuards;
+        if (!std::all_of(values_.begin(), begin + static_cast<ptrdiff_t>(first), untouched) ||
+            !std::all_of(begin + static_cast<ptrdiff_t>(last), values_.end(), untouched))
+            throw std::logic_error("values outside the output have been written");
+    }
+    void check() const { check(0, values_.size() - 2 * kGuards); }
+
+  private:
+    static constexpr int kGuards = 256;
+    static constexpr auto kGuard = static_cast<Value>(0xa5c35aa5u);
+    std::vector<Value> values_;
+};
+
 std::pair<Array, std::vector<uint32_t>> pooled(Frame early, Frame late, Bytes table, std::optional<SimdLevel> level) {
     const size_t rows = early.shape(0);
     const bool pairs = table.shape(0) == 65536;
     if (rows < 1 || rows > kFrameRows || late.shape(0) != rows || (table.shape(0) != 256 && !pairs))
         throw nb::value_error("two frames of the same 1..300 rows and a table of 256 or 65536 are needed");
-    std::vector<uint8_t> gray(early.size());
-    std::vector<uint32_t> changes(rows);
+    Guarded<uint8_t> gray(early.size());
+    Guarded<uint32_t> changes(rows);
     const auto pool = pairs ? pool_pairs : pool_gray;
     pool(early.data(), late.data(), static_cast<int>(rows), table.data(), gray.data(), changes.data(),
          checked_level(level));
-    return {as_array(gray.data(), {rows, kScreenWidth}), std::move(changes)};
+    gray.check();
+    changes.check();
+    return {as_array(gray.data(), {rows, kScreenWidth}), {changes.data(), changes.data() + rows}};
 }
 
 Array resized(Frame frame, int height, int width, const std::optional<std::vector<uint32_t>>& changes,
-              std::optional<SimdLevel> level) {
+              std::optional<SimdLevel> level, std::optional<std::pair<int, int>> result_rows) {
     const size_t rows = frame.shape(0);
-    if (rows < 1 || rows > kFrameRows) throw nb::value_error("a frame has 1..300 rows");
+    const Resizer resize(static_cast<int>(rows), height, width, checked_level(level));
     if (changes && changes->size() != rows) throw nb::value_error("`changes` has an entry for each row");
     for (size_t row = 0; changes && row < rows; ++row)
         if ((*changes)[row] >> kScreenWidth / 8) throw nb::value_error("`changes` has 20 bits for each row");
-    const AreaResize resize(static_cast<int>(rows), height, width, checked_level(level));
     const size_t extents[2] = {static_cast<size_t>(height), static_cast<size_t>(width)};
-    std::vector<uint8_t> small(extents[0] * extents[1]);
-    resize(frame.data(), changes ? changes->data() : nullptr, small.data());
+    Guarded<uint8_t> small(extents[0] * extents[1]);
+    const uint32_t* const changed = changes ? changes->data() : nullptr;
+    if (result_rows) {
+        const auto [first, last] = *result_rows;
+        if (!resize.area_resize() || first < 0 || first >= last || last > height)
+            throw nb::value_error("rows must lie within the height; sizes that are sums of blocks have no single rows");
+        resize.area_resize()->make_rows(frame.data(), changed, small.data(), first, last);
+        const size_t begin = static_cast<size_t>(first) * extents[1], end = static_cast<size_t>(last) * extents[1];
+        small.check(begin, end);
+        return as_array(small.data() + begin, {static_cast<size_t>(last - first), extents[1]});
+    }
+    resize(frame.data(), changed, small.data());
+    small.check();
     return as_array(small.data(), {extents[0], extents[1]});
 }
 
@@ -327,18 +364,21 @@ Array painted(std::array<Bytes, 3> layers, std::array<uint8_t, 4> colours, int f
         for (size_t x = 0; x < kScreenWidth; ++x)
             masks[i].word[x / 64] |= uint64_t{layers[i].data()[x] != 0} << (x % 64);
     }
-    uint8_t row[kScreenWidth] = {};
-    painters()[static_cast<size_t>(checked_level(level))](row, {masks[0], masks[1], masks[2]}, colours.data(), first,
-                                                          last);
-    return as_array(row, {kScreenWidth});
+    Guarded<uint8_t> row(kScreenWidth);
+    std::fill_n(row.data(), kScreenWidth, uint8_t{0});
+    painters()[static_cast<size_t>(checked_level(level))](row.data(), {masks[0], masks[1], masks[2]}, colours.data(),
+                                                          first, last);
+    row.check();
+    return as_array(row.data(), {kScreenWidth});
 }
 
 Array coloured(Frame frame, const std::string& format, std::optional<SimdLevel> level) {
     const size_t rows = frame.shape(0);
     if (rows < 1 || rows > kFrameRows || frame.shape(1) != kScreenWidth)
         throw nb::value_error("a frame is (1..300, 160)");
-    std::vector<uint8_t> rgb(3 * frame.size());
+    Guarded<uint8_t> rgb(3 * frame.size());
     to_rgb(frame.data(), static_cast<int>(rows), palette_of(format), rgb.data(), checked_level(level));
+    rgb.check();
     return as_array(rgb.data(), {rows, kScreenWidth, 3});
 }
 
@@ -502,10 +542,12 @@ NB_MODULE(atari_inspection, m) {
           "The brighter of two frames, (rows, 160) palette indices, by a table of 256 grays, or what a table of "
           "65,536\n"
           "has for early * 256 + late; and for each row bit k if columns 8k .. 8k+7 differ from the row above.");
-    m.def("resize_area", &resized, "frame"_a, "height"_a, "width"_a, "changes"_a = nb::none(), "level"_a = nb::none(),
-          nb::sig("def resize_area(frame: numpy.typing.NDArray[numpy.uint8], height: int, width: int, "
-                  "changes: collections.abc.Sequence[int] | None = None, level: SimdLevel | None = None) -> "
-                  "numpy.typing.NDArray[numpy.uint8]"),
-          "A gray frame, (rows, 160), scaled down as by OpenCV's INTER_AREA. `changes` as from `pool_gray`.\n"
+    m.def("resize", &resized, "frame"_a, "height"_a, "width"_a, "changes"_a = nb::none(), "level"_a = nb::none(),
+          "rows"_a = nb::none(),
+          nb::sig("def resize(frame: numpy.typing.NDArray[numpy.uint8], height: int, width: int, "
+                  "changes: collections.abc.Sequence[int] | None = None, level: SimdLevel | None = None, "
+                  "rows: tuple[int, int] | None = None) -> numpy.typing.NDArray[numpy.uint8]"),
+          "A gray frame, (rows, 160), scaled down as by OpenCV's INTER_AREA. `changes` as from `pool_gray`. `rows`:\n"
+          "(first, last), to make only result rows first .. last-1.\n"
           "Raises ValueError if the size is not served.");
 }
