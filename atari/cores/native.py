@@ -17,6 +17,7 @@ from typing_extensions import Self
 from atari import _emulator
 from atari.cores import copies, snapshot, writes
 from atari.cores.options import SEED_LIMIT, CoreOptions, check_difficulty, check_mode
+from atari.cores.readable import with_readable_errors
 from atari.games.catalog import games
 from atari.games.compiler import CompiledRules, compile_rules
 from atari.games.game import Game
@@ -35,6 +36,7 @@ _NO_RULES = CompiledRules(
 """The rules of a game without single-player rules: no reward, no lives, no end."""
 
 
+@with_readable_errors
 class EmulatorCore(_emulator.Emulator):
     """The emulator with checked pokes, copies, and snapshots as portable bytes; the base of our cores."""
 

@@ -1,6 +1,7 @@
 """`Lane`: one environment of a vector."""
 
-from collections.abc import Callable, Sequence
+import operator
+from collections.abc import Callable, Iterable, Sequence
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -12,6 +13,23 @@ from atari.cores.ale_interface import AleInterface, Player
 from atari.games.game import Game
 from atari.games.players import choices
 from atari.validation import check_poke
+
+
+def check_lanes(numbers: Iterable[int], count: int) -> list[int]:
+    """The numbers of lanes of a vector of `count` as ints.
+
+    Raises:
+        TypeError: they are not integers.
+        IndexError: there is no such lane.
+    """
+    try:
+        chosen = [operator.index(number) for number in numbers]
+    except TypeError:
+        raise TypeError(f"environments are chosen by a list of indices, such as [1, 2], got {numbers!r:.80}") from None
+    for number in chosen:
+        if not 0 <= number < count:
+            raise IndexError(f"there is no environment {number}; choose within 0..{count - 1}")
+    return chosen
 
 
 class AddedWrites:
@@ -144,8 +162,10 @@ class Lane:
         """Give a core of the same game the state of this emulator. The core keeps its sticky actions and its limit.
 
         Raises:
-            ValueError: the core plays another game.
+            TypeError, ValueError: it is no such core, or it plays another game.
         """
+        if not isinstance(core, NativeCore):
+            raise TypeError(f"copy_to takes a core, such as atari.cores.NativeCore({self.game.id!r}), got {core!r:.80}")
         if core.game != self.game:
             raise ValueError(f"this environment plays {self.game.id}, but the core {core.game.id}; make one of this")
         with self._lock:
@@ -175,10 +195,11 @@ class Lane:
         """Apply a write at each later frame, and with `now` at once; returns its place in `slots`.
 
         Raises:
-            ValueError: there are `_emulator.MOST_WRITES` already.
+            TypeError, ValueError: it is no write, or there are `_emulator.MOST_WRITES` already.
         """
+        _require_write(write)
         with self._lock:
-            self._engine().add_write(self.index, write, now)
+            self._engine().add_write(self.index, write, bool(now))
             slot = self.added.add(write)
         for shadow in self.added.shadows:
             shadow.add_write(write, now)
@@ -186,6 +207,7 @@ class Lane:
 
     def remove_write(self, write: _emulator.Write) -> None:
         """End a write, of a closed vector too; does nothing if the write does not exist."""
+        _require_write(write)
         with self._lock:
             if not self._envs.closed:
                 self._engine().remove_write(self.index, write)
@@ -209,6 +231,12 @@ class Lane:
         if value not in offered:
             raise ValueError(f"{self.game.id} has no {name} {value}; it has {', '.join(map(str, offered))}")
         return int(value)
+
+
+def _require_write(write: Any) -> None:
+    """Raise TypeError for what is no write."""
+    if not isinstance(write, _emulator.Write):
+        raise TypeError(f"a write is a Freeze's or a Poke's, see atari.lab; got {write!r:.80}")
 
 
 def _copied(array: ByteArray, out: ByteArray | None) -> ByteArray:

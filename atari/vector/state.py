@@ -14,7 +14,7 @@ from atari.cores import writes
 from atari.games.game import Game
 from atari.task import Task
 from atari.task.storage import require_same
-from atari.vector.lanes import AddedWrites
+from atari.vector.lanes import AddedWrites, check_lanes
 from atari.vector.options import VectorOptions
 from atari.vector.results import Results
 
@@ -128,17 +128,17 @@ class VectorState:
             source = operator.index(source)
         except TypeError:
             raise TypeError(f"source is the index of an environment, such as 0, got {source!r}") from None
+        check_lanes([source], self.num_envs)
         with self._lock:
             engine = self._started()
-            if 0 <= source < self.num_envs:
-                self._require_same(chosen, [self._options.identities[source]] * len(chosen))
+            self._require_same(chosen, [self._options.identities[source]] * len(chosen))
             engine.restore(chosen, engine.snapshot([source]) * len(chosen))
 
     def _require_same(self, indices: Sequence[int], tasks: Sequence[str | None]) -> None:
-        """Raise an error for states of other tasks; the engine checks that the environments exist."""
+        """Raise an error for states of other tasks."""
         own = self._options.identities
         for index, task in zip(indices, tasks, strict=False):
-            if 0 <= index < len(own) and task != own[index]:
+            if task != own[index]:
                 try:
                     require_same(task, self.tasks[index])
                 except ValueError as error:
@@ -151,12 +151,7 @@ class VectorState:
         return engine
 
     def _indices(self, indices: Iterable[int] | None) -> list[int]:
-        if indices is None:
-            return list(range(self.num_envs))
-        try:
-            return [operator.index(index) for index in indices]
-        except TypeError:
-            raise TypeError(f"environments are chosen by a list of indices, such as [1, 2], got {indices!r}") from None
+        return list(range(self.num_envs)) if indices is None else check_lanes(indices, self.num_envs)
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in all games, and the writes of `Freeze` and `Poke`.

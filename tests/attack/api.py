@@ -18,6 +18,9 @@ LEFT_OUT = {"saveScreenPNG", "call", "get_attr", "set_attr"}
 LEFT_OUT |= {"get_wrapper_attr", "set_wrapper_attr", "has_wrapper_attr"}
 
 
+OWN_CHECKS = {"act", "act_until", "reset", "ram", "audio", "screen", "screen_rgb", "screen_grayscale", "redraw"}
+"""Fast methods of cores, which are the binding's own. They convert each argument; the binding refuses a wrong number."""
+
 FRAMES = {"play_frames", "play_until"}
 """Methods that need `frames` by name."""
 
@@ -43,6 +46,7 @@ def hostile(source: random.Random) -> Any:
         lambda: source.choice((b"", b"ATARISNP", source.randbytes(200), bytearray(8), memoryview(b"abc"))),
         lambda: source.choice(([], (), {}, set(), [[]], {"a": []}, [None] * 3, [2**70])),
         lambda: array(source),
+        lambda: [hostile(source) for _ in range(source.choice((1, 1, 2)))],
         BadIndex,
         lambda: source.choice((True, False, object(), int, len, Ellipsis)),
     ]
@@ -73,7 +77,7 @@ def targets(source: random.Random) -> list[Any]:
         if source.random() < 0.8:
             made.reset(seed=source.randrange(100))
     engine = vector._engine if hasattr(vector, "_engine") else vector
-    return [env, env.core, env.ale, vector, engine, formula, env.driver]
+    return [env, env.core, env.ale, vector, source.choice(vector.lanes), engine, formula, env.driver]
 
 
 def attack(seed: int) -> None:
@@ -89,13 +93,16 @@ def attack(seed: int) -> None:
             arguments = [hostile(source) for _ in range(source.choice((0, 1, 1, 1, 2, 3)))]
             frames = source.choice((0, 1, 4, 70, -1, 2.5, None, "x"))
             named = {"frames": frames} if target is driver and method.__name__ in FRAMES else {}
-            attempt(lambda method=method, arguments=arguments, named=named: method(*arguments, **named))
+            private = type(target).__module__ == _emulator.__name__ or method.__name__ in OWN_CHECKS
+            attempt(
+                lambda method=method, arguments=arguments, named=named: method(*arguments, **named), private=private
+            )
     for name in source.sample([name for name in dir(_emulator) if not name.startswith("_")], 6):
         made = getattr(_emulator, name)
         if callable(made):
             arguments = [hostile(source) for _ in range(source.randrange(5))]
-            attempt(lambda made=made, arguments=arguments: made(*arguments))
-    for target in objects[:1] + objects[3:4]:
+            attempt(lambda made=made, arguments=arguments: made(*arguments), private=True)
+    for target in (objects[0], objects[3]):
         attempt(target.close)
         attempt(target.close)
 

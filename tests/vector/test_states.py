@@ -488,3 +488,18 @@ def test_a_lane_has_the_methods_of_ale_pys_interface_for_reading() -> None:
     for out in (np.empty(3, np.uint8), np.empty(128, np.int8), [0] * 128):
         with pytest.raises(ValueError, match=r"it must be a uint8 array of shape \(128,\)"):
             ale.getRAM(out)
+
+
+@pytest.mark.parametrize("lane", [-1, 2, 2**40, 2**70])
+def test_a_lane_that_does_not_exist(lane: int) -> None:
+    envs = atari.AtariVectorEnv("pong", 2)
+    envs.reset(seed=0)
+    saved = envs.snapshot([0])
+    for call in (
+        lambda: envs.snapshot([lane]),
+        lambda: envs.restore([lane], saved),
+        lambda: envs.fork(0, [lane]),
+        lambda: envs.fork(lane, [1]),
+    ):
+        with pytest.raises(IndexError, match=rf"^there is no environment {lane}; choose within 0\.\.1$"):
+            call()

@@ -177,7 +177,7 @@ NB_MODULE(_emulator, m) {
         .def("reset", call(&Environment::reset))
         .def("act", &Emulator::act, "action"_a.none(), "strength"_a.none() = 1.0,
              nb::sig("def act(self, action: int, strength: float = 1.0) -> int"))
-        .def("act_until", &Emulator::act_until, "action"_a.none(), "frames"_a, "strength"_a.none() = 1.0,
+        .def("act_until", &Emulator::act_until, "action"_a.none(), "frames"_a.none(), "strength"_a.none() = 1.0,
              nb::sig("def act_until(self, action: int, frames: int, strength: float = 1.0) -> tuple[int, int]"),
              "Play until the game is over or truncated or the number of lives changes, but at most `frames` frames.\n"
              "Returns the sum of the rewards and the number of frames played.")

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <climits>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -35,6 +36,16 @@ inline int action_number(nb::handle action) {
     if (number < 0 || number > 17)
         throw nb::value_error(("an ALE action number is within 0..17, got " + shown(action)).c_str());
     return static_cast<int>(number);
+}
+
+// Returns a number of frames to play, at most the largest int.
+inline int frame_count(nb::handle frames) {
+    const Py_ssize_t number = PyNumber_AsSsize_t(frames.ptr(), nullptr);
+    if (number == -1 && PyErr_Occurred()) {
+        PyErr_Clear();
+        throw nb::type_error(("frames must be an integer, got " + shown(frames)).c_str());
+    }
+    return static_cast<int>(std::clamp<Py_ssize_t>(number, 0, INT_MAX));
 }
 
 inline double strength_factor(nb::handle strength) {
@@ -168,8 +179,8 @@ class Emulator : Exclusive {
     }
 
     // Plays up to `frames` frames. Returns the sum of the rewards, and the number of frames played.
-    std::pair<int, int> act_until(nb::handle action, int frames, nb::handle strength) {
-        const int number = action_number(action);
+    std::pair<int, int> act_until(nb::handle action, nb::handle frame_limit, nb::handle strength) {
+        const int number = action_number(action), frames = frame_count(frame_limit);
         const auto factor = static_cast<float>(strength_factor(strength));
         return locked([&](Environment& e) {
             int reward = 0, played = 0;
