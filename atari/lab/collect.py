@@ -53,8 +53,8 @@ def write_dataset(
 
     A step is a step of the recorded environment, as in `to_minari`. An episode of n steps has n + 1 states, beginning
     with the state before the first step. One episode at a time is in memory: 100 kB a step in RGB, a third in
-    grayscale. Another process writes HDF5 and Minari, which crash after a failed write; for Minari it has the episode in
-    memory, too.
+    grayscale. Another process writes HDF5 and Minari, which crash after a failed write; for Minari it has the episode
+    in memory, too.
 
     - "hdf5": a group `episode_0`, ... for each episode, with the datasets `frames` (n + 1, height, width[, 3]) and
       `ram` (n + 1, 128), uint8, `actions` (n,) int64 (or (n, 3) float32), `rewards` (n,) float64, `terminations` and

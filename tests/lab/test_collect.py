@@ -10,6 +10,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from own_process import run_program
 
 import atari
 from atari.cli import main
@@ -220,3 +221,32 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeyp
     assert "already" in capsys.readouterr().err
     assert main([*words, "data"]) == 1
     assert "says no format" in capsys.readouterr().err
+
+
+FULL_DISK = """
+    import resource, sys
+    from pathlib import Path
+    from atari.lab import check_dataset, write_dataset
+
+    replay, file = map(Path, {words!r})
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, resource.RLIM_INFINITY))
+    for output in (file, file.with_suffix(".parquet")):
+        try:
+            write_dataset(replay, output)
+        except OSError as error:
+            print(error.strerror, error.filename == str(output))
+    print(*[path.name for path in file.parent.iterdir()])
+    resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+    write_dataset(replay, file)
+    check_dataset(file)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of a file's size")
+def test_a_full_disk_is_an_error_and_leaves_no_file(tmp_path: Path) -> None:
+    pytest.importorskip("h5py", reason="the format needs it")
+    pytest.importorskip("pyarrow", reason="the format needs it")
+    replay, _ = recorded(tmp_path)
+    (tmp_path / "out").mkdir()
+    printed = run_program(FULL_DISK.format(words=(str(replay), str(tmp_path / "out" / "a.h5"))))
+    assert printed == "File too large True\nFile too large True\n\n"
