@@ -181,7 +181,7 @@ class AtariEnv(EnvState):
             gymnasium.error.Error: the seed is no integer of 0 or more.
             TypeError: another option is given, which would have no effect; nothing is reset.
         """
-        _check_reset(options)
+        check_reset_options(options)
         super().reset(seed=seed)
         if self.driver.closed:
             self.driver.reopen()
@@ -408,7 +408,7 @@ ALE_OPTIONS = frozenset(inspect.signature(AtariEnv.__init__).parameters) - {
 """The options of an `AtariEnv` by ale-py's names, and `interventions`."""
 
 
-def _check_reset(options: Any) -> None:
+def check_reset_options(options: Any) -> None:
     """Refuse options of a reset that no wrapper has taken and that would have no effect.
 
     Raises:

@@ -68,11 +68,20 @@ def animation(images: Iterable[ByteArray], rate: int) -> tuple[bytes, int]:
 
 def picture(data: bytes, caption: str, *, width: int, height: int) -> str:
     """HTML of a PNG file, `width` by `height` pixels, at most as wide as the page, with a caption below."""
-    text = html.escape(caption)
+    shown = image(data, caption, width=width, height=height)
+    return f'<figure style="margin:0">{shown}<figcaption>{html.escape(caption)}</figcaption></figure>'
+
+
+def image(data: bytes, text: str, *, width: int, height: int) -> str:
+    """An HTML image of a PNG file, `width` by `height` pixels, at most as wide as the page, with a text for readers.
+
+    The pixels of a screen are twice as wide as high, and a browser takes the aspect of the file for `height:auto`. So
+    the style has the aspect of the attributes.
+    """
+    style = f"image-rendering:pixelated;max-width:100%;height:auto;aspect-ratio:{width}/{height}"
     return (
-        f'<figure style="margin:0"><img width="{width}" height="{height}" alt="{text}" '
-        'style="image-rendering:pixelated;max-width:100%;height:auto" '
-        f'src="data:image/png;base64,{base64.b64encode(data).decode()}"><figcaption>{text}</figcaption></figure>'
+        f'<img width="{width}" height="{height}" alt="{html.escape(text)}" style="{style}" '
+        f'src="data:image/png;base64,{base64.b64encode(data).decode()}">'
     )
 
 

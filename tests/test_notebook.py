@@ -12,7 +12,10 @@ from replay_tools import record
 
 import atari
 from atari import notebook
+from atari.lab.inspector.session import Session
+from atari.lab.widget import static_html
 from atari.recording import Replay
+from atari.recording.replay.file_format import SUFFIX
 
 
 def pictures(page: str) -> list[bytes]:
@@ -86,6 +89,23 @@ def test_a_vector_shows_its_first_screens() -> None:
     page = many._repr_html_()
     assert "40 environments: Pong, the first 36" in page
     assert shown(pictures(page)[0]).shape == (6 * 210, 6 * 160, 3)
+
+
+def test_a_browser_shows_each_image_with_the_aspect_of_its_attributes(tmp_path: Path) -> None:
+    """`height:auto` alone takes the aspect of the file, whose pixels are the console's and narrower."""
+    env = atari.AtariEnv("air_raid")
+    env.reset(seed=0)
+    envs = atari.AtariVectorEnv("pong", 3)
+    envs.reset(seed=0)
+    replay = Replay.load(record(tmp_path / f"game{SUFFIX}", "pong", steps=4))
+    pages = [shown._repr_html_() for shown in (env, envs, replay)]
+    pages.append(static_html(Session(env)))
+    for page in pages:
+        (tag,) = re.findall(r"<img[^>]*>", page)
+        width, height = (int(re.search(rf'{name}="(\d+)"', tag)[1]) for name in ("width", "height"))
+        assert f"height:auto;aspect-ratio:{width}/{height}" in tag
+    tag = pages[0]
+    assert 'width="320" height="250"' in tag, "two columns for each pixel, as on a television"
 
 
 @pytest.mark.parametrize("game", atari.games)

@@ -8,7 +8,7 @@ their channels first, and `infos` has a dict for each environment. `AtariVectorE
 import inspect
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter
 from os import PathLike
 from types import FrameType
@@ -21,6 +21,7 @@ from gymnasium import logger, spaces
 from atari._extras import install_extra
 from atari._gymnasium import AutoresetMode
 from atari.cores.options import SEED_LIMIT
+from atari.env import check_reset_options
 from atari.recording.replay.record_replay import RecordVectorReplay
 from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.task import Task
@@ -109,7 +110,8 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
                 "VecFrameStack stacks the observations of AtariVecEnv, which are stacks already; "
                 "leave VecFrameStack out, or make AtariVecEnv with stack_num=1"
             )
-        observation, info = self.vector.reset(seed=self._seeds[0])
+        options = self._options[0]
+        observation, info = self.vector.reset(seed=self._seeds[0], options=options or None)
         self._reset_seeds()
         self._reset_options()
         self.reset_infos = _split(info)
@@ -160,6 +162,20 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
             raise ValueError(f"seed must be within 0..2**32-1, got {seed}")
         seeds: Sequence[int | None] = super().seed(seed)
         return seeds
+
+    def set_options(self, options: Sequence[Mapping[str, Any]] | Mapping[str, Any] | None = None) -> None:
+        """Set the options of the next reset, {"new_game": True}: a dict, or a list with an equal dict for each lane.
+
+        Raises:
+            TypeError: there is no such option, as in `AtariEnv.reset`.
+            ValueError: the list has another length, or its dicts differ: a vector begins all games alike.
+        """
+        each = [options or {}] * self.num_envs if options is None or isinstance(options, Mapping) else list(options)
+        for one in each:
+            check_reset_options(one)
+        if len(each) != self.num_envs or any(one != each[0] for one in each):
+            raise ValueError(f"set_options takes a dict, or {self.num_envs} equal dicts for the lanes, got {options!r}")
+        super().set_options([{"new_game": bool(one["new_game"])} if "new_game" in one else {} for one in each])
 
     def close(self) -> None:
         """Join the threads and release the environments."""

@@ -1,7 +1,6 @@
 """`show`: the inspector in a notebook, as a widget; a static picture where no widget runs."""
 
 import asyncio
-import base64
 import contextlib
 import html
 import json
@@ -12,11 +11,11 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-import cv2
 import gymnasium
 
 from atari.lab.inspector import export, protocol
 from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
+from atari.notebook import image, png
 
 _MODULES = ("dom.js", "screen.js", "bytes.js", "panels.js", "touch.js", "inspector.js", "widget.js")
 
@@ -76,10 +75,6 @@ def export_all(session: Session, folder: Path) -> list[Path]:
 def static_html(session: Session) -> str:
     """The screen as a picture and the RAM as a table, without scripts."""
     core = session.shown.core
-    screen = core.screen_rgb().repeat(2, axis=1)
-    encoded, png = cv2.imencode(".png", cv2.cvtColor(screen, cv2.COLOR_RGB2BGR))
-    assert encoded
-    picture = base64.b64encode(png.tobytes()).decode()
     ram = core.ram()
     cell = "padding:1px 4px;text-align:center;font:12px monospace"
     columns = "".join(f'<th style="{cell};opacity:.6">{column:X}</th>' for column in range(16))
@@ -92,11 +87,11 @@ def static_html(session: Session) -> str:
             weight = ";font-weight:bold" if name else ""
             cells.append(f'<td style="{cell}{weight}" title="{title}">{ram[index]:02X}</td>')
         rows.append(f"<tr>{''.join(cells)}</tr>")
-    height, _ = session.game.screen.shape
+    height, width = session.game.screen.shape
+    alternative = f"the screen of {session.game.title}"
+    screen = image(png(core.screen_rgb()), alternative, width=2 * width, height=height)
     return (
-        f'<div style="display:flex;flex-wrap:wrap;gap:16px"><img width="320" height="{height}" '
-        f'style="image-rendering:pixelated" alt="the screen of {html.escape(session.game.title, quote=True)}" '
-        f'src="data:image/png;base64,{picture}"><table>{"".join(rows)}</table></div>'
+        f'<div style="display:flex;flex-wrap:wrap;gap:16px">{screen}<table>{"".join(rows)}</table></div>'
         f"<p>{html.escape(session.game.title)}, frame {session.at}, score {session.main.score}, lives {core.lives}</p>"
     )
 

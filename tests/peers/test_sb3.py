@@ -186,6 +186,23 @@ def test_seeds_are_used_once() -> None:
     envs.reset()
 
 
+def test_options_of_a_reset_are_checked_and_used_once() -> None:
+    envs, single = make("pong", 3), atari.AtariEnv("pong")
+    with pytest.raises(TypeError) as expected:
+        single.reset(options={"level": 2})
+    for wrong in ({"level": 2}, [{}, {"level": 2}, {}]):
+        with pytest.raises(TypeError) as refused:
+            envs.set_options(wrong)
+        assert str(refused.value) == str(expected.value)
+    for unequal in ([{}], [{"new_game": True}, {}, {}]):
+        with pytest.raises(ValueError, match="a dict, or 3 equal dicts"):
+            envs.set_options(unequal)
+    envs.set_options([{"new_game": True}] * 3)
+    assert envs._options == [{"new_game": True}] * 3
+    envs.reset()
+    assert envs._options == [{}] * 3
+
+
 @pytest.mark.parametrize("name", ["autoreset_mode", "batch_size"])
 def test_what_it_decides_itself_is_refused(name: str) -> None:
     with pytest.raises(TypeError, match=f"decides about {name}; leave it out"):
