@@ -119,8 +119,12 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
             options: {"input": text} sets the input, in the form of `info["input"]`.
 
         Raises:
+            TypeError: there is no such option.
             ValueError: `options["input"]` is not such a text.
         """
+        for name in options or {}:
+            if name != "input":
+                raise TypeError(f"reset has no option {name!r} here; it has 'input', a text as in info['input']")
         given = self._parse(options["input"]) if options and "input" in options else None
         super().reset(seed=seed)
         if seed is not None:

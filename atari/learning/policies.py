@@ -16,7 +16,17 @@ import numpy.typing as npt
 from atari._extras import import_extra, install_extra, pip_install
 from atari.files import json_text
 from atari.files.archives import check_member, read_member
-from atari.policy import Array, LoadedPolicy, Policy, ScoresPolicy, is_network, makes_policy, show, takes_lanes
+from atari.policy import (
+    Accepted,
+    Array,
+    LoadedPolicy,
+    Policy,
+    ScoresPolicy,
+    is_network,
+    makes_policy,
+    show,
+    takes_lanes,
+)
 from atari.validation import check_file
 
 _KINDS = "a run folder, an SB3 zip, a TorchScript or ONNX file, or module:name"
@@ -224,16 +234,24 @@ def _sb3(file: Path, facts: Mapping[str, Any], sample: bool) -> Policy:
         scores, actions = _sb3_scores(model, name), int(model.action_space.n)
     except Exception as error:  # pickles raise errors of all kinds
         raise ValueError(f"{file} cannot be loaded as a model of {name}: {error}") from error
+    environment = _of_space(file, model.observation_space, actions)
     steps = facts.get("num_timesteps")
     if sample and name not in ("PPO", "A2C"):
         raise ValueError(f"{file} is a model of {name}, which has no probabilities of actions; leave sample=True out")
     return ScoresPolicy(
         scores,
         sample=sample,
+        accepted=_accepted(model.observation_space),
         name=f"{name} ({file.name})",
-        environment=_of_space(file, model.observation_space, actions),
+        environment=environment,
         training_frames=4 * int(steps) if isinstance(steps, int) and steps > 0 else None,
     )
+
+
+def _accepted(space: Any) -> Accepted:
+    """The observations of a model: Stable-Baselines3 takes images with their channels first or last."""
+    shape = tuple(space.shape)
+    return Accepted((shape, (*shape[1:], shape[0]), (shape[2], *shape[:2])) if len(shape) == 3 else (shape,), dtype="")
 
 
 def _zero(_: float) -> float:
@@ -311,6 +329,11 @@ def _network(module: Any, name: str, sample: bool, **facts: Any) -> ScoresPolicy
     def tensors(observations: Any) -> Any:
         if isinstance(observations, dict):
             return {key: tensors(value) for key, value in observations.items()}
+        if not isinstance(observations, np.ndarray) or observations.dtype.kind not in "biuf":
+            got = show(observations) if isinstance(observations, np.ndarray) else type(observations).__name__
+            raise TypeError(
+                f"{facts['name']} takes observations as a NumPy array of numbers, or a dict of them, got {got}"
+            )
         tensor = torch.from_numpy(observations)
         return tensor if parameter is None else tensor.to(parameter.device)
 
@@ -367,7 +390,9 @@ def _onnx(file: Path, sample: bool) -> Policy:
 
     stored = session.get_modelmeta().custom_metadata_map.get("environment", "")
     environment = _environment(file, stored) or _of_shape(entry.shape)
-    return ScoresPolicy(scores, sample=sample, name=file.name, environment=environment)
+    fixed = len(entry.shape) > 1 and all(isinstance(size, int) for size in entry.shape[1:])
+    accepted = Accepted((tuple(entry.shape[1:]),), dtype="") if fixed else None
+    return ScoresPolicy(scores, sample=sample, accepted=accepted, name=file.name, environment=environment)
 
 
 def _of_shape(shape: list[Any]) -> dict[str, Any]:

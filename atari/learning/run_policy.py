@@ -14,7 +14,7 @@ from atari.learning.agent_code import kept_agent
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.run import RunFolder
 from atari.learning.training import read_options
-from atari.policy import ScoresPolicy
+from atari.policy import Accepted, ScoresPolicy
 
 
 def run_policy(path: Path, sample: bool) -> ScoresPolicy:
@@ -39,7 +39,8 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
     size = (128,) if options.from_ram else (task.img_height or rows, task.img_width or columns)
     # Without memory before the weights are known to fit; a network of the user's may need some.
     with torch.device("meta" if isinstance(options.network, str) else "cpu"):
-        network = agent.make_network(options, (task.stack_num or 1, *size), len(task.action_set))
+        shape = (task.stack_num or 1, *size)
+        network = agent.make_network(options, shape, len(task.action_set))
     expected = network.state_dict()
     for name in sorted(expected.keys() | weights.keys()):
         one, other = (
@@ -51,6 +52,7 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
     network.load_state_dict(weights, assign=True)
     frames = (folder.rows() or [{}])[-1].get("frames", math.nan)
     facts: dict[str, Any] = {
+        "accepted": Accepted((shape,) if task.stack_num else (size, shape)),
         "name": f"{folder.config['agent']} ({path.name})",
         "training_frames": int(frames) if math.isfinite(frames) else None,
         "task": task,

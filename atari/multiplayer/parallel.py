@@ -24,7 +24,7 @@ from atari.observations.layout import Layout
 from atari.task import Task
 from atari.task.fields import NO_LIMIT
 from atari.task.resolution import GameLike
-from atari.validation import check_integer, check_name
+from atari.validation import check_integer, check_known, check_name
 from atari.vector.results import zero_sum
 
 AGENTS = ("first_0", "second_0", "third_0", "fourth_0")
@@ -163,8 +163,13 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], Infos]:
         """Begin a new game. With a seed, the game is loaded again, so that equal seeds give equal games.
 
-        `options` have no effect, as in PettingZoo, whose API tests pass some.
+        There are no options but one without effect, "options", which PettingZoo's API tests give.
+
+        Raises:
+            TypeError: there is no such option.
+            ValueError: the seed is not within 0..2**63-1.
         """
+        check_known("reset", [str(name) for name in options or {} if name != "options"], ("seed",))
         if seed is not None:
             self._seed(check_integer("seed", seed, 0, 2**63 - 1))
         self.core.reset()

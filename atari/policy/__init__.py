@@ -3,6 +3,7 @@
 import inspect
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -189,6 +190,38 @@ def takes_lanes(policy: Any) -> bool:
     raise TypeError(f"a policy takes (observations, lanes) or (observations), got {policy!r} with {signature}")
 
 
+@dataclass(frozen=True)
+class Accepted:
+    """The observations that a network can be computed on.
+
+    Attributes:
+        shapes: the shapes of one observation.
+        dtype: the name of the only dtype, such as "uint8"; "" is every number.
+    """
+
+    shapes: tuple[tuple[int, ...], ...]
+    dtype: str = "uint8"
+
+    def check(self, name: str, observations: Any, count: int) -> None:
+        """Refuse everything but an array of `count` such observations.
+
+        Raises:
+            TypeError: it is no array, or one of another dtype.
+            ValueError: the array has another shape.
+        """
+        shapes = " or ".join(str((count, *shape)) for shape in self.shapes)
+        wanted = f"{name or 'the policy'} takes observations {self.dtype or 'of numbers'} {shapes}"
+        if not isinstance(observations, np.ndarray):
+            raise TypeError(f"{wanted}, a NumPy array, got {type(observations).__name__}; {_CAUSE}")
+        if observations.dtype != self.dtype if self.dtype else observations.dtype.kind not in "biuf":
+            raise TypeError(f"{wanted}, got {show(observations)}; {_CAUSE}")
+        if observations.shape not in [(count, *shape) for shape in self.shapes]:
+            raise ValueError(f"{wanted}, got {show(observations)}; {_CAUSE}")
+
+
+_CAUSE = "make the environment with the policy's task or environment, and give a row for each lane"
+
+
 class ScoresPolicy:
     """A policy from a function that returns a score for each action: action values, or logits.
 
@@ -196,6 +229,7 @@ class ScoresPolicy:
         scores: a function of observations (n, ...) uint8 that returns scores (n, actions), or actions (n,), integers.
         sample: whether actions are drawn with the probabilities softmax(scores), with a generator for each game;
             otherwise the action with the highest score is taken.
+        accepted: the observations that the function takes; None leaves the check to the function.
         name, task, environment, training_frames, game, games, protocol: see `Policy`.
 
     Example:
@@ -211,6 +245,7 @@ class ScoresPolicy:
         scores: Callable[[Any], Array],
         *,
         sample: bool = False,
+        accepted: Accepted | None = None,
         name: str = "",
         task: Task | None = None,
         environment: Mapping[str, Any] | None = None,
@@ -221,6 +256,7 @@ class ScoresPolicy:
     ) -> None:
         self._scores = scores
         self._sample = sample
+        self._accepted = accepted
         self._generators: dict[int, np.random.Generator] = {}
         self._begun: tuple[str, tuple[str, ...]] | None = None
         self.name = name
@@ -262,8 +298,12 @@ class ScoresPolicy:
         """The actions (n,) for observations (n, ...) of some lanes.
 
         Raises:
-            ValueError: the function returns neither scores nor actions, or scores for another number of actions.
+            TypeError: the observations are no array, or have another dtype than the function takes.
+            ValueError: the observations have another shape; or the function returns neither scores nor actions, or
+                scores for another number of actions.
         """
+        if self._accepted is not None:
+            self._accepted.check(self.name, observations, len(lanes))
         scores = np.asarray(self._scores(observations))
         if scores.ndim == 1 and scores.dtype.kind in "iu":
             return scores

@@ -7,11 +7,42 @@ from pathlib import Path
 import pytest
 
 import attack.__main__ as runner
-from attack import api, disks, files, hooks, inspector, outputs, public, roms, sizes, streams, texts, threads
+from attack import (
+    api,
+    disks,
+    files,
+    hooks,
+    inspector,
+    objects,
+    outputs,
+    public,
+    roms,
+    sizes,
+    streams,
+    texts,
+    threads,
+    unknown_options,
+)
 
 
 @pytest.mark.parametrize(
-    "attacker", [api, disks, files, hooks, inspector, outputs, public, roms, sizes, streams, texts, threads]
+    "attacker",
+    [
+        api,
+        disks,
+        files,
+        hooks,
+        inspector,
+        objects,
+        outputs,
+        public,
+        roms,
+        sizes,
+        streams,
+        texts,
+        threads,
+        unknown_options,
+    ],
 )
 def test_a_seed_of_each_attacker(attacker: "object", tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))

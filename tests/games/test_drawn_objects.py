@@ -1,0 +1,45 @@
+"""Objects that labels list are on the screen: at the start of each game, and in situations where they were not."""
+
+import pytest
+from drawn_objects import Play, Probe, undecided
+
+import atari
+from atari.lab import Ram
+from atari.lab.objects import positions
+
+GAMES = tuple(game.id for game in atari.games.playable() if positions(game.ram_labels))
+
+
+@pytest.mark.parametrize("game", GAMES)
+def test_the_objects_of_the_first_frames_are_drawn(game: str) -> None:
+    play = Play(atari.games[game], seed=0)
+    play.frames(20)
+    found = dict(play.faults())
+    play.close()
+    assert not found.keys() - undecided().get(game, {}).keys(), found
+
+
+def test_what_is_undecided_is_an_object() -> None:
+    for game, objects in undecided().items():
+        assert objects.keys() <= set(positions(atari.games[game].ram_labels))
+        assert all(reason.startswith(("drawn: ", "undecided: ")) for reason in objects.values())
+
+
+def test_seaquest_begins_without_enemies() -> None:
+    env = atari.AtariEnv("seaquest", repeat_action_probability=0.0)
+    env.reset(seed=0)
+    for _ in range(10):
+        env.step(0)
+    assert {one.name for one in Ram(env).objects()} == {"player"}
+
+
+@pytest.mark.parametrize(
+    ("game", "name", "frames"),
+    [("chopper_command", "player", 400), ("gopher", "enemy", 200), ("seaquest", "player", 60)],
+)
+def test_drawn_objects_are_listed(game: str, name: str, frames: int) -> None:
+    play = Play(atari.games[game], seed=1)
+    play.frames(frames)
+    seen = Probe(play.game, play.generator).look(play.core, name)
+    play.close()
+    assert (seen.listed, seen.moves, seen.leaves) == (True, True, True)
