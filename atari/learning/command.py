@@ -191,9 +191,9 @@ def _run(training: Training) -> None:
     def show(steps: int, score: float) -> None:
         text = "no whole game yet" if math.isnan(score) else f"score {score:.1f}"
         bar.set_postfix_str(text, refresh=False)
-        bar.update(steps)
+        bar.update(steps - bar.n)
         if bar.disable:
-            lines.show(agent.steps, text)
+            lines.show(steps, text)
 
     with closing(training), bar, ctrl_c_as_event() as stop:
         reason = training.run(stop, show)
@@ -253,7 +253,10 @@ def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | Non
     add_task(parser, leave_out=_ALONE)
     add_former(parser, _OLD_FLAGS)
     add_refused(parser, dict.fromkeys(_OF_SWEEPS, _SWEEP))
-    parser.epilog = "--fast: " + ", ".join(f"{name} {shown(value)}" for name, value in agent.fast.items())
+    listed, of_ram = (
+        ", ".join(f"{name} {shown(value)}" for name, value in options.items()) for options in (agent.fast, FAST_RAM)
+    )
+    parser.epilog = f"--fast: {listed}. From RAM it has instead: {of_ram}"
     return parser
 
 

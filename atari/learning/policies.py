@@ -338,12 +338,13 @@ def _network(module: Any, name: str, sample: bool, **facts: Any) -> ScoresPolicy
         return tensor if parameter is None else tensor.to(parameter.device)
 
     def scores(observations: Any) -> Any:
+        given = tensors(observations)
         training = [part for part in module.modules() if part.training]
         module.eval()
         try:
             with torch.no_grad():
-                returned = module(tensors(observations))
-        except RuntimeError as error:
+                returned = module(given)
+        except (AttributeError, LookupError, RuntimeError, TypeError) as error:
             raise _failed(facts["name"], observations, error) from error
         finally:
             for part in training:

@@ -134,7 +134,8 @@ class Training:
 
         Args:
             stop: an event that ends the training after the present update.
-            progress: called after each update with the steps of the update and the mean score.
+            progress: called after each update with the steps of the training so far, as in the log, and the mean score
+                of the last 100 games, NaN before the first.
 
         Raises:
             FloatingPointError: the loss is not finite. The last checkpoint is kept.
@@ -159,7 +160,7 @@ class Training:
         """Whether the agent shall make another update. Shows the progress of the last one."""
         _, steps = self._mark
         if self.agent.steps > steps:
-            self._progress(self.agent.steps - steps, self._score())
+            self._progress(self.agent.steps, self._score())
         self._mark = time.perf_counter(), self.agent.steps
         return not self._reason()
 

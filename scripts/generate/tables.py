@@ -126,6 +126,27 @@ def options() -> str:
     return "\n".join(lines)
 
 
+def fast() -> str:
+    """A table of the fields of the task that `--fast` changes, for pixels and for RAM."""
+    from atari.learning.agents import AGENTS, find_agent  # imports PyTorch
+    from atari.learning.options import FAST_RAM, shown
+
+    agents = {name: find_agent(name) for name in AGENTS}
+    names = list(dict.fromkeys(name for agent in agents.values() for name in (*agent.fast, *FAST_RAM)))
+    lines = [
+        f"| option | {' | '.join(f'`{name} --fast`' for name in agents)} | all, from RAM |",
+        "|---" * (len(agents) + 2) + "|",
+    ]
+    for name in names:
+        own = {field.name for agent in agents.values() for field in dataclasses.fields(agent.options_class)}
+        if name in own - {"network"}:
+            continue  # `options` has it
+        cells = [shown(agent.fast[name]) if name in agent.fast else "" for agent in agents.values()]
+        ram = shown(FAST_RAM[name]) if name in FAST_RAM else "as from pixels"
+        lines.append(f"| `{name}` | {' | '.join(cells)} | {ram} |")
+    return "\n".join(lines)
+
+
 def _default_of(owner: type[Any], name: str) -> object:
     return next((field.default for field in dataclasses.fields(owner) if field.name == name), None)
 
@@ -136,6 +157,7 @@ def _shown_default(field: Any, shown: Callable[[Any], str]) -> str:
 
 TABLES: Mapping[str, Callable[[], str]] = {
     "learning.options": options,
+    "learning.fast": fast,
     "ids.families": families,
     "presets.sources": sources,
     "presets.choices": presets,

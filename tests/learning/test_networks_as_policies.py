@@ -1,5 +1,6 @@
 """Networks of PyTorch as policies: instances, classes, names, and errors for networks that do not fit."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -125,3 +126,36 @@ def test_a_network_carries_what_it_says() -> None:
     policy = load_policy(Ram(128, 6))
     assert (policy.name, policy.task, policy.training_frames) == ("Ram", Ram.task, 1000)
     assert policy.protocol == PROTOCOLS["dopamine"]
+
+
+@pytest.mark.parametrize(
+    ("observations", "error", "got"),
+    [
+        (np.zeros((2, 4, 84, 84), np.uint8), ValueError, "got uint8 (2, 4, 84, 84)"),
+        (np.zeros((3, 2, 42, 42), np.uint8), ValueError, "got uint8 (3, 2, 42, 42)"),
+        (np.zeros((2, 2, 42, 42)), TypeError, "got float64 (2, 2, 42, 42)"),
+        ([[0, 1], [2, 3]], TypeError, "a NumPy array, got list"),
+    ],
+)
+def test_observations_that_a_run_does_not_take_are_refused(observations: Any, error: type[Exception], got: str) -> None:
+    policy = load_policy(Path(__file__).parents[2] / "examples" / "breakout-pqn")
+    lanes = np.arange(2)
+    policy.begin("breakout", ("NOOP", "FIRE", "RIGHT", "LEFT"), lanes, lanes)
+    with pytest.raises(error) as refused:
+        policy(observations, lanes)
+    assert f"pqn (breakout-pqn) takes observations uint8 (2, 2, 42, 42), {got}" in str(refused.value)
+    assert policy(np.zeros((2, 2, 42, 42), np.uint8), lanes).shape == (2,)
+
+
+def test_a_network_takes_arrays_of_numbers(net: Any) -> None:
+    policy, lanes = load_policy(net.Net()), np.arange(1)
+    for wrong in (None, [1, 2], np.array([None]), {"image": "text"}):
+        with pytest.raises(TypeError, match="Net takes observations as a NumPy array of numbers, or a dict of them, got"):
+            policy(wrong, lanes)
+    with pytest.raises(ValueError, match=r"Net cannot be computed on observations uint8 \(1,\)"):
+        policy(np.zeros(1, np.uint8), lanes)
+
+
+def test_a_seed_of_the_attacker() -> None:
+    observations = pytest.importorskip("attack.observations")
+    observations.attack(1)
