@@ -50,7 +50,7 @@ POOL: dict[str, Callable[[Path], Any]] = {
 
 MADE: dict[str, Callable[[Path], Any]] = {
     "RamLabels": lambda folder: importlib.import_module("atari.lab").RamLabels(POOL["env"](folder)),
-    "Watch": lambda folder: importlib.import_module("atari.lab").Watch(POOL["env"](folder)),
+    "Watch": lambda folder: importlib.import_module("atari.lab").Watch(POOL["env"](folder), 14),
     "RecordReplay": lambda folder: importlib.import_module("atari.recording").RecordReplay(
         POOL["env"](folder), POOL["path"](folder)
     ),
@@ -137,6 +137,8 @@ def refused(name: str, word: str, value: Any, folder: Path) -> bool | None:
         try:
             arguments = _arguments(door.call, door.owner, folder, opened)
         except LookupError:
+            return None
+        except (TypeError, ValueError):  # the values of `POOL` do not fit
             return None
         keyword = inspect.signature(door.call).parameters[door.options].kind is inspect.Parameter.VAR_KEYWORD
         given = {word: value} if keyword else {door.options: {**arguments.pop(door.options, {}), word: value}}

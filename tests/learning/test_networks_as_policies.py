@@ -150,7 +150,9 @@ def test_observations_that_a_run_does_not_take_are_refused(observations: Any, er
 def test_a_network_takes_arrays_of_numbers(net: Any) -> None:
     policy, lanes = load_policy(net.Net()), np.arange(1)
     for wrong in (None, [1, 2], np.array([None]), {"image": "text"}):
-        with pytest.raises(TypeError, match="Net takes observations as a NumPy array of numbers, or a dict of them, got"):
+        with pytest.raises(
+            TypeError, match="Net takes observations as a NumPy array of numbers, or a dict of them, got"
+        ):
             policy(wrong, lanes)
     with pytest.raises(ValueError, match=r"Net cannot be computed on observations uint8 \(1,\)"):
         policy(np.zeros(1, np.uint8), lanes)
