@@ -111,7 +111,7 @@ class MultiplayerCore(EmulatorCore):
         self.rom = rom
         self.rules = rules_of(self.game)
         mode, self.players = choose_mode(self.game, task.mode, task.players)
-        self.sound = sound
+        self.sound = bool(sound)
         self.frame_skip = task.frames[0]
         limit = task.max_num_frames_per_episode or 0
         sticky = task.repeat_action_probability
@@ -141,7 +141,7 @@ class MultiplayerCore(EmulatorCore):
             player_probabilities=probabilities,
             frame_skip=self.frame_skip,
             max_num_frames_per_episode=limit,
-            sound=sound,
+            sound=self.sound,
             color_averaging=False,
             seed=check_integer("seed", seed, 0, SEED_LIMIT - 1),
             one_generator=random_words == "multi_agent_ale",
