@@ -62,7 +62,7 @@ class NormalizeObservation(Wrapper):
     Example:
         >>> import atari.classic as gym
         >>> env = gym.wrappers.NormalizeObservation(gym.make("CartPole-v1"))
-        >>> env.reset().shape, env.obs_rms.count.round(2)
+        >>> env.reset().shape, round(env.obs_rms.count, 2)
         ((4,), 1.0)
     """
 
