@@ -36,6 +36,7 @@ ABSTRACT = {
 """Classes without objects of their own, and a class here that stands for them. Policies and agents are the user's own objects."""
 
 ELSEWHERE = {
+    "atari.cores.ale_actions.Action": "tests/ale_py/test_interface.py",
     "atari.learning.networks.Encoder": "tests/learning/test_networks.py",
     "atari.learning.replicas.Replicas": "tests/learning/test_agents.py",
     "atari.integrations.sb3.AtariVecEnv": "tests/peers/test_copies.py",

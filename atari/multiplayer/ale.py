@@ -231,7 +231,8 @@ class Console:
     def load(self, core: Any) -> None:
         """Give the owner this core, with the settings; see `load_game`."""
         wanted = self.ale_settings.core_options()
-        changed = {name: value for name, value in wanted.items() if value != self._loaded[name]}
+        known = self._loaded if core is self._owner.core else _NEW
+        changed = {name: value for name, value in wanted.items() if value != known[name]}
         for name in self._without.keys() & changed.keys():
             raise AleError(f"{name}={changed[name]} has no effect here; {self._without[name]}")
         if changed and not isinstance(core, MultiplayerCore):
@@ -248,6 +249,9 @@ class Console:
         """Continue from a state."""
         self.emulated.restore_state(state)
 
+
+_NEW = AleSettings(repeat_action_probability=0.0).core_options()
+"""The settings of a new `MultiplayerCore`."""
 
 _FIELDS = {
     "repeat_action_probability": "repeat_action_probability",

@@ -91,7 +91,8 @@ def _page(home: str, module: str, name: str) -> str:
     around = [page for page in MODULES if home == page or home.startswith(f"{page}.")]
     if module in around:
         return max((page for page in around if page.startswith(f"{module}.")), key=len, default=module)
-    return max((page for page in around if name in exported(page)), key=len, default=module)
+    own = [page for page in around if name in exported(page) and (found := _resolve(page, name)) and found[0] == home]
+    return max(own, key=len, default=module)
 
 
 def exported(module: str) -> list[str]:

@@ -213,11 +213,10 @@ def test_a_rom_can_be_loaded() -> None:
     with pytest.raises(RuntimeError, match="no game is loaded"):
         ale.reset_game()
     ale.setInt(b"random_seed", 4)
-    ale.setFloat(b"repeat_action_probability", 0.0)
     ale.loadROM(str(roms.get_rom_path("pong")))
     ale.setMode(6)
     ale.reset_game()
-    core = atari.multiplayer.MultiplayerCore("pong", players=4, mode=6, seed=4)
+    core = atari.multiplayer.MultiplayerCore("pong", players=4, mode=6, seed=4, repeat_action_probability=0.25)
     core.reset()
     for step in range(100):
         assert ale.act([step % 6] * 4).tolist() == core.act_players([step % 6] * 4)
