@@ -12,7 +12,7 @@ from atari.cores import ByteArray, NativeCore, writes
 from atari.cores.ale_interface import AleInterface, Player
 from atari.games.game import Game
 from atari.games.players import choices
-from atari.validation import check_poke
+from atari.validation import check_name, check_poke
 
 
 def check_lanes(numbers: Iterable[int], count: int) -> list[int]:
@@ -225,7 +225,8 @@ class Lane:
         Raises:
             TypeError, ValueError: the game does not have it.
         """
-        offered = choices(self.game, self._envs.options.players)[name]
+        of_game = choices(self.game, self._envs.options.players)
+        offered = of_game[check_name("name", name, of_game)]
         if isinstance(value, bool) or not isinstance(value, (int, np.integer)):
             raise TypeError(f"{name} must be an integer, got {value!r}")
         if value not in offered:
