@@ -105,7 +105,8 @@ def doors() -> dict[str, Door]:
 
 def _with_options(name: str, call: Any, owner: type[Any] | None) -> dict[str, Door]:
     """The parameters of a function or class of the package that take options."""
-    if not callable(call) or not str(getattr(call, "__module__", "")).startswith("atari"):
+    made_in = str(getattr(call, "__module__", ""))
+    if not callable(call) or not made_in.startswith(("atari", "stable_baselines3.common.vec_env")):
         return {}
     if name.rpartition(".")[2] in EXEMPT or getattr(call, "_is_protocol", False):
         return {}
@@ -144,6 +145,8 @@ def refused(name: str, word: str, value: Any, folder: Path) -> bool | None:
         given = {word: value} if keyword else {door.options: {**arguments.pop(door.options, {}), word: value}}
         try:
             opened.callback(_close, door.call(**arguments, **given))
+            if name.endswith(".set_options(options)"):  # which are for the next reset
+                arguments["self"].reset()
         except Exception as error:
             return True if word in str(error) else None
     return False
