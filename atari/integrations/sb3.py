@@ -139,14 +139,14 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         return shown, np.float32(rewards), dones, infos
 
     def _note_ends(self, dones: Any, info: dict[str, Any], shown: Any, infos: list[dict[str, Any]]) -> None:
-        final, games = _shown(info["final_obs"]), info["final_info"]
-        whole = games.get("_episode", np.zeros_like(dones))
-        seconds = round(time.time() - self._made_at, 6)
+        final = _shown(info["final_obs"])
         for index in np.flatnonzero(dones).tolist():
             # With `life_loss_info` an episode continues after a termination.
             source = final if info["_final_obs"][index] else shown
             infos[index]["terminal_observation"] = _row(source, index)
-            if whole[index]:
+        seconds = round(time.time() - self._made_at, 6)
+        for games in (info, info["final_info"]):  # The step's game replaces one that ended inside the reset after it.
+            for index in np.flatnonzero(games.get("_episode", ())).tolist():
                 score, frames = (games["episode"][key][index] for key in "rl")
                 infos[index]["episode"] = {"r": float(score), "l": int(frames), "t": seconds}
 

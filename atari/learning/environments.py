@@ -64,7 +64,9 @@ class TrainingEnvironments:
     ) -> tuple[ByteArray, Any, Any, Any, Mapping[str, Any]]:
         """Play one step, as `AtariVectorEnv.step`."""
         results = self._envs.step(actions, out=out)
-        self._count_games(results[4].get("final_info", {}))
+        info = results[4]
+        for games in (info.get("final_info", {}), info):  # ended by the step, or inside the reset that follows
+            self._count_games(games)
         return results
 
     def _count_games(self, info: Mapping[str, Any]) -> None:

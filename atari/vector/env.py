@@ -157,8 +157,9 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         """Reset all environments, or some, and return a batch of first observations. Reopens after `close`.
 
         Args:
-            seed: environment i gets seed + i. An array has a seed for each environment that is reset; if it is negative
-                or None, the environment keeps its generator. Seeds are within 0..2**32-1.
+            seed: the k-th environment that is reset, from 0 on, gets seed + k. If all are reset, environment i gets
+                seed + i. An array has a seed for each environment that is reset; if it is negative or None, the
+                environment keeps its generator. Seeds are within 0..2**32-1.
             options: {"reset_mask": bool (num_envs,)} resets only these; the others show their last results.
                 {"new_game": True} begins new games, even if a lost life has ended the episode and the preset would
                 continue the game.
@@ -192,6 +193,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         results = self._take_buffer(engine, None)
         batch = results.batch if self.batch_size == self.num_envs else None
         engine.reset(mask, seeded, seeds, batch, bool(_dict(options).get("new_game")))
+        results.of_reset = True
         self._flying, self._chosen = results, None
         return engine
 
@@ -219,10 +221,11 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
             where nothing ended, `final_info` and their masks. A lost life that `life_loss_info` reports ends no
             episode: the observation is its last one, and its row of `final_obs` is zero. With `game_info`, `info` also
             has `reward` (int32, not clipped), `elapsed_step` (int32, the steps of the game) and `terminated` (bool,
-            whether the game is over). When a whole game has ended, with all its lives, `episode` (in SAME_STEP
-            `final_info["episode"]`) has the arrays `r` (float64, the sum of the game's rewards, not clipped), `l`
-            (int64, its frames, no-ops included) and `t` (float64, seconds), and a mask (added). Masks, and in batches
-            of all environments `env_id`, are read-only.
+            whether the game is over). When a whole game has ended, with all its lives, `episode` has the arrays `r`
+            (float64, the sum of the game's rewards, not clipped), `l` (int64, its frames, no-ops included) and `t`
+            (float64, seconds), and a mask (added). In SAME_STEP, a game that the step ended is in
+            `final_info["episode"]`, and one that ended inside the reset in `episode`. Masks, and in batches of all
+            environments `env_id`, are read-only.
 
             With several players, actions are integers (batch, players); rewards (float64), terminations, truncations,
             and `lives` and the scores `r` of `info` are (batch, players). All players see one observation. A player
@@ -271,6 +274,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         results = self._take_buffer(engine, out)
         all_together = self.batch_size == self.num_envs
         engine.start(indices, strengths, results.batch if all_together else None, chosen)
+        results.of_reset = False
         self._flying, self._chosen = results, chosen if all_together else None
         self._phase = "sent"
 

@@ -51,6 +51,8 @@ class Results:
         if options.autoreset_mode == AutoresetMode.SAME_STEP:
             written = {pixels: "final_pixels", ram: "final_ram"}
             self._final = {name: arrays[written[name]].reshape(shape) for name, shape in shapes.items()}
+        self.of_reset = False
+        """Whether the results are those of a reset, which ends no episode; the caller sets it."""
         # Lost lives appear as ends; a player who is out does not.
         ends = ("terminated", "truncated") if options.players == 1 else ("ended",)
         self._ends = [arrays[name] for name in ends if self._final]
@@ -124,24 +126,26 @@ class Results:
 
     def _add_ends(self, info: dict[str, Any]) -> None:
         """Add the final observations, and the statistics of the games that ended."""
-        games: dict[str, Any] = {}
         arrays = self._arrays
-        if arrays["game_ended"].any():
-            games_ended = arrays["game_ended"].copy()
-            frames = arrays["frames"].astype(np.int64)
-            episode = {"r": arrays["score"].copy(), "l": frames, "t": arrays["seconds"].copy()}
-            episode.update({f"_{key}": games_ended for key in "rlt"})
-            games = {"episode": episode, "_episode": games_ended}
-        if any(array.any() for array in self._ends):
+        if not self.of_reset and any(array.any() for array in self._ends):
             ended = arrays["ended"].copy()
             final_info: dict[str, Any] = {}
             for name in COUNTERS:
                 final_info[name], final_info["_" + name] = arrays["final_" + name].copy(), ended
             info["final_obs"], info["_final_obs"] = self._lend(self._final, self._final_lenders), ended
-            info["final_info"], info["_final_info"] = {**final_info, **games}, ended
-        elif self._game_copies:
+            info["final_info"], info["_final_info"] = {**final_info, **self._ended_games("final_")}, ended
+        if self._game_copies:
             # Without a preset, `RecordEpisodeStatistics` adds this key, as around ale-py's; it must not exist yet.
-            info.update(games)
+            info.update(self._ended_games())
+
+    def _ended_games(self, prefix: str = "") -> dict[str, Any]:
+        """The statistics of games, as `info` has them; {} if none has ended."""
+        names = (prefix + name for name in ("game_ended", "score", "frames", "seconds"))
+        ended, score, frames, seconds = (self._arrays[name].copy() for name in names)
+        if not ended.any():
+            return {}
+        episode = {"r": score, "l": frames.astype(np.int64), "t": seconds}
+        return {"episode": {**episode, **{f"_{key}": ended for key in "rlt"}}, "_episode": ended}
 
     def _lend(self, parts: dict[str, npt.NDArray[np.uint8]], lenders: dict[str, Any]) -> Any:
         if self._apply_layout is not None:

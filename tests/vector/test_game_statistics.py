@@ -160,6 +160,48 @@ def test_a_truncated_game_and_a_lost_life() -> None:
     assert "_episode" not in info["final_info"]  # the game goes on
 
 
+def short_games(mode: str, num_envs: int = 1) -> atari.AtariVectorEnv:
+    """Games of at most 33 frames, with no-ops in which a second one may end; steps of four frames."""
+    task = atari.Task.of("pong", noops=(40, 40), max_num_frames_per_episode=33, max_episode_steps=2, obs_type="ram")
+    return task.make_vec(num_envs, num_threads=1, autoreset_mode=mode)
+
+
+@needs_autoreset_modes
+def test_a_game_that_ends_inside_the_reset_of_a_step_hides_no_other() -> None:
+    envs = short_games("SameStep")
+    _, info = envs.reset(seed=0)
+    assert (info["episode"]["l"].tolist(), info["_episode"].tolist()) == ([33], [True])
+    begun = info["episode_frame_number"][0]
+    *_, info = envs.step(np.zeros(1, int))
+    assert "episode" not in info
+    *_, truncated, info = envs.step(np.zeros(1, int))
+    assert truncated[0]
+    assert info["final_info"]["episode"]["l"].tolist() == [begun + 8]  # the game of the two steps
+    assert info["episode"]["l"].tolist() == [33]  # the game of the no-ops after it
+
+
+@needs_autoreset_modes
+def test_a_masked_reset_shows_its_games_and_no_end() -> None:
+    envs = short_games("SameStep", 2)
+    envs.reset(seed=0)
+    for _ in range(2):
+        *_, truncated, info = envs.step(np.zeros(2, int))
+    assert truncated.all()
+    assert info["_final_info"].all()
+    _, info = envs.reset(options={"reset_mask": np.array([False, True])})
+    assert (info["episode"]["l"].tolist(), info["_episode"].tolist()) == ([0, 33], [False, True])
+    assert not {"final_obs", "final_info", "_final_obs", "_final_info"} & {*info}
+
+
+def test_modes_that_begin_with_the_end_of_a_game_say_so() -> None:
+    task = atari.Task("demon_attack", mode=3, obs_type="ram", reward_clipping=True)
+    envs, env = task.make_vec(1, num_threads=1), task.make()
+    assert envs.reset(seed=0)[1]["terminated"].tolist() == [env.reset(seed=0)[1]["terminated"]] == [True]
+    terminated = envs.step(np.zeros(1, int))[2]
+    assert terminated[0]
+    assert envs.step(np.zeros(1, int))[4]["terminated"].tolist() == [True]  # the reset of the next step
+
+
 def test_counts_are_part_of_the_state() -> None:
     def rest(envs: atari.AtariVectorEnv) -> list[Game]:
         while True:

@@ -96,7 +96,8 @@ def test_the_engine_says_names_dtypes_and_shapes_of_its_arrays(players: int, mod
     final = {}
     if mode == "SameStep":
         integers |= {"final_lives": each, "final_frame_number": (3,), "final_episode_frame_number": (3,)}
-        flags["ended"] = (3,)
+        flags |= {"ended": (3,), "final_game_ended": (3,)}
+        doubles |= {"final_score": each, "final_frames": (3,), "final_seconds": (3,)}
         final = {f"final_{name}": shape for name, shape in parts.items()}
     kinds = [("int32", integers), ("bool", flags), ("float64", doubles), ("uint8", parts | final)]
     arrays = {name: (dtype, shape) for dtype, shapes in kinds for name, shape in shapes.items()}

@@ -278,6 +278,14 @@ class TestAutoreset:
         assert np.array_equal(observation[~mask], kept[~mask])
         assert reward.tolist() == [0, 0, 0]
 
+    def test_a_seed_of_a_partial_reset_counts_those_reset(self) -> None:
+        """As in ale-py: the k-th environment that is reset gets seed + k, not environment i seed + i."""
+        envs, others = make(), make()
+        envs.reset(seed=0)
+        expected, _ = others.reset(seed=[0, 41, 42])
+        observation, _ = envs.reset(seed=41, options={"reset_mask": np.array([False, True, True])})
+        assert np.array_equal(observation, expected)
+
     def test_seeds_of_a_partial_reset_are_for_those_reset(self) -> None:
         envs, other = make("pong", 3, obs_type="ram"), make("pong", 1, obs_type="ram")
         envs.reset(seed=0)

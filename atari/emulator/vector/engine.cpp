@@ -138,6 +138,7 @@ void VectorEngine::play(Slot& slot, int environment) {
         episode.reset(asked ? slot.seed : nullptr, asked && slot.new_game);
         slot.outcome = Outcome{};
         slot.outcome.game_steps = episode.game_steps();
+        slot.outcome.game_over = episode.environment().game_over();  // A mode may begin with the end of a game.
     } else {
         slot.outcome = episode.step(slot.actions, slot.strength);
         if (slot.outcome.ended && settings_.autoreset == Autoreset::kSameStep) {
@@ -152,6 +153,7 @@ void VectorEngine::play(Slot& slot, int environment) {
 void VectorEngine::keep_final(Slot& slot, int environment) {
     slot.has_final = true;
     Episode& episode = *slot.lane.episode;
+    slot.final_game = episode.take_ended_game();
     Environment& e = episode.environment();
     if (queued()) {
         slot.final_pixels.resize(episode.observation().size());
@@ -184,7 +186,7 @@ void VectorEngine::write_results(Slot& slot, int environment, int row, const Bat
     }
     batch.frame_number[at] = e.frame_number();
     batch.episode_frame_number[at] = e.episode_frame_number();
-    write_ended_game(slot, row, batch);
+    write_game(slot.ended_game, row, {batch.game_ended, batch.score, batch.frames, batch.seconds});
     if (settings_.autoreset == Autoreset::kSameStep) write_final(slot, row, batch);
 }
 
@@ -201,14 +203,14 @@ void VectorEngine::write_players(Slot& slot, int row, const Batch& batch) {
     }
 }
 
-void VectorEngine::write_ended_game(const Slot& slot, int row, const Batch& batch) {
+void VectorEngine::write_game(const std::optional<EndedGame>& ended, int row, const GameArrays& arrays) const {
     const auto at = static_cast<size_t>(row);
-    const EndedGame game = slot.ended_game.value_or(EndedGame{{}, 0, 0.0});
-    batch.game_ended[at] = slot.ended_game.has_value();
+    const EndedGame game = ended.value_or(EndedGame{{}, 0, 0.0});
+    arrays.ended[at] = ended.has_value();
     for (int player = 0; player < players_; ++player)
-        batch.score[row * players_ + player] = static_cast<double>(game.score[static_cast<size_t>(player)]);
-    batch.frames[at] = game.frames;
-    batch.seconds[at] = game.seconds;
+        arrays.score[row * players_ + player] = static_cast<double>(game.score[static_cast<size_t>(player)]);
+    arrays.frames[at] = game.frames;
+    arrays.seconds[at] = game.seconds;
 }
 
 // A row of the final observations is zero if no episode of its environment ended in this step.
@@ -230,6 +232,8 @@ void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
         batch.final_lives[row * players_ + player] = slot.has_final ? slot.final_lives[player] : 0;
     batch.final_frame_number[at] = number(0);
     batch.final_episode_frame_number[at] = number(1);
+    write_game(slot.has_final ? slot.final_game : std::nullopt, row,
+               {batch.final_game_ended, batch.final_score, batch.final_frames, batch.final_seconds});
 }
 
 namespace {

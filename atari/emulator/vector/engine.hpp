@@ -125,7 +125,8 @@ class VectorEngine {
         Outcome outcome;                      // the last step's
         std::optional<EndedGame> ended_game;  // ended in the last task
         bool has_final = false;
-        std::vector<uint8_t> final_pixels;  // used while the row of the batch is not known
+        std::optional<EndedGame> final_game;  // ended in the step before the reset of the same task
+        std::vector<uint8_t> final_pixels;    // used while the row of the batch is not known
         uint8_t final_ram[128];
         int32_t final_numbers[2];  // frame and episode frame
         int32_t final_lives[kMaxPlayers];
@@ -139,7 +140,12 @@ class VectorEngine {
     void keep_final(Slot& slot, int environment);
     void write_results(Slot& slot, int environment, int row, const Batch& batch);
     void write_players(Slot& slot, int row, const Batch& batch);
-    void write_ended_game(const Slot& slot, int row, const Batch& batch);
+    // The arrays of a batch for games that ended.
+    struct GameArrays {
+        bool* ended;
+        double *score, *frames, *seconds;
+    };
+    void write_game(const std::optional<EndedGame>& ended, int row, const GameArrays& arrays) const;
     void write_final(Slot& slot, int row, const Batch& batch);
     // Returns whether results go to rows in the order in which environments finish.
     bool queued() const { return settings_.batch_size < size(); }

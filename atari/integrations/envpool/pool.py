@@ -102,7 +102,8 @@ class EnvPool:
 
         Args:
             env_id: integers (rows,), each once; the results have the rows of these environments, in this order.
-            seed: environment i gets seed + i; None continues the generators, or begins with the seed of `make`.
+            seed: the k-th environment that is reset, from 0 on in the order of their numbers, gets seed + k. If all
+                are reset, environment i gets seed + i. None continues the generators, or begins with `make`'s seed.
             options: None, or empty.
 
         Raises:
