@@ -96,17 +96,20 @@ _FIRE = np.array([0, 0, 1], np.float32)
 def step_named(env: Environment, name: str) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
     """Play a step of an action by name; if the action space is continuous, NOOP or FIRE.
 
-    If the action is not in the action space, the `AtariEnv` plays it in place of the step's action.
+    If the action is not in the action space, the `AtariEnv` plays it in place of the step's action. So it does with
+    continuous actions, of which none exceeds a threshold of 1.
     """
-    if not isinstance(env.action_space, spaces.Discrete):
-        return env.step(_FIRE.copy() if name == "FIRE" else _AT_REST.copy())
-    meanings = action_meanings(env)
+    discrete = isinstance(env.action_space, spaces.Discrete)
+    meanings = action_meanings(env) if discrete else []
     if name in meanings:
         return env.step(meanings.index(name))
+    motion = (_FIRE if name == "FIRE" else _AT_REST).copy()
+    if not discrete and not isinstance(env.unwrapped, AtariEnv):
+        return env.step(motion)
     driver = require_atari(env, f"a {name}").driver
     driver.replacement = Action[name]
     try:
-        return env.step(0)
+        return env.step(0 if discrete else motion)
     finally:
         driver.replacement = None
 

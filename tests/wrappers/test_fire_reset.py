@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+import atari
 from atari.wrappers import FireReset
 
 
@@ -17,6 +18,20 @@ def test_fire_is_found_by_its_name(scripted):
     env = FireReset(scripted(meanings=["NOOP", "UP", "FIRE"]))
     env.reset()
     assert env.unwrapped.actions == [2]
+
+
+@pytest.mark.parametrize("threshold", [0.0, 0.5, 0.999, 1.0])
+def test_fire_is_pressed_at_every_threshold_of_continuous_actions(threshold):
+    """No continuous action presses FIRE at a threshold of 1; a reset does, as in ale-py's vector environment."""
+    options = {"continuous": True, "continuous_action_threshold": threshold, "repeat_action_probability": 0.0}
+    envs = [atari.make("breakout", obs_type="ram", fire=fire, **options) for fire in ("after_noops", "never")]
+    for env in envs:
+        env.reset(seed=0)
+    first, second = (env.step(np.zeros(3, np.float32))[0] for env in envs)
+    assert (first != second).any()
+    vector = envs[0].unwrapped.whole_task.make_vec(1, num_threads=1)
+    vector.reset(seed=0)
+    assert (vector.step(np.zeros((1, 3), np.float32))[0] == first).all()
 
 
 def test_games_without_fire_are_left_alone(scripted):
