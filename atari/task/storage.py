@@ -110,9 +110,6 @@ def from_json(text: str, game: Game | None = None) -> Task:
     if "game" not in table:
         raise ValueError("a task needs the key 'game'")
     fields = {**defaults, **table}
-    for key in ("frameskip", "noops", "actions", "repeat_action_probability"):
-        if isinstance(fields[key], list):
-            fields[key] = tuple(fields[key])
     changes = fields["interventions"]
     if not isinstance(changes, (list, tuple)) or not all(isinstance(one, dict) for one in changes):
         raise ValueError(f"'interventions' must be a list of definitions, got {changes!r:.80}")

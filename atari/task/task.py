@@ -13,6 +13,7 @@ from typing_extensions import Unpack
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.cores.options import CoreOptions
 from atari.cores.rewards import reward_formula
+from atari.cores.writes import make_writes
 from atari.games.catalog import games
 from atari.games.fingerprint import fingerprint
 from atari.games.game import Game
@@ -177,6 +178,7 @@ class Task:
         fields["game"] = game.id
         fields["rules"] = fields["rules"] or fingerprint(game)
         fields["interventions"] = resolve(game, fields["interventions"])
+        make_writes(game, fields["interventions"])  # as a core does: the values of a label depend on the compiled write
         if fields["reward"] is not None:
             reward_formula(game, fields["reward"])
         if several:

@@ -19,6 +19,18 @@ def changed(**values: Any) -> str:
     return json.dumps({**json.loads(TEXT), **values})
 
 
+def test_a_value_that_a_label_cannot_have_is_refused_by_every_door() -> None:
+    write = {"to": "lives", "value": 300}
+    forged = {"name": "many_lives", "description": "-", "source": "-", "writes": [write]}
+    message = r"intervention 'many_lives', writes\[0\], value: lives cannot be 300; its values are 0..255"
+    with pytest.raises(ValueError, match=message):
+        Task.from_json(changed(interventions=[forged]))
+    with pytest.raises(ValueError, match=message):
+        Task("breakout", interventions=(forged,))  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=message):
+        Task.of("breakout", interventions=[forged])
+
+
 def test_has_every_field() -> None:
     assert set(json.loads(TEXT)) == {*FIELDS, "format", "file"}
 
