@@ -109,7 +109,7 @@ class Comparison:
 
 
 def compare(
-    results: Result | Sequence[Result],
+    results: Result | Sequence[Result] | Mapping[str, Result | Sequence[Result]],
     to: str | Sequence[str] = ("dopamine/rainbow",),
     *,
     frames: int | None = None,
@@ -124,6 +124,9 @@ def compare(
     episodes again, and the intervals are about this policy. With several results of a game, from trainings with
     different seeds, the bootstrap draws runs again, as for published agents; the intervals are about the algorithm.
 
+    Results of policies with different names are different agents, with a row each. Trainings of one agent, whose
+    policies have different names, such as paths, are given by the agent's name: `compare({"mine": [result, other]})`.
+
     Most published scores are of training games, with exploration. The notes say so.
 
     Scores are compared at equal budgets of training, and nothing is extrapolated: a budget after the last or before the
@@ -131,8 +134,9 @@ def compare(
     its first scores, and its row has their frames.
 
     Args:
-        results: results of `evaluate` for one agent: other games, or other trainings.
-        to: names of published agents, see `Published.names`.
+        results: results of `evaluate`. Those of one policy's name are one agent's: other games, or other trainings. A
+            mapping has the results of each agent by a name for it.
+        to: names of published agents, see `Published.names`; () is none.
         frames: emulator frames of training at which to compare; None is the `training_frames` of the results. If both
             are not known, published agents have their final scores.
         human: the table of human and random scores, see `Published.human_scores`.
@@ -143,7 +147,7 @@ def compare(
     Returns:
         A `Comparison`, which prints as two tables, with methods `save(file)` (JSON) and `plot(file)`.
 
-        - `rows`: the agents, the evaluated one first: `name`, `runs`, `frames`, `protocol`, `scores` by game, and
+        - `rows`: the agents, the evaluated ones first: `name`, `runs`, `frames`, `protocol`, `scores` by game, and
             `median`, `mean` and `iqm` with `value`, `low` and `high`, the interval of 95 %;
         - `games`: the games that are compared;
         - `human`: the name of the human table, and `references`: by game, the scores of random play and of a human;
@@ -151,9 +155,9 @@ def compare(
         - `notes`: sentences on what the scores depend on.
 
     Raises:
-        TypeError, ValueError: an argument is of the wrong kind, a name is not known (the nearest is suggested), the
-            protocols or budgets differ, the human table is for another protocol, a game was played in another mode or
-            with interventions, or no game is left.
+        TypeError, ValueError: an argument is of the wrong kind, such as a result in place of a published agent, a name
+            is not known (the nearest is suggested), the protocols or budgets differ, the human table is for another
+            protocol, a game was played in another mode or with interventions, or no game is left.
 
     Example:
         >>> from atari.learning import compare, evaluate
@@ -162,8 +166,9 @@ def compare(
         >>> [(row.name, row.frames) for row in comparison.rows]
         [('random', 10000000), ('dopamine/rainbow', 10000000)]
     """
-    results = _check_results(results)
-    to = [to] if isinstance(to, str) else list(to)
+    agents = _agents(results)
+    results = [result for own in agents.values() for result in own]
+    to = _check_published(to)
     others = [Published(name) for name in to]
     repetitions = check_integer("repetitions", repetitions, 1, 100_000)
     seed = check_integer("seed", seed, 0, 2**32 - 1)
@@ -177,14 +182,15 @@ def compare(
         faults += [f"{other.name}: {fault}" for fault in found if fault]
     if faults and not mixed:
         raise ValueError(f"these are not comparable: {'; '.join(faults)}; mixed=True compares them, and says so")
-    played = {one.game for result in results for one in result.games}
-    common = [game for game in references if game in played and all(_has(other, game, frames) for other in others)]
+    games_of = [{one.game for result in own for one in result.games} for own in agents.values()]
+    played, shared = set.union(*games_of), set.intersection(*games_of)
+    common = [game for game in references if game in shared and all(_has(other, game, frames) for other in others)]
     if not common:
-        raise ValueError(f"there is no game that all of {', '.join(['the results', human, *to])} have scores of")
+        raise ValueError(f"there is no game that all of {', '.join([*agents, human, *to])} have scores of")
     references = {game: references[game] for game in common}
     bootstrap = {"repetitions": repetitions, "seed": seed}
     rows = [
-        _own_row(results, references, frames, bootstrap),
+        *(_own_row(name, own, references, frames, bootstrap) for name, own in agents.items()),
         *(_published_row(other, references, frames, bootstrap) for other in others),
     ]
     comparison = Comparison(tuple(rows), tuple(common), human, references, bool(faults), ())
@@ -215,11 +221,31 @@ def _notes(
         yield f"Atari-5's estimate of the median over 57 games: {', '.join(estimates)}"
 
 
+def _agents(results: Any) -> dict[str, list[Result]]:
+    """The results of each agent by its name, in their order."""
+    if isinstance(results, Mapping) and results:
+        return {str(name): _check_results(own) for name, own in results.items()}
+    agents: dict[str, list[Result]] = {}
+    for result in _check_results(results):
+        agents.setdefault(result.policy, []).append(result)
+    return agents
+
+
 def _check_results(results: Any) -> list[Result]:
     results = [results] if isinstance(results, Result) else results
     if not isinstance(results, Sequence) or not results or not all(isinstance(one, Result) for one in results):
         raise TypeError(f"results must be a Result of evaluate(), or several, got {results!r:.100}")
     return list(results)
+
+
+def _check_published(to: Any) -> list[str]:
+    names = [to] if isinstance(to, (str, Result)) else list(to)
+    if any(isinstance(name, Result) for name in names):
+        raise TypeError(
+            "`to` has names of published agents, such as 'dopamine/rainbow', and a Result is none; results are "
+            "compared with each other in a list, as compare([result, other], to=())"
+        )
+    return names
 
 
 def _common_protocol(results: Sequence[Result], faults: list[str]) -> EvaluationProtocol:
@@ -234,13 +260,10 @@ def _common_protocol(results: Sequence[Result], faults: list[str]) -> Evaluation
 
 def _game_faults(results: Sequence[Result]) -> list[str]:
     """The games that were played in another mode or difficulty, or with interventions, in words."""
-    faults = []
-    for one in (one for result in results for one in result.games if one.task and one.game in games):
-        usual = {"mode": games[one.game].default_mode, "difficulty": 0, "interventions": []}
-        differing = [name for name, value in usual.items() if one.task.get(name, value) != value]
-        if differing:
-            faults.append(f"{one.game} was played with another {' and '.join(differing)} than in scores of others")
-    return faults
+    played = [one for result in results for one in result.games if one.game in games and one.changes]
+    return [
+        f"{one.game} was played with another {' and '.join(one.changes)} than in scores of others" for one in played
+    ]
 
 
 def _common_frames(results: Sequence[Result], frames: int | None, faults: list[str]) -> int | None:
@@ -298,7 +321,9 @@ def _scores_at(other: Published, game: str, frames: int | None) -> Floats:
     return other.final(game) if at is None or (at == other.final_frames != frames) else other.at(game, at)
 
 
-def _own_row(results: Sequence[Result], references: References, frames: int | None, bootstrap: dict[str, int]) -> Row:
+def _own_row(
+    name: str, results: Sequence[Result], references: References, frames: int | None, bootstrap: dict[str, int]
+) -> Row:
     played = {game: [one for result in results for one in result.games if one.game == game] for game in references}
     runs = {game: np.array([one.mean for one in several]) for game, several in played.items()}
     if all(len(several) == 1 for several in played.values()):
@@ -307,10 +332,11 @@ def _own_row(results: Sequence[Result], references: References, frames: int | No
     else:
         estimates = estimate_of_runs(_normalised(runs, references), **bootstrap)
     count = sum(len(one.scores) for several in played.values() for one in several)
+    trained = {result.training_frames for result in results}
     return Row(
-        name=", ".join(dict.fromkeys(result.policy for result in results)),
+        name=name,
         runs=max(map(len, runs.values())),
-        frames=frames,
+        frames=trained.pop() if frames is None and len(trained) == 1 else frames,
         protocol=f"{results[0].protocol}; {count:,} games, played after the training",
         scores={game: tuple(scores.tolist()) for game, scores in runs.items()},
         **estimates,

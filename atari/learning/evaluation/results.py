@@ -14,6 +14,7 @@ from types import NoneType
 from typing import Any
 
 from atari.files import durable, json_text
+from atari.games.catalog import games
 from atari.learning.evaluation.protocols import EvaluationProtocol
 
 FORMAT = "atari evaluation 3"
@@ -51,6 +52,20 @@ class GameResult:
             return pstdev(self.scores)
         except OverflowError:  # of scores near the greatest float, with Python 3.10
             return math.inf
+
+    @property
+    def changes(self) -> dict[str, Any]:
+        """Mode, difficulty and interventions of the task, those that differ from the game's own.
+
+        Of a game that is not in the package's catalogue, all but an empty list of interventions.
+        """
+        own = games.get(self.game)
+        usual = {"mode": own.default_mode, "difficulty": 0} if own is not None else {}
+        return {
+            name: value
+            for name in ("mode", "difficulty", "interventions")
+            if (value := self.task.get(name)) not in (None, [], usual.get(name))
+        }
 
     @property
     def truncations(self) -> int:
@@ -106,6 +121,8 @@ class Result:
             numbers = (one.mean, one.std, one.median, min(one.scores), max(one.scores))
             rows.append((one.game, len(one.scores), *(f"{number:,.1f}" for number in numbers), one.truncations))
         lines = [f"policy {self.policy}, seed {self.seed}", f"protocol {self.protocol}", "", *aligned(rows)]
+        if changed := [f"{one.game} was played with {_in_words(one.changes)}" for one in self.games if one.changes]:
+            lines += ["", *changed]
         if truncated := sum(one.truncations for one in self.games):
             every = sum(len(one.scores) for one in self.games)
             lines += ["", f"{truncated:,} of {every:,} games did not end within {self.protocol.max_frames:,} frames"]
@@ -186,6 +203,14 @@ def _checked_game(content: Any) -> GameResult:
     if len({*map(len, lists.values()), 0}) != 2:
         raise ValueError(f"{content['game']} must have as many scores, frames, truncated and seeds, and at least one")
     return GameResult(**{**content, **lists, "scores": tuple(map(float, lists["scores"]))})
+
+
+def _in_words(changes: Mapping[str, Any]) -> str:
+    """Fields of a task with their values; interventions by name."""
+    named = {**changes}
+    if isinstance(each := named.get("interventions"), list):  # a file may have anything else
+        named["interventions"] = [one.get("name") if isinstance(one, dict) else one for one in each]
+    return ", ".join(f"{name}={value!r}" for name, value in named.items())
 
 
 def versions() -> dict[str, str]:

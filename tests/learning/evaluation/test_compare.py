@@ -46,6 +46,38 @@ def test_several_trainings_are_runs():
     assert merged.rows[0].runs == 1
 
 
+def test_policies_with_different_names_are_different_agents():
+    mine, other = result(), replace(result(shift=1.0, games=("pong", "breakout", "seaquest")), policy="other")
+    comparison = compare([mine, other, mine], "dopamine/rainbow")
+    assert [(row.name, row.runs) for row in comparison.rows] == [("mine", 2), ("other", 1), ("dopamine/rainbow", 5)]
+    assert comparison.games == ("breakout", "pong")
+    assert comparison.rows[1].scores["pong"] == (15.5,)
+    assert "other: " in "\n".join(comparison.notes)
+    alone = compare([replace(other, games=other.games[:2]), mine], to=())
+    assert alone.rows == (comparison.rows[1], compare(mine, to=()).rows[0])
+
+
+def test_a_mapping_names_the_agents():
+    trainings = [replace(result(shift=shift), policy=f"runs/{shift}") for shift in (0.0, 1.0)]
+    comparison = compare({"mine": trainings, "other": result()}, to=())
+    assert [(row.name, row.runs, row.scores["pong"]) for row in comparison.rows] == [
+        ("mine", 2, (14.5, 15.5)),
+        ("other", 1, (14.5,)),
+    ]
+    assert len(compare(trainings, to=()).rows) == 2
+
+
+def test_agents_without_a_common_game_are_not_compared():
+    with pytest.raises(ValueError, match="no game that all of mine, other, noop57 have scores of"):
+        compare([result(games=["pong"]), replace(result(games=["breakout"]), policy="other")], to=())
+
+
+@pytest.mark.parametrize("to", [result(), ["dopamine/rainbow", result()]])
+def test_a_result_is_no_published_agent(to):
+    with pytest.raises(TypeError, match=r"a Result is none; .* compare\(\[result, other\], to=\(\)\)"):
+        compare(result(), to)
+
+
 @pytest.mark.parametrize(
     ("changes", "text"),
     [

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -36,6 +37,19 @@ def test_the_table():
         "\n"
         "1 of 4 games did not end within 108,000 frames"
     )
+
+
+def test_the_table_names_what_differs_from_the_games_own():
+    intervention = {"name": "lazy_enemy", "description": "-", "source": "-", "writes": []}
+    task = {"mode": 1, "difficulty": 0, "interventions": [intervention], "frameskip": 3}
+    usual = {"mode": 0, "difficulty": 0, "interventions": []}
+    pong, breakout = result().games
+    changed = replace(result(), games=(replace(pong, task=task), replace(breakout, task=usual)))
+    assert "\npong was played with mode=1, interventions=['lazy_enemy']\n" in str(changed)
+    assert "breakout was played" not in str(changed)
+    own = replace(pong, game="own", task={**usual, "difficulty": 1})
+    assert "own was played with mode=0, difficulty=1" in str(replace(result(), games=(own,)))
+    assert "interventions=7" in str(replace(result(), games=(replace(pong, task={"interventions": 7}),)))
 
 
 def test_a_file_keeps_everything(tmp_path):
