@@ -170,14 +170,12 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
             ValueError: the seed is not within 0..2**63-1.
         """
         check_known("reset", [str(name) for name in options or {} if name != "options"], ("seed",))
-        if seed is not None:
-            self._seed(check_integer("seed", seed, 0, 2**63 - 1))
-        self.core.reset()
+        self._begin_game(seed)
         low, high = self._task.noops
         for _ in range(self._draw(low, high + 1)):
             self.core.act_players([_NO_OP] * self.core.players)
             if self.core.game_over or self.core.truncated:
-                self.core.reset()
+                self._begin_game(seed)
         self._begin_counters()
         self._seen.begin(self.core)
         self.agents = self.possible_agents[:]
@@ -304,6 +302,12 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
             second = self._random.seed(seed)
         self._console.ale_settings.set_seed(second)
         self._console.load_game()
+
+    def _begin_game(self, seed: int | None) -> None:
+        """Reset the core. With a seed, all generators begin anew, as in a vector, also after a game of no-ops alone."""
+        if seed is not None:
+            self._seed(check_integer("seed", seed, 0, 2**63 - 1))
+        self.core.reset()
 
     def _draw(self, low: int, high: int) -> int:
         """A number within low..high-1."""

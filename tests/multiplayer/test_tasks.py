@@ -1,19 +1,20 @@
 """A task of several players is `MultiplayerEnv`, and the lane of a vector: the same bytes for every field."""
 
+import random
 from typing import Any
 
 import numpy as np
 import pytest
 
 pytest.importorskip("pettingzoo")
-from hypothesis import HealthCheck, given, settings
+from field_values import DRAWN, seconds_of_step, settled, small, value_of
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
-from task_strategies import VALUES, accepted
 
 import atari
 from atari import Task
 from atari.multiplayer.parallel import MultiplayerEnv
-from atari.task.task import DEFAULTS, FIELDS
+from atari.task.task import FIELDS
 
 OF_ONE_PLAYER = (
     *("continuous", "continuous_action_threshold", "fire", "fire_counts", "third_action", "fire_unit", "fire_again"),
@@ -25,11 +26,14 @@ GAMES = (("pong", 2), ("pong", 4), ("warlords", 4), ("joust", 2), ("boxing", 2),
 @st.composite
 def tasks(draw: st.DrawFn) -> Task:
     """A random task of several players."""
-    drawn = {name: draw(st.sampled_from(values)) for name, values in VALUES.items() if name not in OF_ONE_PLAYER}
-    fields: dict[str, Any] = {**DEFAULTS, **drawn}
-    fields["game"], fields["players"] = draw(st.sampled_from(GAMES))
-    fields["agent_indicator"], fields["zero_sum"] = draw(st.booleans()), draw(st.booleans())
-    return accepted(fields)
+    name, players = draw(st.sampled_from(GAMES))
+    game, source = atari.games[name], random.Random(draw(st.integers(0, 2**32 - 1)))
+    names = [*({*DRAWN} - {*OF_ONE_PLAYER, "mode", "difficulty"}), "agent_indicator", "zero_sum"]
+    drawn = {field: value_of(source, field, game, small) for field in sorted(names) if source.random() < 0.5}
+    task = settled(source, game, {**drawn, "players": players})
+    assume(task is not None and seconds_of_step(task) < 0.02)
+    assert task is not None
+    return task
 
 
 def vector(task: Task) -> atari.AtariVectorEnv:
@@ -118,6 +122,18 @@ def test_a_parallel_environment_is_the_lane_of_a_vector(task: Task, seed: int) -
         if step == 30:
             pair.envs.restore(None, taken[0])
             pair.game.restore(taken[1])
+    pair.envs.close()
+
+
+@pytest.mark.parametrize("seeding", ["gymnasium", "ale"])
+def test_a_game_that_ends_in_the_no_ops_begins_again_with_the_seed(seeding: str) -> None:
+    task = Task("pong", players=2, noops=(20, 20), max_num_frames_per_episode=9, frameskip=(2, 5), seeding=seeding)
+    pair, source = Pair(task), np.random.default_rng(0)
+    for seed in (0, None, 3):
+        pair.reset(seed)
+        assert pair.game.core.frame_number == pair.envs.lanes[0].frame_number
+        while not pair.step(source):
+            pass
     pair.envs.close()
 
 
