@@ -10,6 +10,7 @@ import attack.__main__ as runner
 from attack import (
     api,
     disks,
+    fields,
     files,
     hooks,
     inspector,
@@ -19,6 +20,7 @@ from attack import (
     roms,
     sizes,
     streams,
+    task_doors,
     texts,
     threads,
     unknown_options,
@@ -30,6 +32,7 @@ from attack import (
     [
         api,
         disks,
+        fields,
         files,
         hooks,
         inspector,
@@ -39,6 +42,7 @@ from attack import (
         roms,
         sizes,
         streams,
+        task_doors,
         texts,
         threads,
         unknown_options,

@@ -1,18 +1,18 @@
 """A task is one environment with wrappers, and the lane of a vector: the same bytes for every field.
 
 The wrappers share no code with the engine but the emulator and its `ObservationStack`, so each is the test of the other.
-`composed` replaces that class by NumPy and OpenCV.
+`composed` replaces that class by NumPy and OpenCV. `Lanes` compares all results.
 """
 
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
-from gymnasium.wrappers import TimeLimit
+from field_values import DRAWN
 from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
-from task_strategies import VALUES, tasks
+from lane_oracle import Lanes, random_action
+from task_strategies import tasks
 
 from atari import wrappers
 from atari.env import AtariEnv
@@ -21,133 +21,41 @@ from atari.task.task import FIELDS
 from atari.wrappers.layers import layers_of
 
 GAMES = ("breakout", "ms_pacman", "bank_heist", "frogger", "pong", "backgammon", "video_checkers", "space_invaders")
-NUMBERS = ("lives", "frame_number", "episode_frame_number")
 MODES = ("NextStep", "SameStep", "Disabled")
 
 
-class Lane:
-    """A vector of one environment, beside a single environment of the same task."""
-
-    def __init__(self, task: Task, mode: str, single: Any = None) -> None:
-        self.task, self.mode = task, mode
-        self.envs = task.make_vec(1, num_threads=1, autoreset_mode=mode)
-        self.single: Any = task.make() if single is None else single
-        self.done = False
-        self.ends = 0
-        assert self.single.action_space == self.envs.single_action_space
-        assert self.single.observation_space == self.envs.single_observation_space
-
-    def reset(self, seed: int | None, **options: Any) -> None:
-        """Reset both, and compare."""
-        observation, info = self.envs.reset(seed=seed, options=options)
-        alone = {name: value for name, value in options.items() if name != "reset_mask"}
-        expected, expected_info = self.single.reset(seed=seed, options=alone)
-        self.same(observation, expected)
-        self.same_info(info, expected_info, "reset")
-        self.done = False
-
-    def step(self, action: Any) -> None:
-        """A step of both; the single environment is reset where the vector resets by itself."""
-        if self.done and self.mode == "Disabled":
-            return self.reset(None, reset_mask=np.ones(1, bool))
-        observation, reward, terminated, truncated, info = self.envs.step(np.asarray(action)[None])
-        if self.done:  # NEXT_STEP
-            expected, expected_info = self.single.reset()
-            self.same(observation, expected)
-            self.same_info(info, expected_info, "reset")
-            assert (terminated[0], truncated[0], reward[0]) == (False, False, 0)
-            self.done = False
-            return None
-        expected, score, over, cut, expected_info = self.single.step(action)
-        assert reward[0] == score
-        reported = self.task.life_loss_info and over and not self.single.unwrapped.core.game_over
-        # ale-py reports a limit that is reached with a lost life as the lost life alone; a single environment reports
-        # both, and so does a vector at `max_episode_steps`, which ale-py does not have.
-        assert (terminated[0], truncated[0]) == (over, cut and (not reported or self.has_no_more_steps()))
-        self.done = cut or (over and not reported)
-        self.ends += self.done
-        if self.mode == "SameStep" and (self.done or reported):
-            assert info["_final_obs"][0] == self.done
-        if self.mode == "SameStep" and self.done:
-            self.same(info["final_obs"], expected)
-            self.same_info(info["final_info"], expected_info, "end")
-            expected, expected_info = self.single.reset()
-            self.done = False
-        self.same(observation, expected)
-        self.same_info(info, expected_info, "step")
-
-    def has_no_more_steps(self) -> bool:
-        """Whether the single environment has reached `max_episode_steps`."""
-        env = self.single
-        while not isinstance(env, TimeLimit):
-            if env is env.unwrapped:
-                return False
-            env = env.env
-        return env._elapsed_steps >= env._max_episode_steps
-
-    def same(self, observation: Any, expected: Any) -> None:
-        """Whether observations are equal to the byte."""
-        if isinstance(expected, dict):
-            assert observation.keys() == expected.keys()
-            for name in expected:
-                self.same(observation[name], expected[name])
-            return
-        assert observation[0].dtype == expected.dtype
-        assert np.array_equal(observation[0], expected)
-
-    def same_info(self, info: Any, expected: Any, where: str) -> None:
-        """Whether the numbers of `info` are equal."""
-        assert {name: info[name][0] for name in NUMBERS} == {name: expected[name] for name in NUMBERS}, where
-
-    def close(self) -> None:
-        """Close both."""
-        self.envs.close()
-        self.single.close()
-
-
-def play(lane: Lane, seed: int, steps: int) -> None:
-    """Random steps, with resets in between, and a snapshot to which both return."""
+def play(task: Task, mode: str, seed: int, steps: int, single: Any = None) -> int:
+    """Random steps, with resets in between, and a snapshot to which both return; the number of ended episodes."""
+    lanes = Lanes([task], mode, None if single is None else [single])
     generator = np.random.default_rng(seed)
-    lane.reset(seed)
-    taken: Any = None
-    for step in range(steps):
-        lane.step(_action(lane.single.action_space, generator))
-        if step == steps // 3 and not lane.done:
-            taken = lane.envs.snapshot(), lane.single.snapshot()
-        if step == steps // 2 and taken is not None:
-            lane.envs.restore(None, taken[0])
-            lane.single.restore(taken[1])
-            lane.done = False
-        if step == 3 * steps // 4 and lane.mode != "SameStep":
-            lane.reset(seed + 1 if seed % 2 else None)
-
-
-def _action(space: gymnasium.Space[Any], generator: np.random.Generator) -> Any:
-    if isinstance(space, gymnasium.spaces.Discrete):
-        return int(generator.integers(space.n))
-    assert isinstance(space, gymnasium.spaces.Box)
-    return generator.uniform(space.low, space.high).astype(np.float32)
+    try:
+        lanes.reset(seed)
+        for step in range(steps):
+            if lanes.done and mode == "Disabled":
+                lanes.reset(None, [True])
+            else:
+                lanes.step(lanes.sample(generator))
+            if step == steps // 3:
+                lanes.save()
+            if step == steps // 2:
+                lanes.restore([0])
+            if step == 3 * steps // 4 and mode != "SameStep":
+                lanes.reset(seed + 1 if seed % 2 else None)
+    finally:
+        lanes.close()
+    return lanes.ends
 
 
 @given(tasks(GAMES), st.sampled_from(MODES), st.integers(0, 2**32 - 2))
 @settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 def test_wrappers_are_the_lane_of_a_vector(task: Task, mode: str, seed: int) -> None:
-    lane = Lane(task, mode)
-    try:
-        play(lane, seed, 60)
-    finally:
-        lane.close()
+    play(task, mode, seed, 60)
 
 
 @pytest.mark.parametrize("mode", MODES)
 def test_lives_that_are_reported(mode: str) -> None:
     task = Task.of("breakout", life_loss_info=True, repeat_action_probability=0.0, max_num_frames_per_episode=600)
-    lane = Lane(task, mode)
-    try:
-        play(lane, 0, 400)
-        assert lane.ends > 1
-    finally:
-        lane.close()
+    assert play(task, mode, 0, 400) > 1
 
 
 @pytest.mark.parametrize("actions", [("LEFT", "NOOP"), ("RIGHT",), ("UP", "LEFT")])
@@ -171,7 +79,7 @@ def composed(task: Task) -> Any:
     """
     arrays = task.obs_type in ("grayscale", "rgb", "ram")
     assume(arrays and isinstance(task.frameskip, int) and task.max_frames is None and not task.seamless_lives)
-    assume(task.end_frames == "last")
+    assume(task.end_frames == "last" and task.preprocessed)
     # `FrameSkip` pools two frames of a skip that was cut, and a lost life shows the last frame, not the last image.
     assume(not task.maxpool or (task.frameskip <= 2 and (task.on_reset != "continue" or task.lives_unit == "skip")))
     env: Any = AtariEnv(task.of_emulator().replace(obs_type="rgb" if task.pool_rgb else task.obs_type))
@@ -202,11 +110,7 @@ def test_an_independent_composition_is_the_lane_of_a_vector(task: Task, mode: st
     if not isinstance(task.frameskip, int) or task.maxpool:
         fields["frameskip"] = 1 + seed % 2
     task = task.replace(**fields)
-    lane = Lane(task, mode, composed(task))
-    try:
-        play(lane, seed, 60)
-    finally:
-        lane.close()
+    play(task, mode, seed, 60, composed(task))
 
 
 LIVES = {"episodic_life": True, "frameskip": 4}
@@ -275,7 +179,7 @@ def trace(task: Task, vector: bool) -> list[Any]:
     seen: list[Any] = [str(space), _bytes(observation), int(np.max(info["frame_number"]))]
     done = False
     for _ in range(STEPS.get(task.game, 220)):
-        action = _action(space, generator)
+        action = random_action(space, generator)
         if vector:
             observation, reward, terminated, truncated, info = env.step(np.asarray(action)[None])
         elif done:
@@ -308,4 +212,4 @@ def test_every_field_acts(case: str, vector: bool) -> None:
 
 def test_every_field_is_tested() -> None:
     assert {*ACTING, *NOT_SINGLE} == set(FIELDS)
-    assert {*VALUES, "game", "interventions", *NOT_SINGLE} >= set(FIELDS)
+    assert {*DRAWN, "game", *NOT_SINGLE} == set(FIELDS)
