@@ -23,7 +23,7 @@ ATTACKERS = tuple(
 )
 REPORT_MISSING = ("disks",)  # they have a function `missing`, which says what is not played here, and why
 NEED_TORCH = ("crashes", "observations", "runs")
-HANGS_AFTER = 60.0  # seconds without a new seed
+HANGS_AFTER = 240.0  # seconds without a new seed: a machine may have other work
 
 
 def main() -> int:

@@ -239,7 +239,7 @@ def _check_results(results: Any) -> list[Result]:
 
 
 def _check_published(to: Any) -> list[str]:
-    names = [to] if isinstance(to, (str, Result)) else list(to)
+    names: list[Any] = [to] if isinstance(to, (str, Result)) else list(to)
     if any(isinstance(name, Result) for name in names):
         raise TypeError(
             "`to` has names of published agents, such as 'dopamine/rainbow', and a Result is none; results are "
