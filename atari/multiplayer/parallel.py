@@ -236,7 +236,7 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
         if self.render_mode is None:
             gymnasium.logger.warn("render() does nothing without a render_mode; give render_mode='rgb_array'")
             return None
-        screen = self.core.screen_rgb()
+        screen: NDArray[np.uint8] = self.core.screen_rgb()
         if self.render_mode == "rgb_array":
             return screen
         from atari.rendering import Window  # it needs pygame
