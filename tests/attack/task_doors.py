@@ -197,12 +197,14 @@ def sentence(error: Exception | Task) -> str:
 def has_text(name: str, value: Any) -> bool:
     """Whether a command line has a text that stands for this value alone.
 
-    "1.0" is the integer 1, and a word of `actions` is a list of one.
+    "1.0" is the integer 1, a word of `actions` is a list of one, and "none" is None.
     """
     if CHECKS[name] is check_bool or isinstance(value, bool):
         return CHECKS[name] is check_bool and isinstance(value, bool)
-    if name in ("actions", "reward"):
-        return bool(value) and isinstance(value, list if name == "actions" else str)
+    if name == "reward":
+        return isinstance(value, str) and value not in ("", "none")
+    if name == "actions":
+        return bool(value) and isinstance(value, list) and all(isinstance(word, str) and word for word in value)
     words = value if isinstance(value, list) and len(value) > 1 else [value]
     return all(isinstance(word, int) or (isinstance(word, float) and not word.is_integer()) for word in words)
 
