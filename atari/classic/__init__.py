@@ -14,7 +14,8 @@ from atari.classic.spaces import Space
 from atari.classic.utils.reraise import reraise
 
 __version__ = version.VERSION
-notice = None  # no newer version was announced
+notice = None
+"""The notice of a newer version: there is none."""
 
 gym_modules.load()
 

@@ -139,7 +139,7 @@ def test_wrong_usage(words: list[str], text: str, capsys: pytest.CaptureFixture[
         (["combat"], "'combat' is a two-player cartridge"),
         (["-o", "a.avi"], "-o is a file that ends in one of .mp4, "),
         (["-o", "occupied/a.mp4"], "occupied"),
-        (["-o", "folder.mp4"], "Is a directory: folder.mp4"),
+        (["-o", "folder.mp4"], "it is a folder, a device or a pipe; choose the name of a file: folder.mp4"),
     ],
 )
 def test_what_cannot_be_done_is_refused_before_playing(

@@ -7,6 +7,7 @@ import gymnasium
 WITHOUT_EXAMPLE = {
     "atari.classic.configuration.undo_logger_setup",  # does nothing
     "atari.classic.scoreboard.upload",  # likewise
+    "atari.classic.utils.reraise.reraise",  # raises always
     "atari.integrations.arrays.to_jax",
     "atari.learning.command.main",  # reads the command line of a script
     "atari.integrations.ray.rllib.env_creator",

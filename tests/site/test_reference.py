@@ -4,19 +4,6 @@ from pathlib import Path
 # Modules whose `__all__` another module re-exports, or that hold names for other parts of the package only.
 NOT_PAGES = {
     "atari._gymnasium",
-    "atari.classic.envs",
-    "atari.classic.envs.atari",
-    "atari.classic.envs.classic_control",
-    "atari.classic.envs.toy_text",
-    "atari.classic.envs.toy_text.cliffwalking",
-    "atari.classic.envs.toy_text.frozen_lake",
-    "atari.classic.envs.toy_text.taxi",
-    "atari.classic.logger",
-    "atari.classic.spaces",
-    "atari.classic.utils",
-    "atari.classic.vector",
-    "atari.classic.wrappers",
-    "atari.classic.wrappers.monitoring.video_recorder",
     "atari.integrations.envpool.atari",
     "atari.integrations.envpool.registration",
     "atari.multiplayer.base_atari_env",
@@ -33,7 +20,8 @@ def all_definitions(public):
 
 def test_every_module_with_public_names_has_a_page(site_module):
     public = site_module("public")
-    assert set(public.modules_with_public_names()) - set(public.MODULES) == NOT_PAGES
+    of_gym = {name for name in public.modules_with_public_names() if name.startswith("atari.classic.")}
+    assert set(public.modules_with_public_names()) - set(public.MODULES) - of_gym == NOT_PAGES
 
 
 def test_every_public_name_has_a_docstring(site_module):

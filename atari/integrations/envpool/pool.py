@@ -275,7 +275,15 @@ def shown(results: Any, returns_done: bool) -> tuple[Any, ...]:
 
 
 class GymnasiumEnvPool(EnvPool, VectorEnv, gymnasium.Env[Any, Any]):  # type: ignore[misc]
-    """An `EnvPool` for Gymnasium's wrappers of single and of vector environments, like EnvPool's own."""
+    """An `EnvPool` for Gymnasium's wrappers of single and of vector environments, like EnvPool's own.
+
+    Example:
+        >>> from gymnasium.wrappers.vector import RecordEpisodeStatistics
+        >>> import atari.integrations.envpool as envpool
+        >>> envs = RecordEpisodeStatistics(envpool.make("Pong-v5", env_type="gymnasium", num_envs=2))
+        >>> envs.reset()[0].shape
+        (2, 4, 84, 84)
+    """
 
 
 def make(task_id: GameLike, env_type: str, **options: Any) -> EnvPool:

@@ -7,13 +7,12 @@ import numpy as np
 import numpy.typing as npt
 
 import atari
-from atari.actions import PLAYER_ACTIONS
 from atari.classic.envs.adapted import Adapted
 from atari.classic.envs.atari.old_ale import OldAle
 
 FrameSkip = int | tuple[int, int]
 
-ACTION_MEANING = {int(action): action.name for action in PLAYER_ACTIONS}
+ACTION_MEANING = {int(action): action.name for action in atari.Action}
 """The name of each action of the joystick."""
 
 _KEYS = {"UP": "w", "DOWN": "s", "LEFT": "a", "RIGHT": "d", "FIRE": " "}
