@@ -133,7 +133,11 @@ class MultiplayerAle(AleInterface):
         Raises:
             ValueError: they are no such bytes.
         """
-        return _emulator.State(np.asarray(serialized, np.uint8).tobytes())
+        try:
+            data = np.asarray(serialized, np.uint8)
+        except (OverflowError, TypeError, ValueError):
+            raise ValueError(f"decodeState takes the bytes that encodeState returned, got {serialized!r:.80}") from None
+        return _emulator.State(data.tobytes())
 
     def getString(self, key: Text) -> bytes:  # type: ignore[override]
         return super().getString(key).encode()
