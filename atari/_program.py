@@ -168,9 +168,18 @@ def _on_ctrl_c(line: str, act: Callable[[FrameType | None], None]) -> Iterator[N
 def _interrupt_again() -> None:
     """Let Ctrl-C act once more, when the main thread has gone on a little."""
     _said.update(dict.fromkeys(_said, -math.inf))
-    again = threading.Timer(0.05, _thread.interrupt_main)
+    again = threading.Timer(0.05, _signal_main_thread)
     again.daemon = True
     again.start()
+
+
+def _signal_main_thread() -> None:
+    """Send Ctrl-C to the main thread: `interrupt_main` alone would not wake it from a wait."""
+    main = threading.main_thread().ident
+    if hasattr(signal, "pthread_kill") and main is not None:
+        signal.pthread_kill(main, signal.SIGINT)
+    else:
+        _thread.interrupt_main()
 
 
 def print_error(error: Exception) -> None:
