@@ -154,4 +154,6 @@ def _reported(error: BaseException | None) -> BaseException | None:
 
 
 if __name__ == "__main__":
+    if globals()["__spec__"] is not None:  # by `python -m`; `write_apart` starts the file
+        sys.exit("atari: error: this module is no program; `atari collect` and `write_dataset` start it")
     _main(sys.stdin.buffer, os.dup(1))
