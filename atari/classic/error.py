@@ -26,7 +26,7 @@ class VideoRecorderError(Error):
 
 
 class InvalidFrame(Error):
-    """What was to be recorded is no frame of the video."""
+    """The recorded value is no frame of a video."""
 
 
 class DoubleWrapperError(Error):

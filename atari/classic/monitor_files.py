@@ -32,7 +32,7 @@ def clear_monitor_files(training_dir: Folder) -> None:
 
 
 def load_results(training_dir: Folder) -> dict[str, Any] | None:
-    """What all monitors of a folder wrote, with the episodes in the order of time; None if there is nothing.
+    """The records of all monitors of a folder, with the episodes in the order of time; None if there is nothing.
 
     Returns:
         "manifests", "videos" (paths), "env_info", and a list with an item for each episode: "episode_lengths",

@@ -40,7 +40,7 @@ class Monitored(Renderable, Protocol):
 
 
 class MonitorHooks:
-    """What a monitor does before and after a reset and a step.
+    """The hooks of a monitor before and after a reset and a step.
 
     The owner calls `_before_reset`, `_after_reset`, `_before_step` and `_after_step`, and `_finish` at the end.
 
@@ -79,7 +79,7 @@ class MonitorHooks:
         uid: str | None = None,
         mode: Literal["training", "evaluation"] | None = None,
     ) -> None:
-        """Prepare the folder and begin to record; the arguments are those of `Monitor`."""
+        """Prepare the folder and begin to record; it takes the arguments of `Monitor`."""
         if mode is not None:
             _type_of(mode)
         if video_callable not in (None, False) and not callable(video_callable):

@@ -30,7 +30,7 @@ _ENDED = "the vector is closed, or one of its processes has ended; make it again
 
 
 class AsyncState(Enum):
-    """What the next `*_wait` returns."""
+    """The result of the next `*_wait`."""
 
     DEFAULT = "default"
     WAITING_RESET = "reset"
