@@ -9,6 +9,9 @@ from atari.learning.options import FAST_RAM
 SUPPORT = str(Path(__file__).parent)
 """The folder of this module, for programs that import it."""
 
+STEPS = 2048
+"""The steps of a training that says no others: without them a training would take an hour."""
+
 SMALL: dict[str, dict[str, Any]] = {
     "ppo": {"num_envs": 4, "horizon": 16, "minibatch": 32},
     "pqn": {"num_envs": 4, "horizon": 16, "minibatch": 32},
@@ -21,7 +24,7 @@ def make_options(agent: str, game: Any = "pong", **given: Any) -> Any:
     found = find_agent(agent)
     ram = given.get("obs_type") == "ram"
     kind = FAST_RAM if ram else {"stack_num": 2}
-    options = {**found.fast, **kind, **SMALL[agent], **given}
+    options = {**found.fast, **kind, "total_steps": STEPS, **SMALL[agent], **given}
     if agent == "dqn":  # it must learn before it ends
         options["learning_starts"] = min(options["learning_starts"], options["total_steps"] // 2)
     return found.options_class.of(game, **options)
