@@ -46,6 +46,19 @@ def require_pixels(env: Environment, wrapper: str) -> tuple[int, ...]:
     )
 
 
+def require_image(observation: Any, shape: tuple[int, ...], wrapper: str) -> None:
+    """Raise an error if an observation is not of the space that the wrapper was made for.
+
+    Raises:
+        TypeError: the observation is no array of uint8.
+        ValueError: it has another shape.
+    """
+    if not isinstance(observation, np.ndarray) or observation.dtype != np.uint8:
+        raise TypeError(f"{wrapper} takes images as NumPy arrays of uint8, shape {shape}, got {observation!r:.80}")
+    if observation.shape != shape:
+        raise ValueError(f"{wrapper} takes images of shape {shape}, got shape {observation.shape}")
+
+
 def require_single_frames(env: Environment, wrapper: str) -> None:
     """Raise an error if frames would be skipped twice.
 

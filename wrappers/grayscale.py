@@ -10,7 +10,7 @@ from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores import ByteArray
 from atari.restorable import Restorable
-from atari.wrappers._checks import Environment, require_pixels
+from atari.wrappers._checks import Environment, require_image, require_pixels
 
 
 class Grayscale(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
@@ -38,7 +38,7 @@ class Grayscale(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordC
     def __init__(self, env: Environment, keep_dim: bool = False) -> None:
         if not isinstance(keep_dim, (bool, np.bool_)):
             raise TypeError(f"keep_dim must be True or False, got {keep_dim!r}")
-        shape = require_pixels(env, "Grayscale")
+        self._source = shape = require_pixels(env, "Grayscale")
         if shape[2:] != (3,):
             raise ValueError(f"Grayscale needs RGB images (rows, columns, 3), got shape {shape}; leave it out")
         RecordConstructorArgs.__init__(self, keep_dim=keep_dim)
@@ -47,6 +47,11 @@ class Grayscale(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordC
         self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)
 
     def observation(self, observation: ByteArray) -> ByteArray:
-        """The gray image, uint8 of the shape of the space."""
+        """The gray image, uint8 of the shape of the space.
+
+        Raises:
+            TypeError, ValueError: the observation is no image of the wrapped environment's space.
+        """
+        require_image(observation, self._source, "Grayscale")
         gray: ByteArray = cv2.cvtColor(observation, cv2.COLOR_RGB2GRAY)  # type: ignore[assignment]
         return gray.reshape(self._shape)

@@ -11,7 +11,7 @@ from gymnasium.utils import RecordConstructorArgs
 from atari.cores import ByteArray
 from atari.restorable import Restorable
 from atari.validation import check_integer
-from atari.wrappers._checks import Environment, require_pixels
+from atari.wrappers._checks import Environment, require_image, require_pixels
 
 
 class Resize(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
@@ -34,17 +34,22 @@ class Resize(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordCons
     """
 
     def __init__(self, env: Environment, shape: tuple[int, int] = (84, 84)) -> None:
-        source = require_pixels(env, "Resize")
+        self._source = require_pixels(env, "Resize")
         if not isinstance(shape, (tuple, list)) or len(shape) != 2:
             raise TypeError(f"shape must be two integers (rows, columns), got {shape!r}")
         rows, columns = (check_integer("shape", length, 1, 10_000) for length in shape)
         RecordConstructorArgs.__init__(self, shape=(rows, columns))
         super().__init__(env)
         self._size = columns, rows
-        self._shape = (rows, columns, *source[2:])
+        self._shape = (rows, columns, *self._source[2:])
         self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)
 
     def observation(self, observation: ByteArray) -> ByteArray:
-        """The scaled image, uint8 of the shape of the space."""
+        """The scaled image, uint8 of the shape of the space.
+
+        Raises:
+            TypeError, ValueError: the observation is no image of the wrapped environment's space.
+        """
+        require_image(observation, self._source, "Resize")
         small: ByteArray = cv2.resize(observation, self._size, interpolation=cv2.INTER_AREA)  # type: ignore[assignment]
         return small.reshape(self._shape)  # OpenCV drops an axis of one colour
