@@ -79,7 +79,15 @@ MODULES: dict[str, dict[str, str]] = {
     "wrappers.frame_skipping": {"wrappers.transforms": "SkipWrapper"},
     "wrappers.gray_scale_observation": {"wrappers.transforms": "GrayScaleObservation"},
     "wrappers.human_rendering": {"wrappers.rendering": "HumanRendering"},
+    "wrappers.monitoring": {
+        "wrappers.monitor": (
+            "FILE_PREFIX MANIFEST_PREFIX Monitor capped_cubic_video_schedule clear_monitor_files collapse_env_infos "
+            "detect_monitor_files detect_training_manifests disable_videos load_env_info_from_manifests load_results "
+            "merge_stats_files monitor_closer"
+        )
+    },
     "wrappers.monitoring.stats_recorder": {"stats_recorder": "StatsRecorder"},
+    "wrappers.monitoring.video_recorder": {"video_recorder": "ImageEncoder TextEncoder VideoRecorder touch"},
     "wrappers.order_enforcing": {"wrappers.conversions": "OrderEnforcing"},
     "wrappers.pixel_observation": {"wrappers.observations": "PixelObservationWrapper STATE_KEY"},
     "wrappers.render_collection": {"wrappers.rendering": "RenderCollection"},

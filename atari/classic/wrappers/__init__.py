@@ -2,7 +2,7 @@
 
 from atari.classic import error
 from atari.classic.monitor_files import capped_cubic_video_schedule
-from atari.classic.wrappers import monitoring, normalize
+from atari.classic.wrappers import normalize
 from atari.classic.wrappers.atari_preprocessing import AtariPreprocessing
 from atari.classic.wrappers.conversions import (
     EnvCompatibility,
@@ -63,6 +63,5 @@ __all__ = [
     "VectorListInfo",
     "capped_cubic_video_schedule",
     "error",
-    "monitoring",
     "normalize",
 ]
