@@ -284,11 +284,11 @@ class Search:
     def _numbers(self, name: str, value: Any) -> IntArray:
         """The numbers (N, 1), or (1, 1), of an argument."""
         numbers = np.asarray(value)
-        if numbers.dtype.kind not in "iu" and not (numbers.dtype.kind == "f" and (numbers % 1 == 0).all()):
+        if numbers.dtype.kind not in "iu" and not (numbers.dtype.kind == "f" and (np.trunc(numbers) == numbers).all()):
             raise TypeError(f"{name} must be an integer, got {value!r}")
         if numbers.shape not in ((), (len(self._ram),)):
             raise ValueError(f"{name} must be an integer or have the shape ({len(self._ram)},), got {numbers.shape}")
-        if (np.abs(numbers) > _LONGEST).any():
+        if (numbers > _LONGEST).any() or (numbers < -_LONGEST).any():
             raise ValueError(f"{name} must be at most {_LONGEST:,}, got {value}")
         return numbers.astype(np.int64).reshape(-1, 1)
 
