@@ -126,8 +126,9 @@ class RecordVideo(RecordEnvVideo):
         keep: "all" videos, or only the "best" so far, which has the highest sum of rewards without clipping.
 
     Attributes:
-        episode_trigger, step_trigger, video_length, name_prefix, frames_per_sec, video_folder, gc_trigger,
-            disable_logger: as in Gymnasium. They can be set, and apply to the videos that begin from then on.
+        episode_trigger, step_trigger, video_length, name_prefix: as in Gymnasium. They can be set, and apply to the
+            videos that begin from then on.
+        frames_per_sec, video_folder, gc_trigger, disable_logger: likewise.
         recording, episode_id, step_id: whether a video is open, and the numbers of the episode and of the last step.
         recorded_frames: has the length of the open video; the frames are in the file.
 
