@@ -2,7 +2,7 @@
 
 A vector's observations are compared with a single environment's, and with OpenCV's of whole screens; those of a level
 with those of scalar code. Each level plays in a process of its own, whose C library checks a guard byte behind each
-block of memory; arrays for `out=` lie between guards of this module.
+block of memory; arrays for `out=` lie between guards.
 """
 
 import atexit
@@ -24,6 +24,7 @@ import numpy.typing as npt
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 from field_values import task_of, value_of
+from guarded import Guards
 
 import atari
 from atari import _emulator
@@ -34,8 +35,6 @@ from atari.task.task import Task
 
 LEVELS = ("scalar", "simd128", "avx2", "avx512")
 CHECKING_LIBRARY = "libc_malloc_debug.so.0"
-GUARDS = 300
-GUARD = 0xA5
 STEPS = 12
 STACKS = 15  # stacks of frames from arrays, which take less time than games
 MOST_IMAGES = 16  # of a stack: larger ones take long and are made by the same code
@@ -121,24 +120,6 @@ def shrunk(array: Bytes, screen: tuple[int, int], size: tuple[int, int]) -> Byte
     return np.asarray(small, np.uint8).reshape(*before, *size, *image[2:])
 
 
-class Guarded:
-    """Arrays for `out=`, between guards."""
-
-    def __init__(self, source: random.Random, like: Leaves) -> None:
-        self._memory = {name: np.full(array.size + 2 * GUARDS + 64, GUARD, np.uint8) for name, array in like.items()}
-        self._first = GUARDS + source.randrange(64)  # an address of any alignment
-        self.arrays: Leaves = {
-            name: self._memory[name][self._first : self._first + array.size].reshape(array.shape)
-            for name, array in like.items()
-        }
-
-    def check(self) -> None:
-        """AssertionError if a guard has changed."""
-        for name, memory in self._memory.items():
-            guards = np.delete(memory, slice(self._first, self._first + self.arrays[name].size))
-            assert (guards == GUARD).all(), f"bytes beside out={name!r} were written"
-
-
 def digest(seed: int) -> str:
     """Play a task in vectors and a single environment, compare their observations, and return a digest of all."""
     source = random.Random(seed)
@@ -158,16 +139,17 @@ def digest(seed: int) -> str:
     seen = leaves(small.reset(seed=first)[0])
     pairs = compared(seen, leaves(large.reset(seed=first)[0]), screen, size)
     compare_lane(seen, lane, leaves(single.reset(seed=first + lane)[0]), task)
-    guarded, alive = Guarded(source, seen), True
+    guards, alive = Guards(source), True
+    arrays = {name: guards.array(array.shape) for name, array in seen.items()}
     for _ in range(STEPS):
         found.update(b"".join(pairs))
         action = source.randrange(int(single.action_space.n))
         out: Any = None
         if task.stack_num is not None and source.random() < 0.5:  # without a stack, observations have another layout
-            out = guarded.arrays if set(seen) != {""} else guarded.arrays[""]
+            out = arrays if set(seen) != {""} else arrays[""]
         actions = np.full(lanes, action)
         results = small.step(actions, out=out)
-        guarded.check()
+        guards.check()
         seen = leaves(results[0])
         pairs = compared(seen, leaves(large.step(actions)[0]), screen, size)
         if alive:

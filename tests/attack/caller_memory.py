@@ -1,0 +1,92 @@
+"""Functions that write into arrays of the caller: a core's readings, and batches of a replay memory.
+
+Each writes into arrays between guard bytes, and once into arrays of its own; both must be equal. `sizes` does the same
+with the observations of vectors.
+"""
+
+import random
+import sys
+from dataclasses import fields
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
+
+import numpy as np
+from guarded import Guards
+from memory_cases import play
+
+import atari
+from atari.games.catalog import playable_ids
+from atari.learning.memory.batches import check_stacks, make_batch
+
+READINGS = ("ram", "screen", "screen_rgb", "screen_grayscale", "audio")
+
+
+def attack(seed: int) -> None:
+    source = random.Random(seed)
+    attack_readings(source)
+    attack_batches(source, seed)
+
+
+def attack_readings(source: random.Random) -> None:
+    """What a core gives in an array of the caller is what it gives in a new one."""
+    env = atari.make(source.choice(playable_ids()), obs_type=source.choice(("rgb", "ram", "grayscale")))
+    env.reset(seed=source.randrange(1000))
+    core, guards = env.unwrapped.core, Guards(source)
+    for _ in range(3):
+        env.step(env.action_space.sample())
+        for name in READINGS:
+            read = getattr(core, name)
+            expected = read()
+            given = guards.array(expected.shape)
+            assert read(out=given) is given
+            assert np.array_equal(given, expected), name
+            guards.check()
+    env.close()
+
+
+def attack_batches(source: random.Random, seed: int) -> None:
+    """Two memories with equal steps and seeds draw equal batches, one of them into arrays of the caller."""
+    case = {
+        "lanes": source.randint(1, 5),
+        "capacity": source.randint(1, 80),
+        "shape": source.choice([(5, 6), (1, 4, 7), (3, 4, 3), (9,), (source.randint(1, 70),)]),
+        "stack": source.randint(1, 5),
+        "padding": source.choice(["zero", "reset"]),
+        "mode": source.choice(["next_step", "same_step", "disabled"]),
+        "compress": source.random() < 0.5,
+        "ends": source.choice([0.0, 0.03, 0.2, 0.7]),
+        "steps": source.randint(60, 120),
+        "resets": source.choice([0.0, 0.0, 0.1]),
+        "copied": False,
+        "threads": source.randint(1, 2),
+        "seed": seed,
+    }
+    plain, guarded = play(case)[0], play(case)[0]
+    if not plain.steps:
+        return
+    size, length = source.randint(1, 40), source.choice((0, 0, 1, 3))
+    options: dict[str, Any] = {"stack_num": source.randint(1, case["stack"])}
+    guards = Guards(source)
+    share = not length and source.random() < 0.3
+    out = make_batch(
+        guarded._options, size, length, check_stacks(guarded._options, options["stack_num"]), guards.array, share
+    )
+    draw = "sample_sequences" if length else "sample"
+    both = [
+        partial(getattr(memory, draw), size, *((length,) if length else ()), **given)
+        for memory, given in ((plain, options), (guarded, {"out": out}))
+    ]
+    for _ in range(4):
+        try:
+            expected = both[0]()
+        except ValueError:  # no step can be drawn yet
+            return
+        given = both[1]()
+        assert given is out
+        guards.check()
+        for field in fields(expected):
+            if not field.name.startswith("_") and field.name not in ("frames", "num_envs"):
+                assert np.array_equal(getattr(expected, field.name), getattr(given, field.name)), field.name
