@@ -74,13 +74,13 @@ class Palette:
 
     def indices(self, image: ByteArray) -> ByteArray:
         """Return the colour indices of an image (rows, columns, 3): (rows, columns) uint8."""
-        red, green, blue = (image[..., i].astype(np.int32) for i in range(3))
-        codes = red << 16 | green << 8 | blue
-        indices = self._index_of[codes]
+        codes: npt.NDArray[np.int32] = np.zeros(image.shape[:2], "<i4")  # a fourth byte beside blue, green and red
+        codes.view(np.uint8).reshape(*image.shape[:2], 4)[..., 2::-1] = image
+        indices = self._index_of.take(codes)
         if not indices.all():
-            for code in np.unique(codes[indices == 0]):
+            for code in np.unique(codes[indices == 0]).tolist():
                 self._index_of[code] = 1 + self._add((code >> 16, code >> 8 & 255, code & 255))
-            indices = self._index_of[codes]
+            indices = self._index_of.take(codes)
         return np.asarray(indices - 1, np.uint8)
 
     def _add(self, colour: tuple[int, int, int]) -> int:
