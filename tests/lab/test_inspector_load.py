@@ -39,8 +39,8 @@ async def seconds_of_get(inspector: Inspector, client: Any) -> float:
 async def assert_plays(inspector: Inspector, page: Any) -> None:
     """The page plays frames."""
     at = inspector.session.at
-    await page.send_json({"do": "play"})
     while inspector.session.at < at + 5:
+        await page.send_json({"do": "play"})  # again, because an error that is being handled may have paused it
         await receive(page, "frame")
 
 
