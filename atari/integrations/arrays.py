@@ -3,6 +3,7 @@
 from typing import Any
 
 import gymnasium
+import numpy as np
 
 from atari._extras import pip_install
 
@@ -21,6 +22,7 @@ def to_torch(arrays: Any, device: Any = None, pin_memory: bool = False) -> Any:
 
     Raises:
         gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
+        TypeError: something else is given, or PyTorch has no such dtype.
 
     Example:
         >>> import atari
@@ -51,6 +53,7 @@ def to_jax(arrays: Any) -> Any:
 
     Raises:
         gymnasium.error.DependencyNotInstalled: JAX is not installed.
+        TypeError: something else is given, or JAX has no such dtype.
     """
     try:
         import jax.numpy
@@ -64,4 +67,9 @@ def _mapped(convert: Any, arrays: Any) -> Any:
         return {name: _mapped(convert, array) for name, array in arrays.items()}
     if isinstance(arrays, (list, tuple)):
         return type(arrays)(_mapped(convert, array) for array in arrays)
-    return convert(arrays)
+    if not hasattr(arrays, "__dlpack__") and not isinstance(arrays, np.generic):
+        raise TypeError(f"arrays must be NumPy arrays, or dicts, lists and tuples of them, got {arrays!r:.80}")
+    try:
+        return convert(arrays)
+    except BufferError as error:  # of a dtype that DLPack does not have, or not in this machine's order of bytes
+        raise TypeError(f"an array of dtype {getattr(arrays, 'dtype', None)} cannot be converted: {error}") from None

@@ -25,6 +25,9 @@ NETWORKS = ("nature", "small", "mlp", "bits")
 SEEDS = 2**32
 """The number of seeds, 0..2**32-1."""
 
+MOST_WORKERS = 1024
+"""The largest number of threads that play and learn."""
+
 FAST_RAM: Mapping[str, Any] = {
     "obs_type": "ram",
     "img_height": None,
@@ -146,7 +149,7 @@ class TrainingOptions:
             raise TypeError(f"task must be an atari.Task, got {self.task!r}; {type(self).__name__}.of(GAME) makes one")
         check_task(self.task)
         check_integer("seed", self.seed, 0, SEEDS - 1)
-        for name, most in (("total_steps", 10**15), ("num_envs", 2**16), ("workers", 1024)):
+        for name, most in (("total_steps", 10**15), ("num_envs", 2**16), ("workers", MOST_WORKERS)):
             check_integer(name, getattr(self, name), 1, most)
         for field in dataclasses.fields(self):
             if field.name not in ("task", "network"):

@@ -8,6 +8,9 @@ from typing import Any, Generic, TypeVar
 import torch
 from torch import nn
 
+from atari.learning.options import MOST_WORKERS
+from atari.validation import check_integer
+
 Network = TypeVar("Network", bound=nn.Module)
 
 
@@ -19,10 +22,13 @@ class Replicas(Generic[Network]):
 
     Args:
         network: the network.
-        count: the number of copies; a single one is the network itself, without a thread.
+        count: the number of copies, within 1..1024; a single one is the network itself, without a thread.
 
     Attributes:
         networks: the copies, whose weights and buffers are the memory of `network`.
+
+    Raises:
+        TypeError, ValueError: `network` is no module of PyTorch, or `count` is no integer of the range.
 
     Example:
         >>> import torch
@@ -37,6 +43,9 @@ class Replicas(Generic[Network]):
     """
 
     def __init__(self, network: Network, count: int) -> None:
+        if not isinstance(network, nn.Module):
+            raise TypeError(f"network must be a torch.nn.Module, got {network!r:.80}")
+        count = check_integer("count", count, 1, MOST_WORKERS)
         self.network = network
         self.networks = [network] if count == 1 else [copy.deepcopy(network) for _ in range(count)]
         for replica in self.networks:
