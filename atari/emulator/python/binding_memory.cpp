@@ -362,7 +362,7 @@ void register_memory(nb::module_& m) {
              nb::sig("def add(self, actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminated: " ARRAY(
                  "bool") ", truncated: " ARRAY("bool") ", finals: Sequence[" ARRAY("uint8") "]) -> None"),
              "Complete a step of all lanes, after the next row's frames were written. `actions` are bytes.")
-        .def("try_add", &try_add, "actions"_a, "rewards"_a, "terminated"_a, "truncated"_a,
+        .def("try_add", &try_add, "actions"_a.none(), "rewards"_a.none(), "terminated"_a.none(), "truncated"_a.none(),
              nb::sig("def try_add(self, actions: object, rewards: object, terminated: object, truncated: object) "
                      "-> bool"),
              "Call `add` if the arrays are int64, int32 or float64, and bool with one axis; returns whether they are.")
