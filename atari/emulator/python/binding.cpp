@@ -179,8 +179,8 @@ NB_MODULE(_emulator, m) {
              nb::sig("def act(self, action: int, strength: float = 1.0) -> int"))
         .def("act_until", &Emulator::act_until, "action"_a.none(), "frames"_a.none(), "strength"_a.none() = 1.0,
              nb::sig("def act_until(self, action: int, frames: int, strength: float = 1.0) -> tuple[int, int]"),
-             "Play until the game is over or truncated or the number of lives changes, but at most `frames` frames.\n"
-             "Returns the sum of the rewards and the number of frames played.")
+             "Play until the game is over or truncated or the number of lives changes, but at most `frames` frames;\n"
+             "1,000,000 is the most. Returns the sum of the rewards and the number of frames played.")
         .def("act_players", &Emulator::act_players, "actions"_a,
              nb::sig("def act_players(self, actions: collections.abc.Sequence[int]) -> list[int]"),
              "Hold an action for each of the first players; returns a reward for each.")

@@ -38,14 +38,17 @@ inline int action_number(nb::handle action) {
     return static_cast<int>(number);
 }
 
-// Returns a number of frames to play, at most the largest int.
+constexpr int kMostFrames = 1'000'000;  // of one call, during which Ctrl-C waits
+
+// Returns a number of frames to play.
 inline int frame_count(nb::handle frames) {
     const Py_ssize_t number = PyNumber_AsSsize_t(frames.ptr(), nullptr);
     if (number == -1 && PyErr_Occurred()) {
         PyErr_Clear();
         throw nb::type_error(("frames must be an integer, got " + shown(frames)).c_str());
     }
-    return static_cast<int>(std::clamp<Py_ssize_t>(number, 0, INT_MAX));
+    if (number > kMostFrames) throw nb::value_error(("frames must be at most 1,000,000, got " + shown(frames)).c_str());
+    return static_cast<int>(std::max<Py_ssize_t>(number, 0));
 }
 
 inline double strength_factor(nb::handle strength) {
