@@ -222,13 +222,16 @@ INLINE void Collider::apply_one(const TiaWrite& write) {
             advance(clock);
             apply_noted(write);
             break;
-        case CXCLR:
+        case CXCLR: {
             advance(clock);
-            bring_up(kLooks);
+            const bool opens = t.collisions & watched_;  // otherwise the same pairs stay open, and the same writes act
+            if (opens) bring_up(kLooks);
             t.collisions = 0;
+            if (!opens) break;
             find_open_pairs();
             reconsider();
             break;
+        }
         case SAME_TIME:  // one instruction's write in the same cycle as the one before: the longest delay counts
             t.pending = std::max(t.pending, shown_at((&write)[-1], first_cycle_));
             break;

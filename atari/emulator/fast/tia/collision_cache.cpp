@@ -8,6 +8,9 @@
 namespace atari {
 namespace {
 
+// To turn the search for collisions off and on takes as long as so many TIA writes.
+constexpr int kFewWrites = 24;
+
 // By object, the registers whose writes touch it. The last entry has the registers that place an object.
 constexpr int kPlacingBit = std::countr_zero(kPlacing);
 constexpr auto kTouching = [] {
@@ -67,7 +70,7 @@ void CollisionCache::begin(const TiaWrite* log, unsigned latches) {
 
 void CollisionCache::apply(const TiaWrite* first, const TiaWrite* last, const TiaWrite* collisions_from,
                            int32_t clock) {
-    if (collisions_from > first) {
+    if (collisions_from > first + kFewWrites) {
         collider_.collect(false);
         apply(first, collisions_from, false, static_cast<int32_t>(3 * collisions_from->cycle));
         collider_.collect(true);
