@@ -10,7 +10,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import numpy as np
-from memory_cases import compare, play
+from memory_cases import compare, play, random_case
 
 from atari.learning import ReplayMemory
 
@@ -25,22 +25,7 @@ def attack(seed: int) -> None:
 
 def attack_stream(source: random.Random, seed: int) -> None:
     """A random stream: the memory, its copy, and its file that is opened again, equal the naive one."""
-    lanes = source.randint(1, 5)
-    case: dict[str, Any] = {
-        "lanes": lanes,
-        "capacity": source.randint(1, 80),
-        "shape": source.choice([(5, 6), (1, 4, 7), (3, 4, 3), (9,)]),
-        "stack": source.randint(1, 5),
-        "padding": source.choice(["zero", "reset"]),
-        "mode": source.choice(["next_step", "same_step", "disabled"]),
-        "compress": source.random() < 0.5,
-        "ends": source.choice([0.0, 0.03, 0.2, 0.7]),
-        "steps": source.randint(1, 120),
-        "resets": source.choice([0.0, 0.0, 0.1]),
-        "copied": source.random() < 0.5,
-        "threads": source.randint(1, 2),
-        "seed": seed,
-    }
+    case = random_case(source, seed)
     n, stack = source.choice([1, 2, 3, 7, 40]), source.randint(1, case["stack"])
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "replay")

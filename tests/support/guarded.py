@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-BESIDE = 304  # bytes before and behind an array, more than the widest store
+BESIDE = 304  # bytes on each side of an array, more than the widest store
 GUARD = 0xA5
 
 

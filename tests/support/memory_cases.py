@@ -1,11 +1,33 @@
 """Cases of replay memories: a memory and its naive twin after a random stream, and the comparison of the two."""
 
+import random
+from typing import Any
+
 import numpy as np
 import pytest
 from memory_streams import Stream, everything, row_of, same
 from naive_memory import NaiveMemory
 
 from atari.learning import ReplayMemory
+
+
+def random_case(source: random.Random, seed: int) -> dict[str, Any]:
+    """A case for `play`."""
+    return {
+        "lanes": source.randint(1, 5),
+        "capacity": source.randint(1, 80),
+        "shape": source.choice([(5, 6), (1, 4, 7), (3, 4, 3), (9,), (source.randint(1, 70),)]),
+        "stack": source.randint(1, 5),
+        "padding": source.choice(["zero", "reset"]),
+        "mode": source.choice(["next_step", "same_step", "disabled"]),
+        "compress": source.random() < 0.5,
+        "ends": source.choice([0.0, 0.03, 0.2, 0.7]),
+        "steps": source.randint(1, 120),
+        "resets": source.choice([0.0, 0.0, 0.1]),
+        "copied": source.random() < 0.5,
+        "threads": source.randint(1, 2),
+        "seed": seed,
+    }
 
 
 def play(case: dict, **options: object) -> tuple[ReplayMemory, NaiveMemory, Stream]:

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+import atari
 from atari.wrappers import Grayscale
 
 
@@ -42,3 +43,12 @@ def test_refuses(game_env, obs_type):
 def test_refuses_a_keep_dim_that_is_no_bool(game_env, keep_dim):
     with pytest.raises(TypeError, match="keep_dim must be True or False"):
         Grayscale(game_env("pong", obs_type="rgb"), keep_dim)
+
+
+@pytest.mark.parametrize(
+    ("image", "error"),
+    [(3, TypeError), (np.zeros((210, 160, 3)), TypeError), (np.zeros((160, 210, 3), np.uint8), ValueError)],
+)
+def test_another_image_is_refused(image, error):
+    with pytest.raises(error, match=r"^Grayscale takes images .* got"):
+        Grayscale(atari.make("pong")).observation(image)

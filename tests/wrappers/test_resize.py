@@ -3,6 +3,7 @@ import gymnasium
 import numpy as np
 import pytest
 
+import atari
 from atari.wrappers import Resize
 
 
@@ -43,3 +44,12 @@ def test_refuses_ram(game_env):
 def test_refuses(scripted, shape, error):
     with pytest.raises(error, match="shape must be"):
         Resize(scripted(), shape)
+
+
+@pytest.mark.parametrize(
+    ("image", "error"),
+    [(3, TypeError), (np.zeros((210, 160, 3)), TypeError), (np.zeros((160, 210, 3), np.uint8), ValueError)],
+)
+def test_another_image_is_refused(image, error):
+    with pytest.raises(error, match=r"^Resize takes images .* got"):
+        Resize(atari.make("pong")).observation(image)

@@ -8,7 +8,7 @@
 namespace atari {
 namespace {
 
-// To turn the search for collisions off and on takes as long as so many TIA writes.
+// Turning the search for collisions off and on again takes as long as about this many TIA writes.
 constexpr int kFewWrites = 24;
 
 // By object, the registers whose writes touch it. The last entry has the registers that place an object.
