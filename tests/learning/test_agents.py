@@ -153,6 +153,16 @@ def test_pqn_refuses_parts_above_1(options: dict[str, float], text: str) -> None
         make_options("pqn", **options)
 
 
+def test_replicas_refuse_other_networks_and_counts() -> None:
+    from atari.learning.replicas import Replicas
+
+    with pytest.raises(TypeError, match=r"network must be a torch\.nn\.Module, got 3"):
+        Replicas(3, 2)  # type: ignore[type-var]
+    for count in (0, 2**40):
+        with pytest.raises(ValueError, match="count"):
+            Replicas(torch.nn.Linear(1, 1), count)
+
+
 def test_replicas_give_the_gradient_of_the_whole_batch() -> None:
     from atari.learning.replicas import Replicas
 
