@@ -44,7 +44,6 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/emulator/python/binding_reward.cpp": ("tests/wrappers/test_expression_reward.py", "tests/vector"),
     "atari/emulator/python/binding_writes.cpp": ("tests/lab",),
     "atari/emulator/python": ("tests/cores", "tests/vector"),
-    "atari/_emulator.pyi": ("tests/test_emulator_stub.py",),
     "atari/env.py": ("tests/conformance/test_ale_goldens.py", "tests/conformance/test_env_equals_ale_py.py"),
     "atari/driver.py": ("tests/test_env.py", "tests/test_env_observers.py", "tests/wrappers"),
     "atari/env_state.py": ("tests/test_env_snapshots.py", "tests/test_env.py"),

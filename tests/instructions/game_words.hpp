@@ -1,4 +1,4 @@
-// A game as text, which game_words.py writes: the arguments of `make_game` (atari/_emulator.pyi), a line of words for
+// A game as text, which game_words.py writes: the arguments of `make_game` (atari/emulator/python/binding.cpp), a line of words for
 // each argument: its name, then its values.
 #pragma once
 
