@@ -48,9 +48,19 @@ TARGET_AVX512 void to_rgb_avx512(const uint8_t* framebuffer, int rows, const Pal
             store(part, _mm512_mask_permutexvar_epi8(mixed, kInterleaved.is_blue[part], blue[part], colour[2]));
         }
     };
-    for (int i = 0; i < whole; i += 64)
-        convert(_mm512_loadu_si512(framebuffer + i),
-                [&](int part, __m512i bytes) TARGET_AVX512 { _mm512_storeu_si512(out + 3 * i + 64 * part, bytes); });
+    for (int i = 0; i < whole; i += 64) {
+        const __m512i indices = _mm512_loadu_si512(framebuffer + i);
+        uint8_t* const to = out + 3 * i;
+        // Most groups of pixels repeat the group above, and a copy is cheaper than looking colours up.
+        if (i >= kScreenWidth &&
+            _mm512_cmpneq_epi64_mask(indices, _mm512_loadu_si512(framebuffer + i - kScreenWidth)) == 0) {
+            for (int part = 0; part < 192; part += 64)
+                _mm512_storeu_si512(to + part, _mm512_loadu_si512(to + part - 3 * kScreenWidth));
+        } else {
+            convert(indices,
+                    [&](int part, __m512i bytes) TARGET_AVX512 { _mm512_storeu_si512(to + 64 * part, bytes); });
+        }
+    }
     if (whole == pixels) return;
     // A row has 160 pixels, so the rest of a framebuffer is always 32 pixels.
     convert(_mm512_maskz_loadu_epi8(0xffffffff, framebuffer + whole), [&](int part, __m512i bytes) TARGET_AVX512 {
@@ -85,33 +95,52 @@ INLINE void convert_changes(const uint8_t* framebuffer, int rows, uint8_t* out, 
     }
 }
 
-template <auto changes, auto copy>
-INLINE void to_rgb_by_changes(const uint8_t* framebuffer, int rows, const Palette& palette, uint8_t* out) {
+void to_rgb_scalar(const uint8_t* framebuffer, int rows, const Palette& palette, uint8_t* out) {
     uint64_t colours[256];  // red in the lowest byte
     for (int i = 0; i < 256; ++i) {
         const uint32_t rgb = palette.rgb[i];
         colours[i] = rgb >> 16 | (rgb & 0xff00) | (rgb & 0xff) << 16;
     }
-    convert_changes<3, changes, copy>(framebuffer, rows, out, [&](const uint8_t* from, uint8_t* to) {
-        uint64_t c[8];
-        for (int i = 0; i < 8; ++i) c[i] = colours[from[i]];
-        // Words are assembled in registers: byte stores before a wide load would stall store forwarding.
-        const auto put = [&](int word, uint64_t value) { std::memcpy(to + 8 * word, &value, 8); };
-        put(0, c[0] | c[1] << 24 | c[2] << 48);
-        put(1, c[2] >> 16 | c[3] << 8 | c[4] << 32 | c[5] << 56);
-        put(2, c[5] >> 8 | c[6] << 16 | c[7] << 40);
-    });
+    convert_changes<3, changed_columns<const uint8_t*>, copy>(
+        framebuffer, rows, out, [&](const uint8_t* from, uint8_t* to) {
+            uint64_t c[8];
+            for (int i = 0; i < 8; ++i) c[i] = colours[from[i]];
+            // Words are assembled in registers: byte stores before a wide load would stall store forwarding.
+            const auto put = [&](int word, uint64_t value) { std::memcpy(to + 8 * word, &value, 8); };
+            put(0, c[0] | c[1] << 24 | c[2] << 48);
+            put(1, c[2] >> 16 | c[3] << 8 | c[4] << 32 | c[5] << 56);
+            put(2, c[5] >> 8 | c[6] << 16 | c[7] << 40);
+        });
 }
 
 #if ATARI_SIMD128
+using Words4 = uint32_t __attribute__((vector_size(16)));
+
+// The 12 RGB bytes of four pixels, and zeros.
+TARGET_SIMD128 LEVEL_INLINE Words4 four_to_rgb(const uint8_t* from, const uint32_t* rgb) {
+    constexpr Bytes16 kOrder = {2, 1, 0, 6, 5, 4, 10, 9, 8, 14, 13, 12, 128, 128, 128, 128};
+    const Words4 colours = {rgb[from[0]], rgb[from[1]], rgb[from[2]], rgb[from[3]]};
+    return reinterpret_cast<Words4>(look_up(reinterpret_cast<Bytes16>(colours), kOrder));
+}
+
+TARGET_SIMD128 LEVEL_INLINE void eight_to_rgb(const uint8_t* from, const uint32_t* rgb, uint8_t* to) {
+    const Words4 first = four_to_rgb(from, rgb), second = four_to_rgb(from + 4, rgb);
+    const uint32_t last = second[2];
+    std::memcpy(to, &first, 16);  // the zeros too, which the next bytes replace
+    std::memcpy(to + 12, &second, 8);
+    std::memcpy(to + 20, &last, 4);
+}
+
 TARGET_SIMD128 void to_rgb_simd128(const uint8_t* framebuffer, int rows, const Palette& palette, uint8_t* out) {
-    to_rgb_by_changes<changed_columns_simd128<const uint8_t*>, copy>(framebuffer, rows, palette, out);
+    const auto convert = [&](const uint8_t* from, uint8_t* to) TARGET_SIMD128 { eight_to_rgb(from, palette.rgb, to); };
+    convert_changes<3, changed_columns_simd128<const uint8_t*>, copy>(framebuffer, rows, out, convert);
 }
 #endif
 
 #if ATARI_X86_SIMD
 TARGET_AVX2 void to_rgb_avx2(const uint8_t* framebuffer, int rows, const Palette& palette, uint8_t* out) {
-    to_rgb_by_changes<changed_columns_avx2<>, copy_avx2>(framebuffer, rows, palette, out);
+    const auto convert = [&](const uint8_t* from, uint8_t* to) TARGET_AVX2 { eight_to_rgb(from, palette.rgb, to); };
+    convert_changes<3, changed_columns_avx2<>, copy_avx2>(framebuffer, rows, out, convert);
 }
 #endif
 
@@ -126,7 +155,7 @@ void to_rgb(const uint8_t* framebuffer, int rows, const Palette& palette, uint8_
     if (level == SimdLevel::kSimd128) return to_rgb_simd128(framebuffer, rows, palette, out);
 #endif
     static_cast<void>(level);
-    to_rgb_by_changes<changed_columns<const uint8_t*>, copy>(framebuffer, rows, palette, out);
+    to_rgb_scalar(framebuffer, rows, palette, out);
 }
 
 void to_gray(const uint8_t* framebuffer, int rows, const Palette& palette, uint8_t* out) {
