@@ -15,6 +15,7 @@ namespace atari {
 namespace {
 
 const Painter kPaint = chosen_painter();
+constexpr unsigned kPlayers = 3u << kColourBits, kPlayfield = 4u << kColourBits, kBackground = 8u << kColourBits;
 
 }  // namespace
 
@@ -62,8 +63,15 @@ void DeferredRenderer::begin_line() {
     if (t_.enabl || t_.old_enabl) involved_ |= bit_of(kBL);  // VDELBL selects between them
 }
 
+unsigned DeferredRenderer::involved() const {
+    if (!(involved_ & kBackground)) return involved_;  // nothing is painted
+    // In score mode the playfield has the players' colours.
+    const unsigned players = t_.ctrlpf & kScore ? kPlayers : (involved_ | involved_ >> kM0) << kColourBits & kPlayers;
+    const bool playfield = involved_ & (bit_of(kPF) | bit_of(kBL));
+    return involved_ | players | (playfield ? kPlayfield : 0);
+}
+
 void DeferredRenderer::repeat_row() {
-    begin_line();
     std::memcpy(row_ + kScreenWidth, row_, kScreenWidth);
     row_ += kScreenWidth;
     line_end_ += kClocksPerLine;
@@ -91,11 +99,13 @@ INLINE void DeferredRenderer::apply_one(Tia& t, const TiaWrite& write, int32_t& 
             const uint8_t colour = colour_of(value, config_.pal, t);
             if (t.colour[reg - COLUP0] != colour) advance(pending);
             t.colour[reg - COLUP0] = colour;
+            involved_ |= 1u << (kColourBits + reg - COLUP0);
             break;
         }
         case CTRLPF:
         case PRIORITY: {
             const bool at_once = cycle % kCyclesPerLine < kLateReflect;
+            if ((t.ctrlpf | value) & kScore) involved_ |= kPlayers;
             if (t.ctrlpf == value && (!at_once || t.pf_reflect == (value & kReflects))) break;
             advance(pending);
             t.ctrlpf = value;
@@ -359,8 +369,10 @@ void DeferredRenderer::end_line() {
 // Renders pixels first .. last-1 of the line.
 void DeferredRenderer::draw(int first, int last) {
     const Tia& t = t_;
-    if ((t.vblank & kBlanks) || !enabled_) {
-        std::memset(row_ + first, t.vblank & kBlanks ? 0 : t.colour[3], static_cast<size_t>(last - first));
+    const bool blank = t.vblank & kBlanks;
+    if (!blank) involved_ |= kBackground;
+    if (blank || !enabled_) {
+        std::memset(row_ + first, blank ? 0 : t.colour[3], static_cast<size_t>(last - first));
         return;
     }
     if (!layers_known_) make_layers();

@@ -37,8 +37,9 @@ class DeferredRenderer {
     const TiaWrite* draw_line(const TiaWrite* first, const TiaWrite* last, int32_t line_end);
     // Renders a whole line as a copy of the line above. The beam must be at the line's beginning.
     void repeat_row();
-    // Objects that show or are placed in the line rendered last, and kPlacing.
-    unsigned involved() const { return involved_; }
+    // Objects that show or are placed in the line that `draw_line` rendered last, kPlacing, and colours that are painted
+    // or written in it.
+    unsigned involved() const;
 
   private:
     // `pending` is the clock at which the latest of the TIA writes so far shows.

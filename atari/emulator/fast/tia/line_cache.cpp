@@ -9,10 +9,10 @@ namespace atari {
 namespace {
 
 // Returns whether one of the objects is involved in one of eight lines.
-bool takes_part(unsigned objects, const uint8_t* involved) {
-    uint64_t lines;
-    std::memcpy(&lines, involved, sizeof lines);
-    return (lines & 0x0101010101010101 * (objects & 0xff)) != 0;
+bool takes_part(unsigned objects, const uint16_t* involved) {
+    uint64_t lines[2];
+    std::memcpy(lines, involved, sizeof lines);
+    return ((lines[0] | lines[1]) & 0x0001000100010001 * objects) != 0;
 }
 
 }  // namespace
@@ -58,6 +58,8 @@ void LineCache::draw(const FrameLog& log, Framebuffers& framebuffers, int buffer
     }
     known_ = lines;
     log_ = log.writes;
+    if (same_colours_ > 0) --same_colours_;
+    else if (2 * d.skipped < d.compared) same_colours_ = kStraight;
     const bool repeats = !comparable || 4 * drawn <= 3 * lines;
     if (!repeats && !repeated_) straight_ = kStraight;
     repeated_ = repeats;
@@ -75,9 +77,16 @@ void LineCache::draw_straight(const FrameLog& log, uint8_t* pixels) {
 bool LineCache::begins_alike(Drawing& d) const {
     if (d.line >= known_) return false;
     if (d.live) {
-        const TiaCommon& now = d.tia;
-        if (!agree<sizeof now>(&now, &beginnings_[d.line])) return false;
+        const TiaCommon& before = beginnings_[d.line];
+        const uint32_t colours = colour_changes(d.tia, before);
+        if (colours && (same_colours_ > 0 || (colours_in(colours) & involved_[d.line]))) return false;
+        if (!agree_but_for_colours(d.tia, before)) return false;
         d.difference = difference(d.tia, places_[d.line]);
+        if (colours) {
+            ++d.compared;
+            d.difference.objects |= colours_in(colours);
+            d.difference.colours = colours;
+        }
     }
     return !(d.difference.objects & involved_[d.line]);
 }
@@ -111,7 +120,8 @@ bool LineCache::skip_lines(Drawing& d, int lines) {
 
     const int line = first_not_shown(d, d.line, alike);
     if (line == d.line) return line < alike;
-    if (differing) carry(d.difference, &places_[d.line], &places_[line]);
+    carry(d, d.line, line);
+    if (d.difference.colours) d.skipped += line - d.line;
     const int begins = first_[line];
     if (d.moved)
         for (int skipped = d.line; skipped < line; ++skipped)
@@ -146,6 +156,13 @@ int LineCache::first_not_shown(const Drawing& d, int line, int end) {
     return line;
 }
 
+// Applies the difference to the beginnings of lines first .. last-1.
+void LineCache::carry(const Drawing& d, int first, int last) {
+    if (!d.difference.objects) return;
+    atari::carry(d.difference, &places_[first], &places_[last]);
+    if (d.difference.colours) carry_colours(d.difference.colours, &beginnings_[first], &beginnings_[last]);
+}
+
 void LineCache::begin_line(Drawing& d) {
     TiaCommon& beginning = beginnings_[d.line];
     TiaPlaces& places = places_[d.line];
@@ -153,7 +170,7 @@ void LineCache::begin_line(Drawing& d) {
         beginning = d.tia;
         places = d.tia;
     } else {
-        if (d.difference.objects) carry(d.difference, &places, &places + 1);
+        carry(d, d.line, d.line + 1);
         static_cast<TiaCommon&>(d.tia) = beginning;
         static_cast<TiaPlaces&>(d.tia) = places;
         d.beam.begin(d.pixels);
@@ -169,9 +186,13 @@ void LineCache::draw_line(Drawing& d) {
     const uint8_t* const pixels = d.pixels + kScreenWidth * std::max(row, 0);
     uint8_t before[kScreenWidth];
     if (shown) std::memcpy(before, pixels, sizeof before);
-    if (repeats_line_above(d)) d.beam.repeat_row();
-    else d.next = d.beam.draw_line(d.next, d.end, line_clock(d.line + 1));
-    involved_[d.line] = static_cast<uint8_t>(d.beam.involved());
+    if (repeats_line_above(d)) {
+        d.beam.repeat_row();
+        involved_[d.line] = involved_[d.line - 1];
+    } else {
+        d.next = d.beam.draw_line(d.next, d.end, line_clock(d.line + 1));
+        involved_[d.line] = static_cast<uint16_t>(d.beam.involved());
+    }
     // Many lines with other TIA writes have the same row as before. Results computed from such a row stay valid.
     if (shown && agree<sizeof before>(before, pixels)) looks_[d.line] = shown;
     if (row >= 0) shown_[d.buffer][row] = looks_[d.line];

@@ -3,7 +3,7 @@
 // A line depends on the TIA's state at its beginning and on the TIA writes during it. If both are equal to those of the
 // frame rendered last, the line has the same pixels and the same end state, and is not rendered again. In most games
 // this holds for more than half of all lines. Registers that take no part in the line may differ, such as the position
-// of an object that does not show.
+// or the colour of an object that does not show.
 //
 // tests/emulator/test_fast_equals_plain.py compares this with the reference TIA, which renders every line.
 #pragma once
@@ -49,6 +49,8 @@ class LineCache {
         int line = 0;
         bool live = true;  // if false, `tia` is that of the previous frame, without `difference`
         Difference difference{};
+        // Lines that were compared although they begin with other colours, and lines that were then skipped.
+        int compared = 0, skipped = 0;
         // The log has the previous frame's TIA writes up to `agreed`, `moved` entries further on. All of them in lines
         // before `agreed_lines` agree.
         int agreed = -1, moved = 0, agreed_lines = 0;
@@ -59,6 +61,7 @@ class LineCache {
     void find_agreement(Drawing& d, int lines) const;
     bool skip_lines(Drawing& d, int lines);
     int first_not_shown(const Drawing& d, int line, int end);
+    void carry(const Drawing& d, int first, int last);
     void begin_line(Drawing& d);
     void draw_line(Drawing& d);
     bool repeats_line_above(const Drawing& d) const;
@@ -71,13 +74,16 @@ class LineCache {
     static constexpr int kStraight = 15;
     int straight_ = 0;
     bool repeated_ = true;
+    // The same for lines that begin with other colours: for this many frames, colours must agree.
+    int same_colours_ = 0;
 
     // Number of lines of the frame rendered last. During rendering: of the current frame, up to the current line.
     int known_ = 0;
     int32_t frame_start_ = 0;
     const TiaWrite* log_ = nullptr;
-    uint16_t first_[kMostLines + 1];     // first TIA write of each line
-    uint8_t involved_[kMostLines];       // objects that show or are placed, and kPlacing
+    uint16_t first_[kMostLines + 1];  // first TIA write of each line
+    // Objects that show or are placed, kPlacing, and colours that are painted or written.
+    uint16_t involved_[kMostLines];
     std::vector<TiaCommon> beginnings_;  // by line, and one for the end of the last line
     std::vector<TiaPlaces> places_;
 

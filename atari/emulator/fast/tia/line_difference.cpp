@@ -43,29 +43,36 @@ Difference difference(const TiaPlaces& now, const TiaPlaces& before) {
     if (agree<sizeof now>(&now, &before)) return {};
     const uint64_t new_word = word_of(now), old_word = word_of(before);
     Difference d{0, back(old_word & kPositions, new_word & kPositions), (old_word ^ new_word) & ~kPositions,
-                 now.last_hmove};
+                 now.last_hmove, 0};
     const unsigned positions = bytes_set(d.positions), flags = bytes_set(d.flags) >> 5;
     d.objects = positions | (flags & 3) << kP0 | flags >> 2 << kBL;
     if (before.last_hmove != now.last_hmove) d.objects |= kPlacing;
     return d;
 }
 
+unsigned colours_in(uint32_t changes) { return bytes_set(changes) << kColourBits; }
+
 void carry(const Difference& by, TiaPlaces* first, TiaPlaces* last) {
-    for (uint64_t left = by.positions, object = 0; left; left >>= 8, ++object) {  // usually one iteration
-        const int distance = static_cast<uint8_t>(left);
-        if (distance == 0) continue;
+    const unsigned positions = bytes_set(by.positions);
+    if (by.flags || (positions & (positions - 1))) {
+        for (TiaPlaces* line = first; line < last; ++line) {
+            const uint64_t word = back(word_of(*line), by.positions) ^ by.flags;
+            std::memcpy(line, &word, sizeof word);
+        }
+    } else if (positions) {  // The most frequent case takes less time by bytes.
+        const int object = std::countr_zero(positions), distance = static_cast<uint8_t>(by.positions >> 8 * object);
         for (TiaPlaces* line = first; line < last; ++line) {
             const int position = line->pos[object] - distance;
             line->pos[object] = static_cast<uint8_t>(position < 0 ? position + kScreenWidth : position);
         }
     }
-    if (by.flags)
-        for (TiaPlaces* line = first; line < last; ++line) {
-            const uint64_t word = word_of(*line) ^ by.flags;
-            std::memcpy(line, &word, sizeof word);
-        }
     if (by.objects & kPlacing)
         for (TiaPlaces* line = first; line < last; ++line) line->last_hmove = by.last_hmove;
+}
+
+void carry_colours(uint32_t changes, TiaCommon* first, TiaCommon* last) {
+    for (TiaCommon* line = first; line < last; ++line)
+        for (int i = 0; i < 4; ++i) line->colour[i] ^= static_cast<uint8_t>(changes >> (8 * i));
 }
 
 }  // namespace atari

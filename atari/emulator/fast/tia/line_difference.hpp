@@ -29,18 +29,38 @@ bool agree(const void* a, const void* b) {
 // Returns how many of the first `count` TIA writes agree.
 int agreeing(const TiaWrite* a, const TiaWrite* b, int count);
 
+// In a set of objects: the first of the bits of the four colours.
+inline constexpr int kColourBits = 8;
+
 // The difference between two beginnings of a line, in the fields that may differ.
 struct Difference {
-    unsigned objects;  // objects that differ, a bit each, and kPlacing
+    unsigned objects;  // objects and colours that differ, a bit each, and kPlacing
     // byte by byte as in TiaPlaces: the distance to subtract from each position, modulo the line's width
     uint64_t positions;
     uint64_t flags;  // bits that change in the bytes after the positions
     int32_t last_hmove;
+    uint32_t colours;  // bits that change in TiaCommon::colour
 };
 
 Difference difference(const TiaPlaces& now, const TiaPlaces& before);
 
+// Returns the bits in which colours differ, and, for such bits, the set of colours.
+inline uint32_t colour_changes(const TiaCommon& now, const TiaCommon& before) {
+    uint32_t x, y;
+    std::memcpy(&x, now.colour, sizeof x);
+    std::memcpy(&y, before.colour, sizeof y);
+    return x ^ y;
+}
+unsigned colours_in(uint32_t changes);
+
+inline bool agree_but_for_colours(const TiaCommon& a, const TiaCommon& b) {
+    constexpr std::size_t kColours = offsetof(TiaCommon, colour), kAfter = kColours + sizeof a.colour;
+    const auto after = [](const TiaCommon& line) { return reinterpret_cast<const char*>(&line) + kAfter; };
+    return agree<kColours>(&a, &b) && agree<sizeof a - kAfter>(after(a), after(b));
+}
+
 // Applies a difference to the beginnings of lines. Objects that take no part have moved as in the previous frame.
 void carry(const Difference& by, TiaPlaces* first, TiaPlaces* last);
+void carry_colours(uint32_t changes, TiaCommon* first, TiaCommon* last);
 
 }  // namespace atari
