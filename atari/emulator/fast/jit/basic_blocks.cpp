@@ -73,7 +73,7 @@ constexpr bool is_read_inline(Operand operand) {
     switch (operand) {
         case Operand::Imm: case Operand::Fixed: case Operand::Ram: case Operand::RamA: case Operand::RamX:
         case Operand::RamY: case Operand::Input: case Operand::RomX: case Operand::RomY: case Operand::Timer:
-        case Operand::AnyX: case Operand::AnyY: case Operand::IndY:
+        case Operand::AnyX: case Operand::AnyY: case Operand::IndY: case Operand::Dpc:
             return true;
         default: return false;
     }

@@ -61,6 +61,12 @@ struct Offsets {
     OFFSET(late_reflect, FastConsole, shadow_.late_reflect, 1)
     OFFSET(ark, FastConsole, shadow_.ark, 1)
     OFFSET(watches_tia, FastConsole, slot_.watches_tia, 1)
+    OFFSET(image, FastConsole, slot_.image, 8)
+    OFFSET(dpc_random, FastConsole, m_.cart.random, 1)
+    ELEMENTS(dpc_top, FastConsole, m_.cart.top, 1, 8)
+    ELEMENTS(dpc_bottom, FastConsole, m_.cart.bottom, 1, 8)
+    ELEMENTS(dpc_flag, FastConsole, m_.cart.flag, 1, 8)
+    ELEMENTS(dpc_counter, FastConsole, m_.cart.counter, 2, 8)
 
     // A decoded instruction, and an entry of the write log.
     OFFSET(instruction_operand, DecodedInstruction, operand, 2)

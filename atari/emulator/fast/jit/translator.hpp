@@ -75,6 +75,7 @@ class Translator {
     void emit_jump();
     void emit_read();
     Byte paged();
+    Byte dpc();
     void indexed_ram();
     void add_page_crossing(Reg index);
     void operate(const Byte& source);

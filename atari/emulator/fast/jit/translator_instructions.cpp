@@ -4,6 +4,7 @@
 
 #include "offsets.hpp"
 #include "translator.hpp"
+#include "machine/cartridge/dpc.hpp"
 
 namespace atari {
 namespace {
@@ -159,6 +160,41 @@ Byte Translator::paged() {
     return {{}, Mem{t3, 0, t1}, t0};
 }
 
+// Reads a register of the DPC chip, as `read_dpc` does. Handlers read those that depend on music.
+Byte Translator::dpc() {
+    const int function = at_->given >> 3 & 7, fetcher = at_->given & 7;
+    const Mem flag = in_console(Offsets::dpc_flag() + fetcher), random = in_console(Offsets::dpc_random());
+    const Mem counter = in_console(Offsets::dpc_counter() + 2 * fetcher);
+    const bool reads_data = function == 1 || function == 2;
+    if (!(reads_data && fetcher < 5) && !(function == 0 && fetcher < 4)) {
+        a_.jump(slow_);
+        return {uint8_t{0}, {}, t0};
+    }
+    a_.load8(t0, random);
+    a_.move64(t1, reinterpret_cast<uintptr_t>(kDpcRandom.data()));
+    a_.load8(t0, Mem{t1, 0, t0});
+    a_.store8(random, t0);
+    a_.load16(t1, counter);
+    const auto set_flag_at = [&](int limit, uint8_t value) {
+        a_.compare8(in_console(limit + fetcher), t1);
+        const ShortJump elsewhere = a_.jump_short(If::not_zero);
+        a_.store8(flag, value);
+        a_.bind_short(elsewhere);
+    };
+    set_flag_at(Offsets::dpc_bottom(), 0);
+    set_flag_at(Offsets::dpc_top(), 0xff);  // has the last word if both agree
+    if (reads_data) {
+        a_.load64(t0, in_console(Offsets::image()));
+        a_.alu64(Alu::sub, t0, t1);
+        a_.load8(t0, Mem{t0, 8192 + 2047});
+    }
+    a_.alu(Alu::sub, t1, 1);
+    a_.alu(Alu::and_, t1, 0x7ff);
+    a_.store16(counter, t1);
+    if (function == 2) a_.alu8(Alu::and_, t0, flag);
+    return {{}, {}, t0};
+}
+
 void Translator::emit_read() {
     if (at_->operation == ADC || at_->operation == SBC) {
         a_.compare8(in_console(Offsets::decimal()), uint8_t{0});
@@ -200,6 +236,7 @@ void Translator::emit_read() {
             a_.address(t0, Mem{t1, -1});
             break;
         }
+        case Operand::Dpc: source = dpc(); break;
         case Operand::AnyX:
         case Operand::AnyY:
             a_.address(t1, Mem{index_of(at_->operand), at_->given});

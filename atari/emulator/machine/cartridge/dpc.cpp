@@ -1,19 +1,7 @@
 #include "dpc.hpp"
 
-#include <array>
-
 namespace atari {
 namespace {
-
-// By present random number, the next one.
-constexpr auto kRandom = [] {
-    std::array<uint8_t, 256> table{};
-    for (unsigned random = 0; random < 256; ++random) {
-        const unsigned bit = ~(random >> 7 ^ random >> 5 ^ random >> 4 ^ random >> 3) & 1;
-        table[random] = static_cast<uint8_t>(random << 1 | bit);
-    }
-    return table;
-}();
 
 // Advances the three voices' counters by the pulses of a 15750 Hz oscillator since the last access.
 void update_music(CartridgeState& cart, uint32_t cycles) {
@@ -50,7 +38,7 @@ uint8_t music(CartridgeState& cart, uint32_t cycles) {
 
 }  // namespace
 
-void clock_dpc_random(CartridgeState& cart) { cart.random = kRandom[cart.random]; }
+void clock_dpc_random(CartridgeState& cart) { cart.random = kDpcRandom[cart.random]; }
 
 uint8_t read_dpc(CartridgeState& cart, const uint8_t* image, unsigned offset, uint32_t cycles) {
     const unsigned i = offset & 7, counter = cart.counter[i];
