@@ -47,8 +47,10 @@ void Translator::go_to(std::size_t target, int32_t cycles, bool backward) {
     }
     if (backward) {
         a_.compare(kCycles, in_console(Offsets::cycle_limit()));
-        slow_paths_.push_back({{}, SlowPath::kLimit, target, 0, 0, {}, {}});
-        a_.jump(If::not_below, slow_paths_.back().from);
+        a_.jump(If::below, entries_[target]);
+        a_.move(t0, static_cast<uint32_t>(target));
+        a_.jump(limit_);
+        return;
     }
     a_.jump(entries_[target]);
 }
@@ -98,10 +100,6 @@ void Translator::emit_slow_paths() {
                 a_.jump(dispatch_);
                 break;
             case SlowPath::kBranchTaken: go_to(path.place, 0, false); break;
-            case SlowPath::kLimit:
-                a_.move(t0, static_cast<uint32_t>(path.place));
-                a_.jump(limit_);
-                break;
         }
     }
 }

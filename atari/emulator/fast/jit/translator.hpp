@@ -102,7 +102,6 @@ class Translator {
             kHandler,        // the handler runs the instruction, and the block continues at `back`
             kJumpByHandler,  // the handler jumps
             kBranchTaken,    // the branch to `place` is taken
-            kLimit,          // the instruction limit may be near: translated code ends at `place`
         } what;
         std::size_t place;
         int32_t cycles, cycles_after;   // not yet added at `from`, and at `back`

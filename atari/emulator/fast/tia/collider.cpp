@@ -114,14 +114,23 @@ void Collider::go_on_from(const TiaLine& state, uint16_t collisions, int32_t bla
 
 // --- single registers ---
 
-// A write to one player's graphics also copies the other player's new graphics to their delayed copy.
-INLINE void Collider::set_graphics(unsigned player, const TiaWrite& write) {
-    Tia& t = t_;
+// A write to one player's graphics also copies the other player's new graphics to their delayed copy. Returns the objects
+// whose look it changes.
+INLINE unsigned Collider::changed_by_graphics(unsigned player, const TiaWrite& write) const {
+    const Tia& t = t_;
     const unsigned other = player ^ 1;
-    set_graphics_of(t, player, write);
-    if (!t.vdelp[player]) show(player);
-    if (t.vdelp[other]) show(other);
-    if (player == 1 && t.vdelbl) enable(kBL, t.old_enabl);
+    unsigned objects = 0;
+    if (!t.vdelp[player] && t.grp[player] != write.value) objects |= bit_of(kP0 + player);
+    if (t.vdelp[other] && t.old_grp[other] != static_cast<uint8_t>(write.beside)) objects |= bit_of(kP0 + other);
+    if (player == 1 && t.vdelbl && t.old_enabl != (write.beside >> 8 != 0)) objects |= bit_of(kBL);
+    return objects;
+}
+
+INLINE void Collider::set_graphics(unsigned player, const TiaWrite& write, unsigned changed) {
+    set_graphics_of(t_, player, write);
+    if (changed & bit_of(kP0)) show(0);
+    if (changed & bit_of(kP1)) show(1);
+    if (changed & bit_of(kBL)) enable(kBL, t_.old_enabl);
 }
 
 INLINE void Collider::set_enam(unsigned missile, uint8_t value) {
@@ -239,21 +248,32 @@ INLINE void Collider::apply_one(const TiaWrite& write) {
     }
 }
 
-// Applies TIA writes. Writes to registers that do not act are only noted.
+// Applies TIA writes. Writes to registers that do not act are only noted. The sets are copied, because the compiler
+// cannot keep members in registers here.
 void Collider::apply(const TiaWrite* write, const TiaWrite* last) {
-    for (; write != last; ++write) {
-        const Registers reg = 1ull << write->reg;
-        if ((acting_ & reg) && !chosen_ && !(kAlwaysActing & reg)) choose_acting();
-        if (!(acting_ & reg)) {
-            latest_[write->reg] = write;
-            noted_ |= reg;
-            continue;
+    while (write != last) {
+        std::size_t reg = write->reg;
+        if (const Registers acting = acting_; !(acting >> reg & 1)) {
+            Registers noted = noted_;
+            do {
+                latest_[reg] = write;
+                noted |= kSetOf[reg];
+                if (++write == last) break;
+                reg = write->reg;
+            } while (!(acting >> reg & 1));
+            noted_ = noted;
+            if (write == last) return;
         }
-        noted_ &= ~reg;  // a noted write is older than this one
+        if (!chosen_ && !(kAlwaysActing >> reg & 1)) {
+            choose_acting();
+            if (!(acting_ >> reg & 1)) continue;
+        }
+        noted_ &= ~kSetOf[reg];  // a noted write is older than this one
         ++acted_;
         // most frequent, so inlined
-        if (write->reg == HMOVE) move_objects(*write, static_cast<int32_t>(3 * write->cycle));
+        if (reg == HMOVE) move_objects(*write, static_cast<int32_t>(3 * write->cycle));
         else apply_one(*write);
+        ++write;
     }
 }
 
@@ -274,8 +294,8 @@ void Collider::apply_noted(const TiaWrite& write) {
             if (t.playfield) enable(kPF, true);  // never disabled here, because its bits change from line to line
             moved(bit_of(kPF));
             break;
-        case GRP0: set_graphics(0, write); break;
-        case GRP1: set_graphics(1, write); break;
+        case GRP0: set_graphics(0, write, changed_by_graphics(0, write)); break;
+        case GRP1: set_graphics(1, write, changed_by_graphics(1, write)); break;
         case ENAM0:
         case ENAM1: set_enam(write.reg - ENAM0, value); break;
         case ENABL: set_enabl(value); break;
@@ -324,13 +344,9 @@ void Collider::write_ctrlpf(uint8_t value, uint32_t cycle_in_line, int32_t clock
 }
 
 inline void Collider::write_graphics(unsigned player, const TiaWrite& write, int32_t clock) {
-    const Tia& t = t_;
-    const unsigned other = player ^ 1;
-    const bool own = !t.vdelp[player] && t.grp[player] != write.value;
-    const bool others = t.vdelp[other] && t.old_grp[other] != static_cast<uint8_t>(write.beside);
-    const bool ball = player == 1 && t.vdelbl && t.old_enabl != (write.beside >> 8 != 0);
-    if (own || others || ball) advance(clock + delay_of(GRP0));
-    set_graphics(player, write);
+    const unsigned changed = changed_by_graphics(player, write);
+    if (changed) advance(clock + delay_of(GRP0));
+    set_graphics(player, write, changed);
 }
 
 // Playfield bits that are near no object cannot collide.

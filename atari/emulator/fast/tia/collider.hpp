@@ -60,7 +60,8 @@ class Collider {
     void derive_again();
     void apply_one(const TiaWrite& write);
     void apply_noted(const TiaWrite& write);
-    void set_graphics(unsigned player, const TiaWrite& write);
+    unsigned changed_by_graphics(unsigned player, const TiaWrite& write) const;
+    void set_graphics(unsigned player, const TiaWrite& write, unsigned changed);
     void set_enam(unsigned missile, uint8_t value);
     void set_enabl(uint8_t value);
     void bring_up(Registers registers) {

@@ -84,14 +84,20 @@ void CollisionCache::apply(const TiaWrite* first, const TiaWrite* last, bool exa
     if (!comparing_) return collider_.apply(first, last);
     const TiaWrite* next = first;
     while (next_ <= kMostBlocks && clock_of(next_) <= clock) {
-        const TiaWrite* end = next;
-        for (; end != last && static_cast<int32_t>(3 * end->cycle) < clock_of(next_); ++end)
-            written_ |= 1ull << end->reg;
+        const TiaWrite* const end = note_written(next, last, clock_of(next_));
         collider_.apply(next, end);
         next = begin_block(end, last, exact, clock);
     }
-    for (const TiaWrite* write = next; write != last; ++write) written_ |= 1ull << write->reg;
+    note_written(next, last, INT32_MAX);
     collider_.apply(next, last);
+}
+
+// Adds the registers of the writes before a clock to those of the block. Returns the end of these writes.
+const TiaWrite* CollisionCache::note_written(const TiaWrite* write, const TiaWrite* last, int32_t clock) {
+    uint64_t written = written_;
+    for (; write != last && static_cast<int32_t>(3 * write->cycle) < clock; ++write) written |= kSetOf[write->reg];
+    written_ = written;
+    return write;
 }
 
 // Begins the next block with the write at `next`. If the following blocks repeat those of the previous frame, skips

@@ -49,6 +49,7 @@ class CollisionCache {
 
     int32_t clock_of(int block) const { return frame_start_ + kClocksPerLine * kLines * block; }
     void apply(const TiaWrite* first, const TiaWrite* last, bool exact, int32_t clock);
+    const TiaWrite* note_written(const TiaWrite* write, const TiaWrite* last, int32_t clock);
     const TiaWrite* begin_block(const TiaWrite* next, const TiaWrite* last, bool exact, int32_t clock);
     int written_alike_until(const TiaWrite* next, const TiaWrite* last, int32_t clock);
 

@@ -2,6 +2,7 @@
 // (collider.cpp) share.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "machine/state.hpp"
@@ -20,6 +21,12 @@ struct TiaWrite {
     uint16_t beside;
 };
 
+// By register, the set of it alone. Loading a set takes fewer instructions than shifting a bit.
+inline constexpr auto kSetOf = [] {
+    std::array<uint64_t, 64> sets{};
+    for (unsigned reg = 0; reg < 64; ++reg) sets[reg] = 1ull << reg;
+    return sets;
+}();
 inline constexpr uint64_t kPlayfieldRegisters = set_of({PF0, PF1, PF2});
 // Registers of the objects' looks, not of their positions.
 inline constexpr uint64_t kLooks =
