@@ -58,8 +58,10 @@ void LineCache::draw(const FrameLog& log, Framebuffers& framebuffers, int buffer
     }
     known_ = lines;
     log_ = log.writes;
+    const bool colours_repeat = 2 * d.skipped >= d.compared;
     if (same_colours_ > 0) --same_colours_;
-    else if (2 * d.skipped < d.compared) same_colours_ = kStraight;
+    else if (!colours_repeat && !colours_repeated_) same_colours_ = kStraight;
+    colours_repeated_ = colours_repeat;
     const bool repeats = !comparable || 4 * drawn <= 3 * lines;
     if (!repeats && !repeated_) straight_ = kStraight;
     repeated_ = repeats;

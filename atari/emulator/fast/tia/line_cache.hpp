@@ -76,6 +76,7 @@ class LineCache {
     bool repeated_ = true;
     // The same for lines that begin with other colours: for this many frames, colours must agree.
     int same_colours_ = 0;
+    bool colours_repeated_ = true;
 
     // Number of lines of the frame rendered last. During rendering: of the current frame, up to the current line.
     int known_ = 0;
