@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstddef>
 
 namespace atari {
 namespace {
@@ -30,13 +29,6 @@ unsigned involved_in(const TiaCommon& begin, uint64_t written) {
     if (begin.enabl || begin.old_enabl || (written & kTouching[kBL])) objects |= bit_of(kBL);
     if (written & kTouching[kPlacingBit]) objects |= kPlacing;
     return objects;
-}
-
-// Returns whether two block beginnings agree in all fields that must not differ. Colours may differ.
-bool begin_alike(const TiaCommon& a, const TiaCommon& b) {
-    constexpr std::size_t kColours = offsetof(TiaCommon, colour), kBehind = kColours + sizeof a.colour;
-    const auto behind = [](const TiaCommon& line) { return reinterpret_cast<const char*>(&line) + kBehind; };
-    return agree<kColours>(&a, &b) && agree<sizeof a - kBehind>(behind(a), behind(b));
 }
 
 }  // namespace
@@ -115,7 +107,7 @@ const TiaWrite* CollisionCache::begin_block(const TiaWrite* next, const TiaWrite
     Block& block = blocks_[next_];
     const bool comparable = next_ < known_ && (!exact || block.collisions == t_.collisions);
     int until = comparable ? written_alike_until(next, last, clock) : next_;
-    if (until > next_ && begin_alike(now, beginnings_[next_])) {
+    if (until > next_ && agree_but_for_colours(now, beginnings_[next_])) {
         const Difference differs = difference(now, places_[next_]);
         if (differs.objects)
             for (int i = next_; i < until; ++i)
