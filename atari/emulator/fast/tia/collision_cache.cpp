@@ -84,7 +84,7 @@ void CollisionCache::apply(const TiaWrite* first, const TiaWrite* last, bool exa
     collider_.apply(next, last);
 }
 
-// Adds the registers of the writes before a clock to those of the block. Returns the end of these writes.
+// Notes in `written_` to which registers the writes before a clock go. Returns the end of these writes.
 const TiaWrite* CollisionCache::note_written(const TiaWrite* write, const TiaWrite* last, int32_t clock) {
     uint64_t written = written_;
     for (; write != last && static_cast<int32_t>(3 * write->cycle) < clock; ++write) written |= kSetOf[write->reg];

@@ -44,7 +44,7 @@ struct Difference {
 
 Difference difference(const TiaPlaces& now, const TiaPlaces& before);
 
-// Returns the bits in which colours differ, and, for such bits, the set of colours.
+// Returns the bits in which colours differ; `colours_in` returns the set of colours for such bits.
 inline uint32_t colour_changes(const TiaCommon& now, const TiaCommon& before) {
     uint32_t x, y;
     std::memcpy(&x, now.colour, sizeof x);
