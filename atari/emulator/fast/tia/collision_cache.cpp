@@ -62,7 +62,7 @@ void CollisionCache::begin(const TiaWrite* log, unsigned latches) {
 
 void CollisionCache::apply(const TiaWrite* first, const TiaWrite* last, const TiaWrite* collisions_from,
                            int32_t clock) {
-    if (collisions_from > first + kFewWrites) {
+    if (collisions_from - first > kFewWrites) {
         collider_.collect(false);
         apply(first, collisions_from, false, static_cast<int32_t>(3 * collisions_from->cycle));
         collider_.collect(true);
