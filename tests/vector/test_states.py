@@ -490,6 +490,29 @@ def test_a_lane_has_the_methods_of_ale_pys_interface_for_reading() -> None:
             ale.getRAM(out)
 
 
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
+def test_a_lane_has_ended_until_a_reset(mode: str) -> None:
+    envs = atari.AtariVectorEnv("breakout", 1, autoreset_mode=mode, max_num_frames_per_episode=20, noop_max=1)
+    envs.reset(seed=0)
+    ended = []
+    for step in range(8):
+        if step == 7:
+            envs.reset()
+        envs.step(np.zeros(1, int))
+        ended.append(envs.lanes[0].ended)
+    after = {"NextStep": [True, False], "SameStep": [False, False], "Disabled": [True, True]}
+    assert ended == [False] * 4 + [*after[mode], mode == "Disabled", False]
+
+
+def test_a_lost_life_that_is_only_reported_ends_no_episode_of_a_lane() -> None:
+    envs = atari.AtariVectorEnv("breakout", 1, life_loss_info=True)
+    envs.reset(seed=0)
+    while not (result := envs.step(np.ones(1, int)))[2][0]:
+        pass
+    assert result[4]["lives"][0] == 4
+    assert not envs.lanes[0].ended
+
+
 @pytest.mark.parametrize("lane", [-1, 2, 2**40, 2**70])
 def test_a_lane_that_does_not_exist(lane: int) -> None:
     envs = atari.AtariVectorEnv("pong", 2)

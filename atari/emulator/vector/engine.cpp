@@ -32,8 +32,8 @@ long process_number() {
 
 }  // namespace
 
-VectorEngine::VectorEngine(std::vector<Lane> lanes, const VectorSettings& settings)
-    : settings_(settings), players_(lanes[0].episode->players()), process_(process_number()) {
+VectorEngine::VectorEngine(std::vector<std::unique_ptr<Lane>> lanes, const VectorSettings& settings)
+    : settings_(settings), players_(lanes[0]->episode().players()), process_(process_number()) {
     slots_.resize(lanes.size());
     recent_.resize(static_cast<size_t>(settings.batch_size));
     result_rams_.resize(128 * lanes.size());
@@ -72,7 +72,7 @@ void VectorEngine::step(const std::vector<int>& environments, const int64_t* act
         Slot& slot = this->slot(environments[i]);
         slot.task = Task::kStep;
         for (int player = 0; player < players_; ++player)
-            slot.actions[player] = slot.lane.actions[static_cast<size_t>(*actions++)];
+            slot.actions[player] = slot.lane->actions()[static_cast<size_t>(*actions++)];
         slot.strength = strengths ? strengths[i] : 1.0f;
     }
     batch_ = batch;
@@ -107,7 +107,7 @@ void VectorEngine::drain() {
 
 void VectorEngine::apply_restore(Slot& slot) {
     if (!slot.pending_restore) return;
-    slot.lane.episode->restore(slot.pending_restore->episode);
+    slot.lane->restore(slot.pending_restore->state);
     slot.outcome = slot.pending_restore->outcome;
     slot.outcome.reward = {};  // the reward of the step before the snapshot
     slot.outcome.own_reward = 0.0;
@@ -118,7 +118,7 @@ void VectorEngine::apply_restore(Slot& slot) {
 void VectorEngine::run_task(int environment) {
     apply_restore(slot(environment));
     if (!queued() && batch_->pixels) {
-        const size_t size = episode(environment).observation().size();
+        const size_t size = lane(environment).episode().observation().size();
         prefetch(batch_->pixels + size * static_cast<size_t>(environment), size);
     }
     play(slot(environment), environment);
@@ -126,7 +126,7 @@ void VectorEngine::run_task(int environment) {
 }
 
 void VectorEngine::play(Slot& slot, int environment) {
-    Episode& episode = *slot.lane.episode;
+    Episode& episode = slot.lane->episode();
     slot.has_final = false;
     const bool over = slot.outcome.ended;
     const bool idle = over && settings_.autoreset == Autoreset::kDisabled;  // until it is reset
@@ -138,7 +138,7 @@ void VectorEngine::play(Slot& slot, int environment) {
         episode.reset(asked ? slot.seed : nullptr, asked && slot.new_game);
         slot.outcome = Outcome{};
         slot.outcome.game_steps = episode.game_steps();
-        slot.outcome.game_over = episode.environment().game_over();  // A mode may begin with the end of a game.
+        slot.outcome.game_over = slot.lane->environment().game_over();  // A mode may begin with the end of a game.
     } else {
         slot.outcome = episode.step(slot.actions, slot.strength);
         if (slot.outcome.ended && settings_.autoreset == Autoreset::kSameStep) {
@@ -152,9 +152,9 @@ void VectorEngine::play(Slot& slot, int environment) {
 
 void VectorEngine::keep_final(Slot& slot, int environment) {
     slot.has_final = true;
-    Episode& episode = *slot.lane.episode;
+    Episode& episode = slot.lane->episode();
     slot.final_game = episode.take_ended_game();
-    Environment& e = episode.environment();
+    Environment& e = slot.lane->environment();
     if (queued()) {
         slot.final_pixels.resize(episode.observation().size());
         episode.observation().write(slot.final_pixels.data());
@@ -169,8 +169,8 @@ void VectorEngine::keep_final(Slot& slot, int environment) {
 }
 
 void VectorEngine::write_results(Slot& slot, int environment, int row, const Batch& batch) {
-    Episode& episode = *slot.lane.episode;
-    Environment& e = episode.environment();
+    Episode& episode = slot.lane->episode();
+    Environment& e = slot.lane->environment();
     const auto at = static_cast<size_t>(row);
     const Outcome& outcome = slot.outcome;
     if (batch.pixels) episode.observation().write(batch.pixels + episode.observation().size() * at);
@@ -199,7 +199,7 @@ void VectorEngine::write_players(Slot& slot, int row, const Batch& batch) {
         batch.game_reward[at] = outcome.game_reward[from];
         batch.terminated[at] = outcome.terminated || out;
         batch.truncated[at] = outcome.truncated && !out;
-        batch.lives[at] = slot.lane.episode->environment().lives(player);
+        batch.lives[at] = slot.lane->environment().lives(player);
     }
 }
 
@@ -216,7 +216,7 @@ void VectorEngine::write_game(const std::optional<EndedGame>& ended, int row, co
 // A row of the final observations is zero if no episode of its environment ended in this step.
 void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
     const auto at = static_cast<size_t>(row);
-    const size_t size = slot.lane.episode->observation().size();
+    const size_t size = slot.lane->episode().observation().size();
     uint8_t* const pixels = batch.final_pixels ? batch.final_pixels + size * at : nullptr;
     uint8_t* const ram = batch.final_ram ? batch.final_ram + 128 * at : nullptr;
     if (slot.has_final) {
@@ -247,24 +247,30 @@ uint8_t* write_outcome(const Outcome& outcome, uint8_t* out) {
 }  // namespace
 
 void VectorEngine::save(int environment, uint8_t* out) {
-    Episode& restored = episode(environment);
+    Lane& restored = lane(environment);
     restored.save(write_outcome(slot(environment).outcome, out));
 }
 
 bool VectorEngine::load(int environment, const uint8_t* in) {
-    if (!episode(environment).load(in + 1)) return false;
+    if (!lane(environment).load(in + 1)) return false;
     Outcome& outcome = slot(environment).outcome;
     const auto out = static_cast<uint8_t>(*in >> 4 & ((1 << players_) - 1));
-    outcome = {
-        {}, (*in & 1) != 0, (*in & 2) != 0, out, (*in & 4) != 0, (*in & 8) != 0, {}, episode(environment).game_steps()};
+    outcome = {{},
+               (*in & 1) != 0,
+               (*in & 2) != 0,
+               out,
+               (*in & 4) != 0,
+               (*in & 8) != 0,
+               {},
+               lane(environment).episode().game_steps()};
     return true;
 }
 
 std::vector<uint8_t> VectorEngine::LaneSnapshot::bytes() const {
-    const std::vector<uint8_t> environment = episode.environment.bytes(*game);
-    std::vector<uint8_t> bytes(1 + environment.size() + episode.rest.size());
+    const std::vector<uint8_t> environment = state.environment.bytes(*game);
+    std::vector<uint8_t> bytes(1 + environment.size() + state.episode.size());
     uint8_t* const out = write_outcome(outcome, bytes.data());
-    std::copy(episode.rest.begin(), episode.rest.end(), std::copy(environment.begin(), environment.end(), out));
+    std::copy(state.episode.begin(), state.episode.end(), std::copy(environment.begin(), environment.end(), out));
     return bytes;
 }
 
@@ -272,8 +278,8 @@ VectorEngine::Snapshot VectorEngine::snapshot(int environment) {
     const Slot& source = slot(environment);
     if (source.pending_restore) return source.pending_restore;
     auto snapshot = std::make_shared<LaneSnapshot>();
-    snapshot->game = source.lane.episode->environment().parts().game;
-    source.lane.episode->snapshot(snapshot->episode);
+    snapshot->game = source.lane->environment().parts().game;
+    source.lane->snapshot(snapshot->state);
     snapshot->outcome = source.outcome;
     return snapshot;
 }
@@ -287,9 +293,9 @@ VectorEngine::Snapshot VectorEngine::parse(int environment, const uint8_t* in) {
 }
 
 bool VectorEngine::fits(int environment, const LaneSnapshot& snapshot) const {
-    Episode& episode = *slot(environment).lane.episode;
-    return snapshot.game == episode.environment().parts().game &&
-           snapshot.episode.rest.size() + 1 + episode.environment().state_size() == state_size(environment);
+    const Environment& e = slot(environment).lane->environment();
+    return snapshot.game == e.parts().game &&
+           snapshot.state.episode.size() + 1 + e.state_size() == state_size(environment);
 }
 
 }  // namespace atari

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "batch.hpp"
-#include "episode.hpp"
+#include "lane.hpp"
 #include "thread_pool.hpp"
 
 namespace atari {
@@ -27,12 +27,7 @@ struct VectorSettings {
 // `receive` of its results.
 class VectorEngine {
   public:
-    struct Lane {
-        std::unique_ptr<Episode> episode;
-        std::vector<int> actions;  // ALE's number of each action index that the user gives
-    };
-
-    VectorEngine(std::vector<Lane> lanes, const VectorSettings& settings);
+    VectorEngine(std::vector<std::unique_ptr<Lane>> lanes, const VectorSettings& settings);
     ~VectorEngine();
 
     int size() const { return static_cast<int>(slots_.size()); }
@@ -41,10 +36,10 @@ class VectorEngine {
     BatchShape shape(bool pixels, bool ram) const {
         return {recent_.size(),
                 static_cast<size_t>(players_),
-                pixels ? slot(0).lane.episode->observation().size() : 0,
+                pixels ? slot(0).lane->episode().observation().size() : 0,
                 ram ? sizeof(Slot::final_ram) : 0,
                 settings_.autoreset == Autoreset::kSameStep,
-                slot(0).lane.episode->has_own_reward() ? size_t{1} : 0};
+                slot(0).lane->episode().has_own_reward() ? size_t{1} : 0};
     }
     // The number of environments whose results have not been received.
     int pending() const { return pool_->pending(); }
@@ -52,7 +47,7 @@ class VectorEngine {
     const std::vector<int>& recent() const { return recent_; }
     // Waits until no environment is being played. Results that have not been received can still be received.
     void settle() { pool_->settle(); }
-    int actions_of(int environment) const { return static_cast<int>(slot(environment).lane.actions.size()); }
+    int actions_of(int environment) const { return static_cast<int>(slot(environment).lane->actions().size()); }
 
     // `reset` and `step` start work on environments; `receive` waits for the results. If a batch has all environments,
     // the results of lane i go to row i, and `batch` must live until `receive`. Otherwise `batch` may be null.
@@ -71,31 +66,32 @@ class VectorEngine {
     // Waits for all pending results and drops them, deferred errors included.
     void drain();
 
-    Episode& episode(int environment) {
+    Lane& lane(int environment) {
         apply_restore(slot(environment));
-        return *slot(environment).lane.episode;
+        return *slot(environment).lane;
     }
     // Returns RAM, 128 bytes. By kNow: the present RAM. By kResult: the RAM of the last result, whose copies lie side
     // by side and are faster to read. By kFinal: the RAM at the end of an episode, if one ended and was reset in the
     // last step, otherwise the RAM of kResult.
     enum class RamOf { kNow, kResult, kFinal };
     const uint8_t* ram(int environment, RamOf of) {
-        if (of == RamOf::kNow) return episode(environment).environment().ram();
+        if (of == RamOf::kNow) return lane(environment).environment().ram();
         if (of == RamOf::kFinal && slot(environment).has_final) return slot(environment).final_ram;
         return result_rams_.data() + 128 * static_cast<size_t>(environment);
     }
-    const Game& game(int environment) const { return *slot(environment).lane.episode->environment().parts().game; }
+    const Game& game(int environment) const { return *slot(environment).lane->environment().parts().game; }
     int players() const { return players_; }  // in each environment
+    // Returns whether the next step resets the environment, or without autoreset plays nothing.
+    bool ended(int environment) const { return slot(environment).outcome.ended; }
     // The state of a lane as bytes. `load` returns false and changes nothing if no such lane can have saved the
     // bytes.
-    size_t state_size(int environment) const { return 1 + slot(environment).lane.episode->state_size(); }
+    size_t state_size(int environment) const { return 1 + slot(environment).lane->state_size(); }
     void save(int environment, uint8_t* out);
     bool load(int environment, const uint8_t* in);
 
-    // The state of a lane in memory, for lanes of the same game and settings.
     struct LaneSnapshot {
         std::shared_ptr<const Game> game;
-        EpisodeSnapshot episode;
+        LaneState state;
         Outcome outcome;
         std::vector<uint8_t> bytes() const;  // the bytes that `save` would write
     };
@@ -114,7 +110,7 @@ class VectorEngine {
 
     // A lane with its task and its last results.
     struct Slot {
-        Lane lane;
+        std::unique_ptr<Lane> lane;
         Snapshot pending_restore;
         Task task = Task::kObserve;
         bool new_game = false;  // whether a reset begins a new game

@@ -6,17 +6,17 @@
 
 namespace atari {
 
-void Episode::reset(const Seed* seed, bool new_game) {
-    reset_layer(layers_.size() - 1, {seed, new_game});
+void Episode::reset(const Seed* seed, bool new_game, std::optional<int> noops, bool press_fire) {
+    reset_layer(layers_.size() - 1, {seed, new_game, noops, press_fire});
     // The stack is a `FrameStack` outside of all layers if one of them is outside of the skip; a reset fills it anew.
     if (layers_.back() != Layer::kSkip) observation_->repeat(true);
     state_.steps = 0;
-    if (formula_) formula_->begin(inputs_.data(), environment_->ram(), environment_->lives());
+    if (formula_) formula_->begin(inputs_.data(), game_.ram(), game_.lives());
 }
 
 Outcome Episode::step(const int* actions, float strength) {
     const OfPlayers<int64_t> score_before = score_;
-    const int lives_before = environment_->lives();
+    const int lives_before = game_.lives();
     const uint8_t were_out = state_.out;
     ++state_.game_steps;
     ++state_.steps;
@@ -30,9 +30,10 @@ Outcome Episode::step(const int* actions, float strength) {
     Outcome outcome;
     outcome.terminated = ends.terminated || reports_loss;
     outcome.truncated = (ends.truncated && !reports_loss) || no_more_steps;
+    outcome.limited = ends.truncated || no_more_steps;
     outcome.ended = ends.any() || no_more_steps;
     outcome.out = state_.out;
-    outcome.game_over = environment_->game_over();
+    outcome.game_over = game_.game_over();
     outcome.game_steps = game_steps();
     pay(outcome, score_before, were_out);
     return outcome;
@@ -42,8 +43,8 @@ Outcome Episode::step(const int* actions, float strength) {
 Episode::Move Episode::move_of(const int* actions, float strength) const {
     Move move{{}, strength};
     for (int player = 0; player < settings_.players; ++player) {
-        const bool out = state_.out >> player & 1;
-        move.actions[static_cast<size_t>(player)] = out ? start_.idle : actions[player];
+        const auto at = static_cast<size_t>(player);
+        move.actions[at] = state_.out >> player & 1 ? start_.idle[at] : actions[player];
     }
     return move;
 }
@@ -57,46 +58,22 @@ void Episode::pay(Outcome& outcome, const OfPlayers<int64_t>& score_before, uint
         if (!(were_out >> player & 1)) outcome.reward[player] = static_cast<int>(std::clamp(reward, low, high));
     }
     if (!formula_) return;
-    const double paid =
-        formula_->pay(inputs_.data(), environment_->ram(), environment_->lives(), outcome.game_reward[0]);
+    const double paid = formula_->pay(inputs_.data(), game_.ram(), game_.lives(), outcome.game_reward[0]);
     outcome.own_reward = settings_.reward_clipping ? std::clamp(paid, -1.0, 1.0) : paid;
 }
 
 void Episode::end_game() {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - game_began_;
-    ended_game_ = {score_, environment_->episode_frame_number() - state_.first_frame, seconds.count()};
-}
-
-void Episode::save(uint8_t* out) {
-    environment_->save(out);
-    save_rest(out + environment_->state_size());
-}
-
-bool Episode::load(const uint8_t* in) {
-    if (!environment_->load(in)) return false;
-    load_rest(in + environment_->state_size());
-    return true;
-}
-
-void Episode::snapshot(EpisodeSnapshot& snapshot) const {
-    snapshot.environment = environment_->snapshot();
-    snapshot.rest.resize(rest_size());
-    save_rest(snapshot.rest.data());
-}
-
-void Episode::restore(const EpisodeSnapshot& snapshot) {
-    // The observation releases the framebuffers that it holds; the environment then overwrites them without a copy.
-    load_rest(snapshot.rest.data());
-    environment_->restore(snapshot.environment);
+    ended_game_ = {score_, game_.episode_frame_number() - state_.first_frame, seconds.count()};
 }
 
 // Only scores of players who play are saved: states of another number of players have another size, and do not fit.
-size_t Episode::rest_size() const {
+size_t Episode::state_size() const {
     return observation_->state_size() + random_.state_size() + sizeof state_ +
            sizeof score_[0] * static_cast<size_t>(settings_.players) + sizeof inputs_[0] * inputs_.size();
 }
 
-void Episode::save_rest(uint8_t* out) const {
+void Episode::save(uint8_t* out) const {
     static_assert(std::has_unique_object_representations_v<decltype(state_)>);  // all bytes have a value
     out = observation_->save(out);
     random_.save(out);
@@ -107,7 +84,7 @@ void Episode::save_rest(uint8_t* out) const {
     if (formula_) std::memcpy(out + sizeof state_ + scores, inputs_.data(), sizeof inputs_[0] * inputs_.size());
 }
 
-void Episode::load_rest(const uint8_t* in) {
+void Episode::load(const uint8_t* in) {
     in = observation_->load(in);
     random_.load(in);
     in += random_.state_size();

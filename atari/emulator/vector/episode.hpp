@@ -1,5 +1,5 @@
-// `Episode`: plays the episodes of one environment of the vector engine. It nests the layers of `atari.wrappers` as its
-// settings specify.
+// `Episode`: the rules, counters and frames of the episodes that are played on a game. It nests the layers of
+// `atari.wrappers` as its settings specify.
 #pragma once
 
 #include <array>
@@ -10,19 +10,20 @@
 #include <utility>
 #include <vector>
 
-#include "ale/environment_parts.hpp"
 #include "ale/programs/reward.hpp"
 #include "observations/observation_stack.hpp"
 #include "episode_random.hpp"
 #include "episode_settings.hpp"
+#include "played_game.hpp"
 
 namespace atari {
 
 struct Outcome {
     OfPlayers<int> reward{};
     bool terminated = false, truncated = false;
-    uint8_t out = 0;     // bit p: player p is out of the game, which goes on or has ended
-    bool ended = false;  // The next step resets. With `life_loss_info`, a lost life sets `terminated` without this.
+    bool limited = false;  // a limit was reached; `truncated` hides this where a lost life is reported
+    uint8_t out = 0;       // bit p: player p is out of the game, which goes on or has ended
+    bool ended = false;    // The next step resets. With `life_loss_info`, a lost life sets `terminated` without this.
     bool game_over = false;
     OfPlayers<int> game_reward{};  // not clipped
     int game_steps = 0;            // steps of the game, this one included
@@ -40,30 +41,25 @@ struct EndedGame {
 // The actions of a game that can begin an episode.
 struct StartActions {
     bool has_noop, has_fire;
-    int third;  // ALE's number of the action with index 2
-    int idle;   // ALE's number of the user's action with index 0, which is played for players who are out
+    int third;            // ALE's number of the action with index 2
+    OfPlayers<int> idle;  // ALE's number of the user's action with index 0, which is played for players who are out
 };
 
-// The state of an episode in memory, for episodes of the same game and settings.
-struct EpisodeSnapshot {
-    EnvironmentSnapshot environment;
-    std::vector<uint8_t> rest;  // observation and own state, as `save` writes them
-};
-
-// Owns the environment that it plays and the agent's stack of frames.
+// Owns the agent's stack of frames, and plays a game that its owner has.
 class Episode {
   public:
-    // `formula` is the reward of a task that has its own, for one player, or null.
-    Episode(std::unique_ptr<Environment> environment, std::unique_ptr<ObservationStack> observation,
-            const EpisodeSettings& settings, const StartActions& start, const Seed& seed,
-            std::shared_ptr<const RewardFormula> formula = nullptr)
-        : settings_(settings), start_(start), layers_(layers_of(settings)), environment_(std::move(environment)),
-          observation_(std::move(observation)), random_(settings.seeding, seed), formula_(std::move(formula)),
+    // `observation` reads the frames of `game`. `formula` is the reward of a task that has its own, for one player, or
+    // null.
+    Episode(PlayedGame& game, std::unique_ptr<ObservationStack> observation, const EpisodeSettings& settings,
+            const StartActions& start, EpisodeRandom random, std::shared_ptr<const RewardFormula> formula = nullptr)
+        : settings_(settings), start_(start), layers_(layers_of(settings)), game_(game),
+          observation_(std::move(observation)), random_(std::move(random)), formula_(std::move(formula)),
           inputs_(formula_ ? formula_->inputs() : 0) {}
 
     // Begins an episode, after seeding all generators if `seed` is not null. After a lost life this may continue the
-    // game, but not with a seed or `new_game`. Throws as Environment::reset does.
-    void reset(const Seed* seed, bool new_game);
+    // game, but not with a seed or `new_game`. `noops` is the number of no-ops in place of a drawn one; FIRE is pressed
+    // only with `press_fire`. Throws as PlayedGame::begin does.
+    void reset(const Seed* seed, bool new_game, std::optional<int> noops = std::nullopt, bool press_fire = true);
     // Plays an action of each player, an ALE number, until the skip or the episode ends.
     Outcome step(const int* actions, float strength);
     // Returns the last game that ended since the last call, in a step or in a reset.
@@ -73,21 +69,24 @@ class Episode {
     // Returns the steps of the present game, which lost lives do not end.
     int game_steps() const { return static_cast<int>(state_.game_steps); }
 
-    Environment& environment() { return *environment_; }
+    uint8_t out() const { return state_.out; }  // bit p: player p is out of the present game
+
+    const OfPlayers<int64_t>& score() const { return score_; }  // the present game's, since the emulator's reset
+
     const ObservationStack& observation() const { return *observation_; }
 
-    size_t state_size() const { return environment_->state_size() + rest_size(); }
-    void save(uint8_t* out);
-    bool load(const uint8_t* in);  // Returns false, and changes nothing, if no `save` can have written these bytes.
-    void snapshot(EpisodeSnapshot& snapshot) const;
-    void restore(const EpisodeSnapshot& snapshot);
+    // The state, without the game's.
+    size_t state_size() const;
+    void save(uint8_t* out) const;
+    void load(const uint8_t* in);
 
   private:
     enum class Layer : uint8_t { kGame, kLives, kNoops, kFire, kPlayers, kSkip };
     struct Request {
         const Seed* seed;
         bool new_game;
-        bool press_fire = true;
+        std::optional<int> noops;
+        bool press_fire;
     };
     struct Move {
         OfPlayers<int> actions{};
@@ -118,20 +117,16 @@ class Episode {
     Move move_of(const int* actions, float strength) const;
     void pay(Outcome& outcome, const OfPlayers<int64_t>& score_before, uint8_t were_out);
     void end_game();
-    // Returns the size of the state without the emulator's.
-    size_t rest_size() const;
-    void save_rest(uint8_t* out) const;
-    void load_rest(const uint8_t* in);
 
     const EpisodeSettings settings_;
     const StartActions start_;
     const std::vector<Layer> layers_;  // from the inside out
-    std::unique_ptr<Environment> environment_;
-    std::unique_ptr<ObservationStack> observation_;  // reads `environment_`
+    PlayedGame& game_;
+    std::unique_ptr<ObservationStack> observation_;
     EpisodeRandom random_;
     const std::shared_ptr<const RewardFormula> formula_;
     std::vector<double> inputs_;  // of the formula, after the last step or reset
-    OfPlayers<int64_t> score_{};  // the present game's, since the emulator's reset
+    OfPlayers<int64_t> score_{};
     // Counters are unsigned, so that they wrap instead of overflowing.
     struct {
         uint32_t game_steps;     // the present game's

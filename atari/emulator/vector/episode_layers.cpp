@@ -47,29 +47,26 @@ Episode::Ends Episode::step_layer(size_t level, const Move& move) {
 
 // AtariEnv.reset
 void Episode::reset_game(const Request& request) {
-    if (request.seed) {
-        environment_->seed(request.seed->emulator);
-        random_.seed(*request.seed);
-    }
-    environment_->reset();
+    if (request.seed) random_.seed(*request.seed);
+    game_.begin(request.seed ? &request.seed->emulator : nullptr);
     score_ = {};
     state_.game_steps = 0;
-    state_.first_frame = environment_->episode_frame_number();
+    state_.first_frame = game_.episode_frame_number();
     game_began_ = std::chrono::steady_clock::now();
 }
 
 // AtariEnv.step, of one frame
 Episode::Ends Episode::step_game(const Move& move) {
-    const OfPlayers<int> rewards = environment_->act(move.actions, settings_.players, move.strength);
+    const OfPlayers<int> rewards = game_.act(move.actions, settings_.players, move.strength);
     for (size_t player = 0; player < kMaxPlayers; ++player) score_[player] += rewards[player];
-    const Ends ends{environment_->game_over(), environment_->truncated()};
+    const Ends ends{game_.game_over(), game_.truncated()};
     if (ends.any()) end_game();
     return ends;
 }
 
 // Returns whether fewer lives are left than before.
 bool Episode::has_lost_life(int lives_before) const {
-    const int lives = environment_->lives();
+    const int lives = game_.lives();
     return lives < lives_before && (lives > 0 || settings_.last_life);
 }
 
@@ -77,18 +74,19 @@ bool Episode::has_lost_life(int lives_before) const {
 void Episode::reset_lives(size_t level, const Request& request) {
     const bool new_game = request.seed || settings_.on_reset == OnReset::kNewGame || request.new_game;
     state_.same_game = state_.life_lost && !new_game;
-    state_.life_lost = false;
-    if (state_.same_game && settings_.on_reset == OnReset::kContinue) return;
-    if (state_.same_game) state_.same_game = !step_layer(level - 1, Move{}).any();
-    if (!state_.same_game) reset_layer(level - 1, request);
-    state_.lives = environment_->lives();
+    if (!state_.same_game || settings_.on_reset != OnReset::kContinue) {
+        if (state_.same_game) state_.same_game = !step_layer(level - 1, Move{}).any();
+        if (!state_.same_game) reset_layer(level - 1, request);
+        state_.lives = game_.lives();
+    }
+    state_.life_lost = false;  // after a game has begun: if it cannot, the next reset still goes on
 }
 
 // EpisodicLife.step
 Episode::Ends Episode::step_lives(size_t level, const Move& move) {
     Ends ends = step_layer(level - 1, move);
     const bool lost = has_lost_life(state_.lives);
-    state_.lives = environment_->lives();
+    state_.lives = game_.lives();
     state_.life_lost = (state_.life_lost || lost) && !ends.any();
     ends.terminated |= lost;
     return ends;
@@ -97,8 +95,9 @@ Episode::Ends Episode::step_lives(size_t level, const Move& move) {
 // NoopReset.reset
 void Episode::reset_noops(size_t level, Request request) {
     reset_layer(level - 1, request);
-    int left = random_.noops(settings_.noops) - (settings_.fire_counts && start_.has_fire);
-    request.press_fire = settings_.fire_again;
+    int left =
+        request.noops ? *request.noops : random_.noops(settings_.noops) - (settings_.fire_counts && start_.has_fire);
+    request.press_fire &= settings_.fire_again;
     for (; left > 0; --left) {
         // NOOP is no action of some games; NoopReset then plays it past EpisodicLife.
         const Ends ends = start_.has_noop ? step_layer(level - 1, Move{}) : step_game(Move{});
@@ -123,7 +122,7 @@ void Episode::reset_players(size_t level, const Request& request) {
 Episode::Ends Episode::step_players(size_t level, const Move& move) {
     Ends ends = step_layer(level - 1, move);
     for (int player = 0; player < settings_.players; ++player)
-        state_.out |= static_cast<uint8_t>((environment_->lives(player) < 0) << player);
+        state_.out |= static_cast<uint8_t>((game_.lives(player) < 0) << player);
     ends.terminated |= state_.out == (1 << settings_.players) - 1;
     return ends;
 }
@@ -138,8 +137,9 @@ void Episode::reset_skip(size_t level, Request request) {
     reset_layer(level - 1, request);
     if (!state_.same_game) state_.frames_played = 0;
     const bool fill = !state_.same_game || !settings_.seamless_lives;
-    if (state_.same_game && environment_->frame_number() == state_.frame_number) observation_->repeat(fill);
-    else observation_->begin(fill);
+    if (state_.same_game && game_.frame_number() == state_.frame_number) return observation_->repeat(fill);
+    game_.show(*observation_);
+    observation_->begin(fill);
 }
 
 // DqnPreprocessing.step
@@ -152,12 +152,14 @@ Episode::Ends Episode::step_skip(size_t level, const Move& move) {
         if (settings_.seamless_lives && state_.life_lost) ends.terminated = false;  // reported after the skip
         ++state_.frames_played;
         ends.truncated |= has_played_max_frames() && !ends.terminated;
+        if (left == 1) game_.show(*observation_);
         observation_->frame_played(left, ends.any());
     }
+    game_.show(*observation_);
     observation_->skip_ended(left, ends.any());
-    for (; settings_.acts_after_end && left > 0; --left) environment_->act(move.actions, 1, move.strength);
+    for (; settings_.acts_after_end && left > 0; --left) game_.act(move.actions, 1, move.strength);
     if (settings_.seamless_lives && state_.life_lost) ends.terminated = !ends.truncated;
-    state_.frame_number = environment_->frame_number();
+    state_.frame_number = game_.frame_number();
     return ends;
 }
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -19,9 +21,13 @@ struct Seed {
     uint32_t own[8];    // for the episode's generator: the state of NumPy's PCG64; for ALE one word, a seed
 };
 
-// Draws the numbers that NumPy's generator draws, or those of ale-py's vector environment.
+// Draws the numbers that NumPy's generator draws, or those of ale-py's vector environment, or those of a function.
 class EpisodeRandom {
   public:
+    // Returns a number within low .. high. The function's owner seeds and saves its generator.
+    using Draw = std::function<int(int low, int high)>;
+
+    explicit EpisodeRandom(Draw draw) : generator_(std::move(draw)) {}
     EpisodeRandom(Seeding seeding, const Seed& seed) {
         if (seeding == Seeding::kAle) generator_ = MersenneTwister{};
         this->seed(seed);
@@ -29,7 +35,7 @@ class EpisodeRandom {
 
     void seed(const Seed& seed) {
         if (auto* twister = std::get_if<MersenneTwister>(&generator_)) twister->seed(seed.own[0]);
-        else std::get<Pcg64>(generator_).set(seed.own);
+        else if (auto* pcg = std::get_if<Pcg64>(&generator_)) pcg->set(seed.own);
     }
 
     // Draws from first .. second. ALE draws a word even if only one number is possible.
@@ -41,22 +47,34 @@ class EpisodeRandom {
     }
 
     size_t state_size() const {
-        return std::visit([](const auto& generator) { return sizeof generator; }, generator_);
+        return std::visit(
+            [](const auto& generator) { return kHasState<decltype(generator)> ? sizeof generator : size_t{0}; },
+            generator_);
     }
     void save(uint8_t* out) const {
-        std::visit([&](const auto& generator) { std::memcpy(out, &generator, sizeof generator); }, generator_);
+        std::visit(
+            [&](const auto& generator) {
+                if constexpr (kHasState<decltype(generator)>) std::memcpy(out, &generator, sizeof generator);
+            },
+            generator_);
     }
     void load(const uint8_t* in) {
         std::visit(
             [&](auto& generator) {
-                std::memcpy(&generator, in, sizeof generator);
-                make_usable(generator);
+                if constexpr (kHasState<decltype(generator)>) {
+                    std::memcpy(&generator, in, sizeof generator);
+                    make_usable(generator);
+                }
             },
             generator_);
     }
 
   private:
+    template <typename Generator>
+    static constexpr bool kHasState = !std::is_same_v<std::remove_cvref_t<Generator>, Draw>;
+
     int draw(int low, int high) {
+        if (const auto* function = std::get_if<Draw>(&generator_)) return (*function)(low, high);
         if (auto* twister = std::get_if<MersenneTwister>(&generator_))
             return low + static_cast<int>(twister->below(static_cast<uint32_t>(high - low) + 1));
         return std::get<Pcg64>(generator_).integers(low, high + 1);
@@ -71,7 +89,7 @@ class EpisodeRandom {
             generator.words[0] |= 0x80000000u;
     }
 
-    std::variant<Pcg64, MersenneTwister> generator_;
+    std::variant<Pcg64, MersenneTwister, Draw> generator_;
 };
 
 }  // namespace atari

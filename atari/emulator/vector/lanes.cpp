@@ -17,14 +17,16 @@ void check(const LaneSpec& spec, int players, bool own_reward) {
         throw std::invalid_argument("all environments, of one player, have a reward of their own, or none has");
 }
 
-StartActions start_actions(const std::vector<int>& actions, const std::vector<int>& action_set) {
-    const auto has = [&](int action) {
-        return std::find(action_set.begin(), action_set.end(), action) != action_set.end();
-    };
-    return {has(0), has(1), action_set.size() > 2 ? action_set[2] : 0, actions.empty() ? 0 : actions[0]};
-}
-
 }  // namespace
+
+StartActions start_actions(const std::vector<int>& begin_actions, const std::vector<int>& actions) {
+    const auto has = [&](int action) {
+        return std::find(begin_actions.begin(), begin_actions.end(), action) != begin_actions.end();
+    };
+    StartActions start{has(0), has(1), begin_actions.size() > 2 ? begin_actions[2] : 0, {}};
+    if (!actions.empty()) start.idle.fill(actions[0]);
+    return start;
+}
 
 Seed seed_of(const SeedWords& words) {
     Seed seed{words[0], {}};
@@ -32,12 +34,12 @@ Seed seed_of(const SeedWords& words) {
     return seed;
 }
 
-std::vector<VectorEngine::Lane> make_lanes(const std::vector<LaneSpec>& specs, const EpisodeSettings& episode,
-                                           const ObservationSettings& observation) {
+std::vector<std::unique_ptr<Lane>> make_lanes(const std::vector<LaneSpec>& specs, const EpisodeSettings& episode,
+                                              const ObservationSettings& observation) {
     episode.check();
     if (observation.stack_num < 1 || observation.stack_num > 10'000)
         throw std::invalid_argument("stack_num must be within 1..10000");
-    std::vector<VectorEngine::Lane> lanes;
+    std::vector<std::unique_ptr<Lane>> lanes;
     std::map<int, std::shared_ptr<const Resizer>> resizers;  // by height of the screen
     std::map<const Game*, const Environment*> twins;         // the first environment of each game
     for (const LaneSpec& spec : specs) {
@@ -53,9 +55,9 @@ std::vector<VectorEngine::Lane> make_lanes(const std::vector<LaneSpec>& specs, c
             resizer =
                 std::make_shared<const Resizer>(environment->height(), observation.img_height, observation.img_width);
         auto stack = std::make_unique<ObservationStack>(FrameSource(*environment), observation, resizer);
-        lanes.push_back({std::make_unique<Episode>(std::move(environment), std::move(stack), episode,
-                                                   start_actions(spec.actions, spec.action_set), seed, spec.reward),
-                         spec.actions});
+        lanes.push_back(std::make_unique<Lane>(std::move(environment), std::move(stack), episode,
+                                               start_actions(spec.action_set, spec.actions), seed, spec.reward,
+                                               spec.actions));
     }
     return lanes;
 }

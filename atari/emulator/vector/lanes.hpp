@@ -13,6 +13,9 @@ namespace atari {
 using SeedWords = std::array<uint32_t, 9>;  // the emulator's, then those of `Seed::own`
 Seed seed_of(const SeedWords& words);
 
+// `begin_actions` are the actions that the game uses, `actions` ALE's numbers of the user's action indices.
+StartActions start_actions(const std::vector<int>& begin_actions, const std::vector<int>& actions);
+
 // The differences between the environments of a vector.
 struct LaneSpec {
     std::shared_ptr<const Game> game;
@@ -24,7 +27,7 @@ struct LaneSpec {
 };
 
 // Throws std::invalid_argument if a setting is out of range or a size cannot be made.
-std::vector<VectorEngine::Lane> make_lanes(const std::vector<LaneSpec>& specs, const EpisodeSettings& episode,
-                                           const ObservationSettings& observation);
+std::vector<std::unique_ptr<Lane>> make_lanes(const std::vector<LaneSpec>& specs, const EpisodeSettings& episode,
+                                              const ObservationSettings& observation);
 
 }  // namespace atari
