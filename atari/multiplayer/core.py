@@ -1,10 +1,12 @@
 """`MultiplayerCore`: a game of two to four players on the native emulator, without an environment around it."""
 
+import inspect
 import operator
 from collections.abc import Sequence
 from os import PathLike
 from typing import Any, ClassVar, Literal
 
+from atari import _emulator
 from atari.cores import writes
 from atari.cores.native import STATE_VERSION, EmulatorCore, as_ale_reads
 from atari.cores.options import SEED_LIMIT
@@ -158,6 +160,10 @@ class MultiplayerCore(EmulatorCore):
         if len(actions) != self.players:
             raise ValueError(f"there are {self.players} players, got {len(actions)} actions")
         return super().act_players(actions)
+
+    # `__wrapped__` lets `_emulator.Episode`, which has an action of each player, play this core in C++.
+    act_players.__signature__ = inspect.signature(act_players)  # type: ignore[attr-defined]
+    act_players.__wrapped__ = _emulator.Emulator.act_players  # type: ignore[attr-defined]
 
     @property
     def player_lives(self) -> list[int]:

@@ -1,10 +1,13 @@
-"""The settings of the C++ classes, filled by name from a task."""
+"""The settings of the C++ classes, filled by name from a task, and the `_emulator.Episode` of a task."""
 
 import enum
+from collections.abc import Iterable
 from typing import Any, TypeVar
 
 from atari import _emulator
+from atari.actions import Action
 from atari.cores.native import as_ale_reads
+from atari.cores.rewards import reward_formula
 from atari.task import Task
 
 _Settings = TypeVar("_Settings")
@@ -43,6 +46,36 @@ def observation_settings(task: Task) -> _emulator.ObservationSettings:
     height, width = image_shape(task)
     size = {"img_height": height, "img_width": width, "stack_num": task.stack_num or 1}
     return filled_by_name(_emulator.ObservationSettings(), task, pixels=_pixels(task), **size)
+
+
+def make_episode(
+    task: Task, *, begin_actions: Iterable[Action] | None = None, idle: Iterable[int] = (0,), **options: Any
+) -> _emulator.Episode:
+    """The rules, counters and stack of a task, which plays on the core of each call.
+
+    Args:
+        task: the task.
+        begin_actions: the actions that can begin an episode; None means the task's.
+        idle: the action of each player who is out, an ALE number.
+        **options: other arguments of `_emulator.Episode`: `stacked`, `draw`, `seed`.
+
+    Raises:
+        ValueError: the task has an image size that a vector does not support.
+    """
+    game = task.definition
+    # The core has the sticky actions.
+    settings = filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=False, repeat_action_probability=0.0)
+    return _emulator.Episode(
+        settings,
+        observation_settings(task),
+        rows=game.screen.shape[0],
+        format=game.screen.format,
+        ram=task.obs_type in ("dict", "rgb_dict") or (task.obs_type == "ram" and task.stack_num is None),
+        begin_actions=list(map(int, task.begin_actions if begin_actions is None else begin_actions)),
+        idle=list(idle),
+        reward=None if task.reward is None else reward_formula(game, task.reward),
+        **options,
+    )
 
 
 def image_shape(task: Task) -> tuple[int, int]:

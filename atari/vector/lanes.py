@@ -106,6 +106,15 @@ class Lane:
         return self._numbers()[1]
 
     @property
+    def ended(self) -> bool:
+        """Whether the episode has ended: the next step resets the environment, or in DISABLED plays nothing.
+
+        A lost life that `life_loss_info` reports ends no episode.
+        """
+        with self._lock:
+            return self._engine().ended(self.index)
+
+    @property
     def mode(self) -> int:
         """The game's mode; a new value applies from the next reset on."""
         with self._lock:

@@ -162,7 +162,7 @@ class VectorOptions:
         )
         engine = _emulator.VectorEngine(
             lanes,
-            _episode_settings(self.task),
+            episode_settings(self.task),
             observation_settings(self.task),
             threads,
         )
@@ -280,8 +280,8 @@ class VectorOptions:
         return joystick_action(radius, angle, fire, self.threshold), radius
 
 
-def _episode_settings(task: Task) -> _emulator.EpisodeSettings:
-    """The settings with which the engine begins, plays and ends episodes."""
+def episode_settings(task: Task) -> _emulator.EpisodeSettings:
+    """The settings with which the engine, or an `_emulator.Episode`, begins, plays and ends episodes."""
     alone = task.players == 1 and not task.preprocessed
     return filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=alone)
 

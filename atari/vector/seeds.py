@@ -22,23 +22,19 @@ def seed_words(
         ale: whether the environments are seeded like ale-py's vector environment, not like `AtariEnv.reset`.
 
     Raises:
-        TypeError, ValueError: see `seed_values`.
+        TypeError, ValueError: the seeds are of the wrong kind, number or range.
     """
-    values = seed_values(seed, mask)
+    values = _seed_values(seed, mask)
     seeds = np.zeros((len(mask), 9), np.uint32)
     for environment, value in values.items():
-        seeds[environment] = _ale_seed(value) if ale else _gymnasium_seed(value)
+        seeds[environment] = words_of(value, ale=ale)
     seeded = np.zeros(len(mask), np.bool_)
     seeded[list(values)] = True
     return seeded, seeds
 
 
-def seed_values(seed: Any, mask: npt.NDArray[np.bool_]) -> dict[int, int]:
-    """The seed of each environment that is seeded.
-
-    Raises:
-        TypeError, ValueError: the seeds are of the wrong kind, number or range.
-    """
+def _seed_values(seed: Any, mask: npt.NDArray[np.bool_]) -> dict[int, int]:
+    """The seed of each environment that is seeded. Raises as `seed_words` does."""
     chosen = np.flatnonzero(mask).tolist()
     if seed is None:
         return {}
@@ -61,15 +57,12 @@ def seed_values(seed: Any, mask: npt.NDArray[np.bool_]) -> dict[int, int]:
     return {environment: value for environment, value in zip(chosen, values.tolist(), strict=True) if value >= 0}
 
 
-def _ale_seed(seed: int) -> list[int]:
-    """The seed of the emulator and of the episode's generator; above 2**32-1 it wraps to 0."""
-    word = seed % SEED_LIMIT
-    return [min(word, SEED_LIMIT - 2), *[word] * 8]
-
-
-def _gymnasium_seed(seed: int) -> list[int]:
-    """The emulator's seed and the state of `np_random` that `AtariEnv.reset` makes from a seed."""
+def words_of(seed: int, *, ale: bool) -> list[int]:
+    """The words of one seed, see `seed_words`. With `ale`, a seed above 2**32-1 wraps to 0."""
+    if ale:
+        word = seed % SEED_LIMIT
+        return [min(word, SEED_LIMIT - 2), *[word] * 8]
     first, second = (int(word) for word in np.random.SeedSequence(seed).generate_state(2))
     state: Any = np.random.PCG64(np.random.SeedSequence(first)).state["state"]
     words = [state[name] >> shift & 0xFFFFFFFF for name in ("state", "inc") for shift in (0, 32, 64, 96)]
-    return [min(second, 2**32 - 2), *words]
+    return [min(second, SEED_LIMIT - 2), *words]

@@ -95,6 +95,7 @@ Shared<Game> bound_game(nb::bytes image, const std::string& cartridge, const std
 }  // namespace
 
 void register_state(nb::module_& m);         // state.cpp
+void register_episode(nb::module_& m);       // binding_episode.cpp
 void register_observations(nb::module_& m);  // binding_observations.cpp
 void register_vector(nb::module_& m);        // binding_vector.cpp
 void register_memory(nb::module_& m);        // binding_memory.cpp
@@ -181,6 +182,10 @@ NB_MODULE(_emulator, m) {
              nb::sig("def act_until(self, action: int, frames: int, strength: float = 1.0) -> tuple[int, int]"),
              "Play until the game is over or truncated or the number of lives changes, but at most `frames` frames;\n"
              "1,000,000 is the most. Returns the sum of the rewards and the number of frames played.")
+        .def("step", &Emulator::step, "action"_a.none(), "frames"_a.none(), "strength"_a.none(), "pixels"_a,
+             nb::sig("def step(self, action: int, frames: int, strength: float, pixels: PixelFormat) -> "
+                     "tuple[numpy.typing.NDArray[numpy.uint8], float, bool, bool, dict[str, int]]"),
+             "Play frames; returns the screen (RGB, GRAY) or the RAM, the reward, game_over, truncated and info.")
         .def("act_players", &Emulator::act_players, "actions"_a,
              nb::sig("def act_players(self, actions: collections.abc.Sequence[int]) -> list[int]"),
              "Hold an action for each of the first players; returns a reward for each.")
@@ -243,6 +248,7 @@ NB_MODULE(_emulator, m) {
     register_reward(m);
     register_vector(m);
     register_observations(m);
+    register_episode(m);
     register_xla(m);
     register_memory(m);
     register_causes(m);

@@ -4,16 +4,13 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
-#include <algorithm>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <tuple>
 #include <vector>
 
-#include "ale/programs/labels.hpp"
-#include "bound_emulator.hpp"
-#include "observations/observation_stack.hpp"
+#include "core_frames.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -26,16 +23,10 @@ using Pickled = std::tuple<int, int, int, int, bool, int, int, int, std::string,
 // Threads may share a stack. A stack's lock is taken before that of the emulator that it reads.
 class BoundStack : Exclusive {
   public:
-    BoundStack(const ObservationSettings& settings, int rows, const std::string& format) : format_(format) {
-        if (rows < 1 || rows > kFrameRows)
-            throw std::invalid_argument("rows must be within 1.." + std::to_string(kFrameRows));
-        if (settings.stack_num < 1 || settings.stack_num > 10'000)
-            throw std::invalid_argument("stack_num must be within 1..10000");
+    BoundStack(const ObservationSettings& settings, int rows, const std::string& format)
+        : stack_(make_stack(settings, rows, format)), frames_(*stack_, format) {
         if (settings.pixels == PixelFormat::kNone)
             throw std::invalid_argument("a stack is of images or of RAM; pixels must not be NONE");
-        std::shared_ptr<const Resizer> resizer;
-        if (!of_ram(settings)) resizer = std::make_shared<const Resizer>(rows, settings.img_height, settings.img_width);
-        stack_ = std::make_unique<ObservationStack>(FrameSource(rows, palette_of(format)), settings, resizer);
     }
 
     void begin(nb::handle frame, bool new_stack) {
@@ -52,17 +43,16 @@ class BoundStack : Exclusive {
         with(frame, [&] { stack_->skip_ended(left, ended); });
     }
 
-    Array observation() {
+    nb::object observation() {
         const ObservationSettings& settings = stack_->settings();
         const auto stack = static_cast<size_t>(settings.stack_num);
         const size_t rams[] = {stack, kRamSize};
         const size_t images[] = {stack, static_cast<size_t>(settings.img_height),
                                  static_cast<size_t>(settings.img_width), 3};
-        auto* const bytes = new uint8_t[stack_->size()];
-        const nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
-        briefly([&] { stack_->write(bytes); });
-        if (!stack_->planes()) return Array(bytes, 2, rams, owner);
-        return Array(bytes, stack_->planes() == 3 ? 4 : 3, images, owner);
+        std::unique_ptr<uint8_t[]> bytes(new uint8_t[stack_->size()]);
+        briefly([&] { stack_->write(bytes.get()); });
+        if (!stack_->planes()) return array_of(std::move(bytes), rams, 2);
+        return array_of(std::move(bytes), images, stack_->planes() == 3 ? 4 : 3);
     }
 
     nb::bytes save() {
@@ -88,13 +78,11 @@ class BoundStack : Exclusive {
                 static_cast<int>(s.end_frames),
                 static_cast<int>(s.padding),
                 stack_->source().rows(),
-                format_,
+                frames_.format(),
                 save()};
     }
 
   private:
-    static bool of_ram(const ObservationSettings& settings) { return settings.pixels == PixelFormat::kRam; }
-
     // Calls `work` without the GIL, with the source on `frame`: an emulator, an array, or another core, whose `screen`
     // or `ram` is called. Throws if the frame is not of this stack's size and TV format.
     template <typename Work>
@@ -103,59 +91,21 @@ class BoundStack : Exclusive {
         if (nb::try_cast(frame, emulator, false) && emulator) {
             locked([&] {
                 emulator->natively([&](Environment& environment) {
-                    read(environment, emulator->number);
+                    frames_.read(environment, emulator->number);
                     work();
                 });
             });
             return;
         }
-        const char* const read = of_ram(stack_->settings()) ? "ram" : "screen";
-        std::vector<uint8_t> copy = bytes_of(nb::hasattr(frame, read) ? frame.attr(read)() : nb::borrow(frame));
+        const std::vector<uint8_t> bytes = frames_.bytes_of(frame);
         locked([&] {
-            stack_->source().read(copy.data());
+            frames_.read(bytes);
             work();
         });
     }
 
-    void read(Environment& environment, uint64_t number) {
-        FrameSource& source = stack_->source();
-        if (environment.height() != source.rows() || environment.parts().game->palette != &source.palette())
-            throw std::invalid_argument(
-                "the core's frames have another size or TV format than this stack's, which "
-                "are " +
-                std::to_string(source.rows()) + " x 160 in " + format_);
-        if (of_ram(stack_->settings())) return source.read(environment);
-        if (number != emulator_) stack_->forget_looks();
-        emulator_ = number;
-        if (environment.parts().settings.color_averaging) {
-            averaged_.resize(static_cast<size_t>(source.rows() * kScreenWidth));
-            environment.screen(averaged_.data());
-            source.read(averaged_.data());
-        } else {
-            source.read(environment);
-        }
-    }
-
-    std::vector<uint8_t> bytes_of(const nb::object& frame) {
-        if (of_ram(stack_->settings())) {
-            nb::ndarray<const uint8_t, nb::shape<kRamSize>, nb::c_contig, nb::device::cpu> ram;
-            if (nb::try_cast(frame, ram, false)) return {ram.data(), ram.data() + kRamSize};
-            throw nb::type_error("RAM is that of a core, or a uint8 array (128,)");
-        }
-        nb::ndarray<const uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu> array;
-        const int rows = stack_->source().rows();
-        if (!nb::try_cast(frame, array, false) || static_cast<int>(array.shape(0)) != rows ||
-            array.shape(1) != kScreenWidth)
-            throw nb::type_error(("a frame is a core, or a C-contiguous uint8 array of palette indices, (" +
-                                  std::to_string(rows) + ", 160)")
-                                     .c_str());
-        return {array.data(), array.data() + array.size()};
-    }
-
-    const std::string format_;
-    uint64_t emulator_ = 0;  // the number of the emulator that was read last
-    std::vector<uint8_t> averaged_;
-    std::unique_ptr<ObservationStack> stack_;
+    const std::unique_ptr<ObservationStack> stack_;
+    CoreFrames frames_;
 };
 
 void unpickle(BoundStack* self, const Pickled& state) {

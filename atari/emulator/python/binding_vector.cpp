@@ -234,6 +234,8 @@ void register_vector(nb::module_& m) {
                 });
             },
             "environment"_a, "Frame number, episode frame number, and the lives of each player.")
+        .def("ended", &BoundEngine::ended, "environment"_a,
+             "Whether the next step of an environment resets it, or without autoreset plays nothing.")
         .def("mode", &call<&Environment::mode>, "environment"_a)
         .def("difficulty", &call<&Environment::difficulty>, "environment"_a)
         .def("set_mode", &call<&Environment::set_mode, int>, "environment"_a, "mode"_a)

@@ -15,14 +15,13 @@
 #include <vector>
 
 #include "ale/environment_parts.hpp"
+#include "ale/programs/labels.hpp"
+#include "observations/observation_stack.hpp"
+#include "results.hpp"
 #include "state.hpp"
 #include "threads.hpp"
 
 namespace atari {
-
-namespace nb = nanobind;
-
-using Array = nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>;
 
 inline std::string shown(nb::handle value) { return nb::repr(value).c_str(); }
 
@@ -92,6 +91,10 @@ class Emulator : Exclusive {
         return Exclusive::natively([&] { return work(open()); });
     }
 
+    // For threads that do not have the GIL: the environment, to be used while the lock is held.
+    std::unique_lock<Lock> hold() { return Exclusive::hold(); }
+    Environment& environment() { return open(); }
+
     void close() {
         Exclusive::locked([&] { environment_.reset(); });
     }
@@ -157,10 +160,9 @@ class Emulator : Exclusive {
             locked([&](Environment& e) { fill(e, array.data()); });
             return out;
         }
-        auto* bytes = new uint8_t[size];
-        nb::capsule owner(bytes, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
-        locked([&](Environment& e) { fill(e, bytes); });
-        return nb::cast(Array(bytes, shape.size(), shape.data(), owner));
+        std::unique_ptr<uint8_t[]> bytes(new uint8_t[size]);
+        locked([&](Environment& e) { fill(e, bytes.get()); });
+        return array_of(std::move(bytes), shape.data(), shape.size());
     }
 
     static std::string expectation(const std::vector<size_t>& shape) {
@@ -196,6 +198,32 @@ class Emulator : Exclusive {
         });
     }
 
+    // Plays `frames` frames, and returns what `AtariEnv.step` returns. After the end of a game no frame is played, but
+    // sticky actions draw.
+    nb::tuple step(nb::handle action, nb::handle frame_number, nb::handle strength, PixelFormat pixels) {
+        const int number = action_number(action), frames = frame_count(frame_number);
+        const auto factor = static_cast<float>(strength_factor(strength));
+        int64_t reward = 0;
+        int lives = 0, frame = 0, episode_frame = 0;
+        bool game_over = false, truncated = false;
+        size_t shape[] = {0, kScreenWidth, 3};
+        std::unique_ptr<uint8_t[]> bytes;
+        locked([&](Environment& e) {
+            for (int i = 0; i < frames; ++i) reward += e.act({number}, 1, factor)[0];
+            shape[0] = pixels == PixelFormat::kRam ? kRamSize : static_cast<size_t>(e.height());
+            bytes = seen(e, pixels);
+            lives = e.lives(), frame = e.frame_number(), episode_frame = e.episode_frame_number();
+            game_over = e.game_over(), truncated = e.truncated();
+        });
+        nb::dict info;
+        info[keys_.lives] = lives;
+        info[keys_.episode_frame] = episode_frame;
+        info[keys_.frame] = frame;
+        const size_t axes = pixels == PixelFormat::kRam ? 1 : pixels == PixelFormat::kRgb ? 3 : 2;
+        return nb::make_tuple(array_of(std::move(bytes), shape, axes), static_cast<double>(reward), game_over,
+                              truncated, info);
+    }
+
     std::vector<int> act_players(const nb::sequence& actions) {
         std::vector<int> numbers;
         for (nb::handle action : actions) numbers.push_back(action_number(action));
@@ -220,6 +248,16 @@ class Emulator : Exclusive {
     }
 
   private:
+    static std::unique_ptr<uint8_t[]> seen(Environment& e, PixelFormat pixels) {
+        const size_t screen = static_cast<size_t>(e.height()) * kScreenWidth;
+        const size_t size = pixels == PixelFormat::kRam ? kRamSize : pixels == PixelFormat::kRgb ? 3 * screen : screen;
+        std::unique_ptr<uint8_t[]> bytes(new uint8_t[size]);
+        if (pixels == PixelFormat::kRam) std::copy_n(e.ram(), kRamSize, bytes.get());
+        else if (pixels == PixelFormat::kRgb) e.screen_rgb(bytes.get());
+        else e.screen_gray(bytes.get());
+        return bytes;
+    }
+
     Environment& open() {
         if (!environment_) throw std::runtime_error("this core is closed; make a new one, or reset its environment");
         return *environment_;
@@ -227,6 +265,7 @@ class Emulator : Exclusive {
 
     inline static std::atomic<uint64_t> made_{0};
     std::unique_ptr<Environment> environment_;
+    const InfoKeys keys_;
 };
 
 }  // namespace atari

@@ -235,7 +235,7 @@ class BoundEngine : Exclusive {
         if (briefly([&] { return engine_->pending() > 0; })) return get_slowly(environment, get);
         return briefly([&] {
             check_received({environment});
-            return get(engine_->episode(environment).environment());
+            return get(engine_->lane(environment).environment());
         });
     }
 
@@ -244,8 +244,12 @@ class BoundEngine : Exclusive {
     auto get_slowly(int environment, Get&& get) {
         return locked([&] {
             check_idle({environment});
-            return get(engine_->episode(environment).environment());
+            return get(engine_->lane(environment).environment());
         });
+    }
+
+    bool ended(int environment) {
+        return get(environment, [&](Environment&) { return engine_->ended(environment); });
     }
 
     // Copies the RAM of environments, 128 bytes each. Environments of the last batch are not being played.

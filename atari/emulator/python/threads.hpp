@@ -39,7 +39,21 @@ class GilRelease {
     GilRelease() : state_(PyEval_SaveThread()) {}
     GilRelease(const GilRelease&) = delete;
     GilRelease& operator=(const GilRelease&) = delete;
-    ~GilRelease() {
+    ~GilRelease() { take(); }
+
+    // Calls `work` with the GIL.
+    template <typename Work>
+    void with_gil(Work&& work) {
+        take();
+        struct Drop {
+            GilRelease& self;
+            ~Drop() { self.state_ = PyEval_SaveThread(); }
+        } drop{*this};
+        work();
+    }
+
+  private:
+    void take() {
         try {
             PyEval_RestoreThread(state_);
         } catch (...) {
@@ -47,8 +61,7 @@ class GilRelease {
         }
     }
 
-  private:
-    PyThreadState* const state_;
+    PyThreadState* state_;
 };
 
 // Counts the forks that led to this process. Never 0.
@@ -111,6 +124,9 @@ class Exclusive {
         const std::lock_guard lock(lock_);
         return work();
     }
+
+    // Returns the lock, held, for a thread that does not have the GIL.
+    std::unique_lock<Lock> hold() { return std::unique_lock(lock_); }
 
     // Does the same as `locked`, but keeps the GIL if no thread has the lock: for work that takes less time than
     // releasing the GIL.
