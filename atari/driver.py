@@ -13,8 +13,9 @@ import gymnasium
 import numpy as np
 from gymnasium import logger
 
+from atari import _emulator
 from atari.actions import Action, in_continuous_space, joystick_action
-from atari.cores import CORES, Core, NativeCore
+from atari.cores import CORES, ByteArray, Core, NativeCore
 from atari.cores.ale_game import AleGame
 from atari.cores.ale_interface import AleSettings
 from atari.cores.ale_random import AleRandom
@@ -23,6 +24,9 @@ from atari.validation import check_action_index
 
 Phase = Literal["new", "playing", "over", "warned"]
 """Before the first reset; in an episode; after its end; after a step with the warning about that end."""
+
+
+_INDICES = frozenset((int, np.int64))
 
 
 class FrameObserver(Protocol):
@@ -55,7 +59,6 @@ class Driver(AleGame):
     """The core of an `AtariEnv`, its generators, and the record of the game since the reset.
 
     Attributes:
-        actions: the actions of the environment's action space, by index.
         phase: the state of the episode.
         played: the score and the counters of the game.
         ended: the statistics of a game that has ended, until a wrapper takes them and sets None.
@@ -95,7 +98,7 @@ class Driver(AleGame):
             interventions=task.interventions,
         )
         self._task = task
-        self.actions: tuple[Action, ...] = task.action_set
+        self.actions = task.action_set
         self._threshold = np.float32(task.continuous_action_threshold)
         self.phase: Phase = "new"
         self.played = Played()
@@ -103,6 +106,16 @@ class Driver(AleGame):
         self.restored = False
         self.replacement: Action | None = None
         self.observers: list[FrameObserver] = []
+
+    @property
+    def actions(self) -> tuple[Action, ...]:
+        """The actions of the environment's action space, by index."""
+        return self._actions
+
+    @actions.setter
+    def actions(self, actions: tuple[Action, ...]) -> None:
+        self._actions = actions
+        self._numbers = tuple(map(int, actions))
 
     def seed_game(self, seed: int | None = None) -> tuple[np.uint32, np.uint32]:
         """Seed the generators, and the core from the next `load_game` on; None draws a new seed.
@@ -148,13 +161,31 @@ class Driver(AleGame):
             TypeError, ValueError: no ALE action (0..17), or a strength that is not finite.
         """
         if self.phase != "playing":
-            self._check_phase()
+            self.is_over()
         act = self._act_observed if self.observers else self.core.act
         reward = 0.0
         for _ in range(frames):
             reward += act(action, strength)
         self._count(reward)
         return reward
+
+    def play_step(
+        self, action: int, strength: float, pixels: _emulator.PixelFormat, *, frames: int
+    ) -> tuple[ByteArray, float, bool, bool, dict[str, Any]]:
+        """Play frames by one call of a native core, and return the results of `AtariEnv.step`.
+
+        The caller makes sure that the core is an `Emulator` and that there are no observers.
+
+        Raises:
+            gymnasium.error.ResetNeeded, TypeError, ValueError: see `play_frames`.
+        """
+        if self.phase != "playing":
+            self.is_over()
+        core: Any = self.core
+        results: tuple[ByteArray, float, bool, bool, dict[str, Any]] = core.step(action, frames, strength, pixels)
+        if results[1] or results[2] or results[3]:
+            self._count(results[1])
+        return results
 
     def play_until(self, action: int, strength: float = 1.0, *, frames: int) -> tuple[float, int]:
         """Play up to `frames` frames, and return the reward and the number of frames.
@@ -167,7 +198,7 @@ class Driver(AleGame):
             gymnasium.error.ResetNeeded, TypeError, ValueError: see `play_frames`.
         """
         if self.phase != "playing":
-            self._check_phase()
+            self.is_over()
         core = self.core
         if self.observers or not isinstance(core, NativeCore):
             return self.play_frames(action, strength, frames=1), 1
@@ -185,8 +216,9 @@ class Driver(AleGame):
             return int(self.replacement), 1.0
         if self._task.continuous:
             return self._continuous_action(action)
-        index = check_action_index(action, len(self.actions), self.game.id)
-        return int(self.actions[index]), 1.0
+        if type(action) not in _INDICES or not 0 <= action < len(self._numbers):  # the check takes longer than this
+            action = check_action_index(action, len(self._numbers), self.game.id)
+        return self._numbers[action], 1.0
 
     def info(self) -> dict[str, int]:
         """The counters that `step` and `reset` return."""
@@ -224,8 +256,8 @@ class Driver(AleGame):
                 observer.frame_played(action, reward)
         return reward
 
-    def _check_phase(self) -> None:
-        """Refuse a step before the first reset, and warn once about a step after the end."""
+    def is_over(self) -> bool:
+        """Refuse a step before the first reset, and warn once about a step after the end; whether the game is over."""
         if self.phase == "new":
             raise gymnasium.error.ResetNeeded("call env.reset() before the first env.step()")
         if not (self.core.game_over or self.core.truncated):
@@ -233,6 +265,7 @@ class Driver(AleGame):
         elif self.phase == "over":
             self.phase = "warned"
             logger.warn("env.step() was called after the episode had ended; nothing happens until env.reset()")
+        return self.phase != "playing"
 
     def _continuous_action(self, action: Any) -> tuple[int, float]:
         """The ALE action and the strength of (radius, angle, fire), computed in float32 as in CALE."""

@@ -15,9 +15,10 @@ import numpy as np
 from gymnasium import spaces
 from typing_extensions import Unpack
 
+from atari import _emulator
 from atari._renamed import missing_attribute
 from atari.actions import PLAYER_ACTIONS, Action, make_action_space
-from atari.cores import CORES
+from atari.cores import CORES, NativeCore, PlainCore
 from atari.cores.ale_actions import Action as AleAction
 from atari.cores.ale_interface import AleInterface
 from atari.cores.options import check_difficulty, check_mode
@@ -137,6 +138,7 @@ class AtariEnv(EnvState):
         self._own_ale = self._ale
         self._np_random_seed = -1
         self._obs_type, self._frameskip = task.obs_type, task.frameskip  # `step` reads them
+        self._pixels = None if self.sound_obs or self._has_own_results() else _PIXELS[task.obs_type]
         self.action_space = make_action_space(task.action_set, self.continuous)
         self.observation_space = self._make_observation_space()
         self.metadata = {**self.metadata, "render_fps": max(1, round(self._steps_per_second()))}
@@ -183,16 +185,14 @@ class AtariEnv(EnvState):
         """
         check_reset_options(options)
         super().reset(seed=seed)
-        if self.driver.closed:
-            self.driver.reopen()
-            self._window = self._make_window()
+        self.reopen()
         seeds: dict[str, Any] = {}
         if seed is not None:
             seeds = {"seeds": self.seed_game(seed)}
             self.load_game()
         self.driver.reset()
         self._frames.clear()
-        self._show()
+        self.show()
         return self._get_obs(), {**self._get_info(), **seeds}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -207,8 +207,13 @@ class AtariEnv(EnvState):
         """
         driver = self.driver
         number, strength = driver.ale_action(action)
-        reward = driver.play_frames(number, strength, frames=self._draw_frameskip())
-        self._show()
+        frames = self._frameskip if type(self._frameskip) is int else self._draw_frameskip()
+        if self._pixels is not None and not driver.observers and type(driver.core) in _IN_ONE_CALL:
+            results = driver.play_step(number, strength, self._pixels, frames=frames)
+            self.show()
+            return results
+        reward = driver.play_frames(number, strength, frames=frames)
+        self.show()
         core, over = driver.core, driver.phase != "playing"
         return self._get_obs(), reward, over and core.game_over, over and core.truncated, self._get_info()
 
@@ -229,6 +234,11 @@ class AtariEnv(EnvState):
 
     def _get_info(self) -> dict[str, Any]:
         return self.driver.info()
+
+    def _has_own_results(self) -> bool:
+        """Whether a subclass changes the observation or the information that `step` returns."""
+        kind = type(self)
+        return not (kind._get_obs is kind.observe is AtariEnv.observe) or kind._get_info is not AtariEnv._get_info
 
     @property
     def has_own_step(self) -> bool:
@@ -307,6 +317,14 @@ class AtariEnv(EnvState):
     def recent_screens(self) -> tuple[Any, ...]:
         """The screens since the last `render`, with the render mode "rgb_array_list"; none otherwise."""
         return tuple(self._frames)
+
+    def reopen(self) -> bool:
+        """Open the emulator and the window again after `close`; returns whether they were closed."""
+        closed = self.driver.closed
+        if closed:
+            self.driver.reopen()
+            self._window = self._make_window()
+        return closed
 
     def close(self) -> None:
         """Release the emulator and the window. As in ale-py, a later `reset` opens them again."""
@@ -387,12 +405,21 @@ class AtariEnv(EnvState):
             return self._frameskip
         return self.driver.draw(*self._frameskip)
 
-    def _show(self) -> None:
+    def show(self) -> None:
+        """Show the present screen in the window, or keep it for `render`, as the render mode says."""
         if self._window is not None:
             self._window.show(self.core.screen_rgb())
         elif self.render_mode == "rgb_array_list":
             self._frames.append(self.core.screen_rgb())
 
+
+_PIXELS = {
+    "rgb": _emulator.PixelFormat.RGB,
+    "grayscale": _emulator.PixelFormat.GRAY,
+    "ram": _emulator.PixelFormat.RAM,
+}
+_IN_ONE_CALL = (NativeCore, PlainCore)
+"""The cores that play a step by one call; a subclass may have methods of its own."""
 
 _BASE = {"max_num_frames_per_episode": None}
 """The fields in which a game's name alone differs from ALE's v5, as in ale-py."""
@@ -408,15 +435,24 @@ ALE_OPTIONS = frozenset(inspect.signature(AtariEnv.__init__).parameters) - {
 """The options of an `AtariEnv` by ale-py's names, and `interventions`."""
 
 
+def options_of_reset(options: Any) -> dict[str, Any]:
+    """A copy of the options of a reset.
+
+    Raises:
+        TypeError: `options` is no dict.
+    """
+    if options is not None and not isinstance(options, Mapping):
+        raise TypeError(f"the options of a reset are a dict, got {options!r}")
+    return dict(options or {})
+
+
 def check_reset_options(options: Any) -> None:
     """Refuse options of a reset that no wrapper has taken and that would have no effect.
 
     Raises:
         TypeError: there is such an option, or `options` is no dict.
     """
-    if options is not None and not isinstance(options, Mapping):
-        raise TypeError(f"the options of a reset are a dict, got {options!r}")
-    for name, value in (options or {}).items():
+    for name, value in options_of_reset(options).items():
         if name != "new_game" and not (name == "fire" and not value):
             raise TypeError(
                 f"reset has no option {name!r} here; it has 'new_game', with NoopReset 'noops', with FireReset 'fire', "

@@ -96,6 +96,12 @@ class Restorable:
         for layer in layers(env):
             _allow_step(layer)
 
+    @property
+    def snapshot_arguments(self) -> dict[str, Any]:
+        """The arguments that a snapshot must have in common with this wrapper."""
+        arguments: dict[str, Any] = self._saved_kwargs  # type: ignore[attr-defined]  # of RecordConstructorArgs
+        return arguments
+
     def _save_state(self) -> State:
         """The state; before the first reset too, with arrays of the same shape and dtype."""
         return {name: getattr(self, name) for name in self._state}
@@ -160,8 +166,8 @@ def _stateful(env: Environment) -> Iterator[Environment]:
 
 def _identity(layer: Environment) -> dict[str, Any]:
     """The class and the arguments of a wrapper, as JSON has them."""
-    arguments = json.loads(json.dumps(layer._saved_kwargs))  # type: ignore[attr-defined]  # of RecordConstructorArgs
-    return {"wrapper": type(layer).__name__, "arguments": arguments}
+    arguments: Any = layer.snapshot_arguments if isinstance(layer, Restorable) else layer._saved_kwargs  # type: ignore[attr-defined]
+    return {"wrapper": type(layer).__name__, "arguments": json.loads(json.dumps(arguments))}
 
 
 def _save_state(layer: Any) -> State:

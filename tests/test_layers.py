@@ -21,7 +21,7 @@ ORDER = """
     _version _renamed _extras protocols _start _sources _gymnasium validation files notebook _variables _program _progress
     actions games roms _emulator cores
     env_ids task rendering observations
-    driver env_state env restorable wrappers
+    driver env_state env restorable episode_env wrappers
     vector multiplayer making registration
     atari
     ale_py policy testing

@@ -7,10 +7,9 @@ from gymnasium import logger, spaces
 from gymnasium.utils import RecordConstructorArgs
 
 from atari._gymnasium import adds_episode
+from atari.episode_env import STEPS_WITHOUT_PROGRESS, waiting
 from atari.restorable import Restorable
 from atari.wrappers._checks import Environment, action_meanings, require_atari
-
-_STEPS_WITHOUT_PROGRESS = 2250  # 9,000 frames, two and a half minutes of play
 
 
 class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -45,7 +44,7 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
         observation, reward, terminated, truncated, info = self.env.step(action)
         game = self._atari.driver.played
         game.steps += 1
-        if game.steps % _STEPS_WITHOUT_PROGRESS == 0:
+        if game.steps % STEPS_WITHOUT_PROGRESS == 0:
             self._warn_of_waiting(action)
         return observation, reward, terminated, truncated, self._with_statistics(info, reward, truncated)
 
@@ -57,12 +56,7 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
         same = before is not None and before[0] is game and before[1:] == progress[1:]
         if same and self._fires and not any(action == fire for fire in self._fires):
             self._fires = []
-            logger.warn(
-                f"{self._atari.game.id} gave no reward and took no life for {_STEPS_WITHOUT_PROGRESS} steps; it may "
-                "wait for FIRE, which the agent must press: presets press it in resets at most. With "
-                "preset='baselines', episodic_life=True, they do so after each lost life, and info['episode'] has "
-                "whole games"
-            )
+            logger.warn(waiting(self._atari.game.id))
 
     def _with_statistics(self, info: dict[str, Any], reward: Any, truncated: bool) -> dict[str, Any]:
         driver = self._atari.driver

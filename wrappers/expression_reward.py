@@ -7,6 +7,7 @@ import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores.rewards import reward_formula
+from atari.episode_env import EpisodeEnv
 from atari.games.rewards import as_one_line
 from atari.restorable import Restorable, State, layers, warn_of_restore
 from atari.wrappers._checks import Environment, require_atari
@@ -43,7 +44,8 @@ class ExpressionReward(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         if not isinstance(reward, str):
             raise TypeError(f"reward must be an expression such as 'reward - 5 * lives_lost', got {reward!r:.80}")
         for layer in layers(env):
-            if isinstance(layer, (gymnasium.RewardWrapper, ExpressionReward)):
+            own = isinstance(layer, EpisodeEnv) and layer.changes_reward
+            if own or isinstance(layer, (gymnasium.RewardWrapper, ExpressionReward)):
                 raise ValueError(
                     f"the `reward` of an expression is the game's, and {type(layer).__name__} inside ExpressionReward "
                     "changes it; put ExpressionReward inside, as atari.make(..., reward=...) does"

@@ -9,6 +9,7 @@ import gymnasium
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.env import options_of_reset
 from atari.restorable import Restorable
 from atari.wrappers._checks import Environment, begin_meanings, step_named
 
@@ -57,7 +58,7 @@ class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
             seed: the seed of the environment.
             options: "fire" false omits FIRE; the other options are passed on.
         """
-        inner = {**(options or {})}
+        inner = options_of_reset(options)
         fires = inner.pop("fire", True)
         observation, info = self.env.reset(seed=seed, options=inner or None)
         for action in self._actions if fires else ():

@@ -20,6 +20,7 @@ from typing import Any
 
 import gymnasium
 
+from atari.episode_env import EpisodeEnv, can_play
 from atari.wrappers._ale_seeding import AleSeeding
 from atari.wrappers._checks import Environment
 from atari.wrappers._game_statistics import GameStatistics
@@ -37,8 +38,16 @@ from atari.wrappers.step_limit import StepLimit
 Layer = tuple[type[gymnasium.Wrapper[Any, Any, Any, Any]], Mapping[str, Any]]
 
 
-def wrap(env: Environment, task: Any) -> Environment:
-    """Put the wrappers of a task around an `AtariEnv` made with `frameskip=1` and the task's other options."""
+def wrap(env: Environment, task: Any, *, nested: bool = False) -> Environment:
+    """Put the preprocessing of a task around an `AtariEnv` made with `frameskip=1` and the task's other options.
+
+    Args:
+        env: the `AtariEnv`, possibly wrapped.
+        task: the task.
+        nested: whether the result is the wrappers of `layers_of`, one in the other, and never an `EpisodeEnv`.
+    """
+    if not nested and can_play(env, task):
+        return EpisodeEnv(env, task)
     for wrapper, arguments in layers_of(task):
         env = wrapper(env, **arguments)
     return env

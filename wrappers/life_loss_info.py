@@ -9,6 +9,7 @@ from typing import Any
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.episode_env import EpisodeEnv
 from atari.restorable import Restorable, layers
 from atari.wrappers._checks import Environment, require_atari
 from atari.wrappers.episodic_life import EpisodicLife
@@ -46,7 +47,10 @@ class LifeLossInfo(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
 
     def __init__(self, env: Environment, *, last_life: bool = False) -> None:
         self._atari = require_atari(env, "LifeLossInfo")
-        if any(isinstance(layer, EpisodicLife) for layer in layers(env)):
+        if any(
+            isinstance(layer, EpisodicLife) or (isinstance(layer, EpisodeEnv) and layer.ends_at_lives)
+            for layer in layers(env)
+        ):
             raise ValueError("an inner EpisodicLife ends the episodes that LifeLossInfo lets go on; leave one out")
         RecordConstructorArgs.__init__(self, last_life=last_life)
         super().__init__(env)

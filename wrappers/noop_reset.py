@@ -9,6 +9,8 @@ from typing import Any
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.env import options_of_reset
+from atari.episode_env import EpisodeEnv
 from atari.restorable import Restorable, layers
 from atari.validation import check_integer
 from atari.wrappers._checks import Environment, begin_meanings, draw, step_named
@@ -54,7 +56,10 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
     ) -> None:
         noop_max = check_integer("noop_max", noop_max, 0, 1_000_000)
         noop_min = min(noop_min, noop_max) if noop_max == 0 else check_integer("noop_min", noop_min, 0, noop_max)
-        if not fire_again and not any(isinstance(layer, FireReset) for layer in layers(env)):
+        if not fire_again and not any(
+            isinstance(layer, FireReset) or (isinstance(layer, EpisodeEnv) and layer.presses_fire)
+            for layer in layers(env)
+        ):
             raise ValueError("fire_again=False is about an inner FireReset, and there is none; leave it out")
         RecordConstructorArgs.__init__(
             self, noop_max=noop_max, noop_min=noop_min, fire_counts=fire_counts, fire_again=fire_again
@@ -74,7 +79,7 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         Raises:
             TypeError, ValueError: "noops" is not such a number; nothing is reset.
         """
-        inner = {**(options or {})}
+        inner = options_of_reset(options)
         forced = inner.pop("noops", None)
         if forced is not None:
             forced = check_integer("noops", forced, 0, 1_000_000)

@@ -6,6 +6,7 @@ import pytest
 from atari import AtariEnv
 from atari.env_ids import stem
 from atari.wrappers import preset, preset_options
+from atari.wrappers.layers import wrap
 
 pytestmark = pytest.mark.peers
 
@@ -38,7 +39,7 @@ def compare(game, probability=0.0, limit=27_000, episodic_life=False, clip_rewar
     )
     env = AtariEnv(game, **{**preset_options("envpool"), "repeat_action_probability": probability})
     ours = preset(env, "envpool", episodic_life=episodic_life, clip_reward=clip_reward)
-    ours.set_wrapper_attr("_max_frames", 4 * limit)
+    ours = wrap(ours.unwrapped, ours.unwrapped.task.replace(max_frames=4 * limit))
     draws = Draws(seed)
     fire = "FIRE" in env.get_action_meanings()
 

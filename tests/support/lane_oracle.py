@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from gymnasium import spaces
-from gymnasium.wrappers import TimeLimit
 
 import atari
 from atari.task import Task
@@ -36,6 +35,7 @@ class Lane:
     task: Task
     single: Any
     done: bool = False
+    steps: int = 0
     observation: Any = None
     reward: float = 0.0
     ends: tuple[bool, bool] = (False, False)
@@ -48,7 +48,7 @@ class Lane:
         assert ("seeds" in info) == (seed is not None)
         info.pop("seeds", None)
         self.observation, self.info, self.final = observation, self._checked(info), None
-        self.reward, self.ends, self.done = 0.0, (False, False), False
+        self.reward, self.ends, self.done, self.steps = 0.0, (False, False), False, 0
 
     def repeat(self) -> None:
         """Show the last results again: the lane is not played."""
@@ -61,10 +61,11 @@ class Lane:
         """Step the environment, and with `same_step` reset it after an end."""
         observation, reward, over, cut, info = self.single.step(action)
         self.observation, self.reward, self.info, self.final = observation, reward, self._checked(info), None
+        self.steps += 1
         reported = self.task.life_loss_info and over and not self.single.unwrapped.core.game_over
         # ale-py reports a limit that is reached with a lost life as the lost life alone; a single environment reports
         # both, and so does a vector at `max_episode_steps`, which ale-py does not have.
-        self.ends = over, cut and (not reported or self._has_no_more_steps())
+        self.ends = over, cut and (not reported or self.steps >= (self.task.max_episode_steps or self.steps + 1))
         self.done = cut or (over and not reported)
         if not (self.done and same_step):
             return
@@ -76,7 +77,7 @@ class Lane:
         kept = {name: value for name, value in self.info.items() if name not in (*COUNTERS, "episode")}
         observation, info = self.single.reset()
         info = self._checked(info)
-        self.observation, self.done = observation, False
+        self.observation, self.done, self.steps = observation, False, 0
         self.info = {**info, **kept}
 
     def _ended_game(self, cut: bool) -> dict[str, Any] | None:
@@ -87,15 +88,6 @@ class Lane:
         game = driver.ended
         driver.ended = None
         return game or (driver.played.statistics(driver.core) if cut else None)
-
-    def _has_no_more_steps(self) -> bool:
-        """Whether the single environment has reached `max_episode_steps`."""
-        env = self.single
-        while not isinstance(env, TimeLimit):
-            if env is env.unwrapped:
-                return False
-            env = env.env
-        return bool(env._elapsed_steps >= env._max_episode_steps)
 
     def _checked(self, info: dict[str, Any]) -> dict[str, Any]:
         whole = ("reward", "elapsed_step", "terminated") if self.task.preprocessed else ()
@@ -178,7 +170,10 @@ class Lanes:
 
     def save(self) -> None:
         """Keep the state of both."""
-        states = [(lane.single.snapshot(), lane.done, lane.observation, lane.info, lane.ends) for lane in self.lanes]
+        states = [
+            (lane.single.snapshot(), lane.done, lane.steps, lane.observation, lane.info, lane.ends)
+            for lane in self.lanes
+        ]
         self._saved = self.envs.snapshot(), states
 
     def restore(self, indices: Iterable[int]) -> None:
@@ -188,7 +183,7 @@ class Lanes:
         self.envs.restore(chosen, [snapshots[index] for index in chosen])
         for index in chosen:
             lane = self.lanes[index]
-            state, lane.done, lane.observation, lane.info, lane.ends = states[index]
+            state, lane.done, lane.steps, lane.observation, lane.info, lane.ends = states[index]
             lane.single.restore(state)
 
     def close(self) -> None:

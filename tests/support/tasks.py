@@ -3,7 +3,20 @@
 from typing import Any
 
 from atari import Task
+from atari.env import AtariEnv
+from atari.making import make_env
 from atari.task.resolution import resolve_task
+from atari.wrappers.layers import wrap
+
+
+def nested(task: Task, core: str = "native", render_mode: Any = None) -> Any:
+    """A single environment of the wrappers of a task, one in the other: the oracle of `EpisodeEnv` and of vectors."""
+    if not task.preprocessed:
+        return make_env(task, render_mode, core)
+    env = wrap(AtariEnv(task.of_emulator(), core=core, render_mode=render_mode), task, nested=True)
+    env.unwrapped.whole_task = task  # type: ignore[attr-defined]
+    return env
+
 
 _IMAGES = {
     "repeat_action_probability": 0.0,

@@ -1,9 +1,11 @@
-"""A task is one environment with wrappers, and the lane of a vector: the same bytes for every field.
+"""A task is nested wrappers, one object around a single environment, and the lane of a vector: the same bytes.
 
-The wrappers share no code with the engine but the emulator and its `ObservationStack`, so each is the test of the other.
+The nested wrappers share no code with the engine but the emulator and its `ObservationStack`, so each is the test of the
+other. The one object that `atari.make` returns plays the engine's `Episode` on the core of a single environment.
 `composed` replaces that class by NumPy and OpenCV. `Lanes` compares all results.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 from lane_oracle import Lanes, random_action
 from task_strategies import tasks
+from tasks import nested
 
 from atari import wrappers
 from atari.env import AtariEnv
@@ -24,21 +27,25 @@ GAMES = ("breakout", "ms_pacman", "bank_heist", "frogger", "pong", "backgammon",
 MODES = ("NextStep", "SameStep", "Disabled")
 
 
-def play(task: Task, mode: str, seed: int, steps: int, single: Any = None) -> int:
-    """Random steps, with resets in between, and a snapshot to which both return; the number of ended episodes."""
-    lanes = Lanes([task], mode, None if single is None else [single])
+def play(task: Task, mode: str, seed: int, steps: int, singles: Sequence[Any] | None = None) -> int:
+    """Random steps, with resets in between, and a snapshot to which all return; the number of ended episodes.
+
+    Without `singles`, a lane plays beside nested wrappers, and another beside the environment that `atari.make` returns.
+    """
+    singles = [nested(task), task.make()] if singles is None else singles
+    lanes = Lanes([task] * len(singles), mode, singles)
     generator = np.random.default_rng(seed)
     try:
         lanes.reset(seed)
         for step in range(steps):
             if lanes.done and mode == "Disabled":
-                lanes.reset(None, [True])
+                lanes.reset(None, [lane.done for lane in lanes.lanes])
             else:
                 lanes.step(lanes.sample(generator))
             if step == steps // 3:
                 lanes.save()
             if step == steps // 2:
-                lanes.restore([0])
+                lanes.restore(range(len(singles)))
             if step == 3 * steps // 4 and mode != "SameStep":
                 lanes.reset(seed + 1 if seed % 2 else None)
     finally:
@@ -48,7 +55,7 @@ def play(task: Task, mode: str, seed: int, steps: int, single: Any = None) -> in
 
 @given(tasks(GAMES), st.sampled_from(MODES), st.integers(0, 2**32 - 2))
 @settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
-def test_wrappers_are_the_lane_of_a_vector(task: Task, mode: str, seed: int) -> None:
+def test_wrappers_and_one_object_are_the_lanes_of_a_vector(task: Task, mode: str, seed: int) -> None:
     play(task, mode, seed, 60)
 
 
@@ -110,7 +117,7 @@ def test_an_independent_composition_is_the_lane_of_a_vector(task: Task, mode: st
     if not isinstance(task.frameskip, int) or task.maxpool:
         fields["frameskip"] = 1 + seed % 2
     task = task.replace(**fields)
-    play(task, mode, seed, 60, composed(task))
+    play(task, mode, seed, 60, [composed(task)])
 
 
 LIVES = {"episodic_life": True, "frameskip": 4}

@@ -121,7 +121,7 @@ def test_a_restored_inner_environment_warns() -> None:
     env: Any = atari.make("breakout", reward="before.lives")
     env.reset(seed=1)
     env.unwrapped.restore(env.unwrapped.snapshot())
-    with pytest.warns(UserWarning, match="the AtariEnv in ExpressionReward was restored without its wrappers"):
+    with pytest.warns(UserWarning, match="the AtariEnv in EpisodeEnv was restored without its wrappers"):
         env.step(0)
 
 

@@ -131,7 +131,7 @@ def test_arguments() -> None:
 
 def made(game: str = "breakout", options: dict[str, Any] | None = None, **fields: Any) -> Any:
     env = AtariEnv(game, **{"frameskip": 1, "repeat_action_probability": 0.0, **(options or {})})
-    return wrap(env, task(**fields))
+    return wrap(env, task(**fields), nested=True)
 
 
 GRAY = spaces.Box(0, 255, (4, 84, 84), np.uint8)

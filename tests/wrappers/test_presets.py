@@ -15,6 +15,7 @@ import pytest
 import atari
 from atari import PRESETS, Action, games
 from atari.wrappers import ClipReward, DqnPreprocessing, EpisodicLife, NoopReset, preset, preset_options
+from atari.wrappers.layers import layers_of, wrap
 
 # Lives lost, several ends of game, no FIRE (ms_pacman, bank_heist), lives at 0 before the end (bank_heist, frogger), a
 # screen of 214 lines (carnival) and of 250 (pacman).
@@ -98,9 +99,8 @@ def test_ale_vector(game_env, game, episodic_life, probability, limit, steps):
 
 def limited(env, name, limit, **changes):
     """A preset with another `max_frames`, to reach it soon."""
-    wrapped = preset(env, name, **changes)
-    wrapped.set_wrapper_attr("_max_frames", limit)
-    return wrapped
+    preset(env, name, **changes)
+    return wrap(env, env.task.replace(max_frames=limit))
 
 
 @pytest.mark.parametrize(("name", "low", "high"), [("ale_vector", 0, 29), ("envpool", 1, 30)])
@@ -186,11 +186,7 @@ def play_until_the_end(env):
 def test_switches_for_training_and_evaluation(game_env):
     def kinds(**changes):
         env = preset(game_env("breakout"), "baselines", **changes)
-        found = []
-        while isinstance(env, gymnasium.Wrapper):
-            found.append(type(env))
-            env = env.env
-        return found
+        return [kind for kind, _ in layers_of(env.unwrapped.task)]
 
     assert EpisodicLife in kinds()
     assert ClipReward in kinds()

@@ -268,11 +268,11 @@ def test_an_argument_that_an_earlier_release_did_not_have_is_its_default() -> No
     assert played(same, 100, seed=1) == played(env, 100, seed=1)
 
 
-def test_a_snapshot_without_images_is_refused() -> None:
+def test_a_snapshot_without_an_array_is_refused() -> None:
     env = started()
     facts, blobs = snapshot.unpack(env.snapshot())
-    old = {name: blob for name, blob in blobs.items() if not name.endswith(".images")}
-    with pytest.raises(ValueError, match="has no images of DqnPreprocessing: it is damaged, or of an earlier release"):
+    old = {name: blob for name, blob in blobs.items() if not name.endswith(".episode")}
+    with pytest.raises(ValueError, match="has no episode of EpisodeEnv: it is damaged, or of an earlier release"):
         env.restore(snapshot.pack(facts, old))
 
 
