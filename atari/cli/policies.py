@@ -74,7 +74,7 @@ class PolicySession:
         """Play a step; if an episode has ended and its game continues, reset first."""
         if self._ended:
             self._seen, _ = self._env.reset()
-            if not self._task.seamless_lives:
+            if self._task.new_stack_after_life:
                 self._policy.begin_episodes(self._lane)
         seen = self._seen
         batch = {key: value[None] for key, value in seen.items()} if isinstance(seen, dict) else seen[None]
@@ -82,7 +82,7 @@ class PolicySession:
         self._seen, _, terminated, truncated, _ = self._env.step(int(action))
         self._ended = terminated and not self._task.life_loss_info
         inner: Any = self._env.unwrapped
-        self.over = inner.core.game_over or truncated or (self._ended and self._task.on_reset == "new_game")
+        self.over = inner.core.game_over or truncated or (self._ended and self._task.new_game_after_life)
 
     def close(self) -> None:
         """Close the environment, and with it the replay."""

@@ -1,21 +1,17 @@
 """`FrameAgent`: a policy that plays a core frame by frame, for programs that show every frame."""
 
-from collections.abc import Generator, Iterator
-from typing import Any, Literal
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
-from gymnasium.utils import seeding
 
-from atari.actions import Action
-from atari.cores import Core
+from atari.cores import ByteArray, Core
 from atari.games.game import Game
+from atari.learning.frame_episode import FrameEpisode
 from atari.learning.policies import load_policy
-from atari.observations.frames import Frame, FrameObservations
 from atari.policy.needs import Needs, in_game, needs_of
 from atari.task import Task
-
-Start = Literal["game", "life", "middle"]
-"""How an episode begins: at the start of a game, after a lost life, or anywhere in a game."""
+from atari.vector.seeds import seed_words
 
 
 class FrameAgent:
@@ -44,7 +40,6 @@ class FrameAgent:
         self.name = self._policy.name
         self.game: str | None = getattr(self._policy, "game", None)
         self._lanes = np.zeros(1, np.int64)
-        self._frames: Iterator[int] = iter(())
 
     def task_in(self, game: Game) -> Task:
         """The task that the policy plays in a game.
@@ -58,6 +53,8 @@ class FrameAgent:
         if "rom" in needs.options:
             raise ValueError(f"{self.name} has rom={needs.options['rom']!r}, and the core has its ROM; leave it out")
         task = needs.task or self._unsaid(game)
+        if task.sound_obs:
+            raise ValueError(f"{self.name} has sound_obs=True, and an agent hears no sound; leave it out")
         if task.continuous:
             raise ValueError(f"{self.name} has continuous=True, and an agent chooses one of the actions; leave it out")
         if task.players not in (1, self._players):
@@ -86,89 +83,38 @@ class FrameAgent:
         seed = self._seed if seed is None else seed
         needs = needs_of(self._policy, core.game)
         self._task = self._task_of(needs, core.game)
-        self._seen = FrameObservations(self._task, needs.layout(self._task))
+        self._layout = needs.layout(self._task)
         names = tuple(action.name for action in self._task.action_set)
-        self._actions = [int(Action[name]) for name in names]
-        every = self._task.begin_actions
-        fires = self._task.fire != "never" and Action.FIRE in every
-        self._fire = [int(Action.FIRE), *([int(every[2])] if self._task.third_action else [])] if fires else []
-        self._fire_counts = self._task.fire_counts and Action.FIRE in every
-        first = int(np.random.SeedSequence(seed).generate_state(2)[0])  # as `AtariEnv.reset` makes it of a seed
-        self._random, _ = seeding.np_random(first)
+        self._episode = FrameEpisode(self._task, self._screen)
         self._policy.begin(core.game.id, names, self._lanes, np.array([seed], np.int64))
-        self._core, self._lives = core, core.lives
-        self._frames = self._play("game" if core.episode_frame_number == 0 else "middle")
+        _, words = seed_words(seed, np.ones(1, np.bool_), ale=False)
+        self._actions = self._play(words[0].tolist(), None if core.episode_frame_number == 0 else 0)
 
     def act(self, core: Core) -> int:
         """The ALE action number of the next frame, after a frame of the last one."""
-        self._core = core
-        return next(self._frames)
+        self._episode.core = core
+        return next(self._actions)
 
-    def _play(self, start: Start) -> Iterator[int]:
-        """The actions of the frames of a game."""
+    def _play(self, seed: list[int] | None, noops: int | None) -> Iterator[int]:
+        """The actions of the frames of a game, with the seed and the no-ops of its first episode."""
+        task, actions = self._task, [*map(int, self._task.action_set)]
         while True:
-            yield from self._begin_episode(start)
-            lost = False
-            while not lost:
-                lost = yield from self._skip(self._choose())
-            if not self._task.seamless_lives:
+            seen, _ = yield from self._episode.reset(seed, noops)
+            lost_life = False
+            while not lost_life:
+                action = actions[self._choose(seen)]
+                seen, _, ended, truncated, info = yield from self._episode.step(action)
+                lost_life = ended and not (truncated or info["terminated"])
+            if task.new_stack_after_life:
                 self._policy.begin_episodes(self._lanes)
-            start = "middle" if self._task.on_reset == "new_game" else "life"
+            seed, noops = None, 0 if task.new_game_after_life else None
 
-    def _begin_episode(self, start: Start) -> Iterator[int]:
-        """The frames before the first observation of an episode."""
-        task, before = self._task, self._core.frame_number
-        lives_in_skip = task.lives_unit == "frame"
-        if start == "life" and task.on_reset == "noop":
-            yield from (0,) if lives_in_skip else self._skip(0)
-        begins = start == "game" or (start == "life" and lives_in_skip)
-        noops = [0] * self._draw_noops() if begins else []
-        fire = self._fire if task.fire_unit == "frame" and (begins or start == "middle") else []
-        yield from [*fire, *noops] if task.fire == "before_noops" else [*noops, *fire]
-        fill = not (start == "life" and task.seamless_lives)
-        if start == "life" and (not lives_in_skip or self._core.frame_number == before):
-            self._seen.repeat(fill)
-        else:
-            self._seen.begin(self._frame(), fill)
-        if task.fire_unit == "skip" and self._fire:
-            for action in self._fire:
-                yield from self._skip(action)
-            self._seen.repeat()
-        self._lives = self._core.lives
+    def _choose(self, seen: Any) -> int:
+        """The index of the policy's action."""
+        batch = {name: part[None] for name, part in seen.items()} if isinstance(seen, dict) else seen[None]
+        (chosen,) = self._policy(self._layout.apply(batch), self._lanes)
+        return int(chosen)
 
-    def _draw_noops(self) -> int:
-        low, high = self._task.noops
-        return int(self._random.integers(low, high + 1)) - self._fire_counts if high else 0
-
-    def _skip(self, action: int) -> Generator[int, None, bool]:
-        """The frames of a step. Returns whether a lost life ends the episode."""
-        task = self._task
-        low, high = task.frames
-        left = low if high == low + 1 else int(self._random.integers(low, high))
-        lost = ended = over = False
-        while left and not ended:
-            left -= 1
-            yield action
-            over = self._core.game_over or self._core.truncated
-            lost = (task.lives_unit == "frame" and self._life_lost()) or lost
-            ended = over or (lost and not task.seamless_lives)
-            self._seen.frame_played(self._frame(), left, ended)
-        self._seen.skip_ended(self._frame(), left, ended)
-        if task.lives_unit == "skip":
-            lost = self._life_lost()
-        return lost and not over
-
-    def _frame(self) -> Frame:
-        """The present frame."""
-        return self._core
-
-    def _life_lost(self) -> bool:
-        """Whether a life that counts was lost since the last call."""
-        before, self._lives = self._lives, self._core.lives
-        return self._task.episodic_life and self._lives < before and (self._lives > 0 or self._task.last_life)
-
-    def _choose(self) -> int:
-        """The policy's action."""
-        self._seen.see_ram(self._core.ram())
-        (chosen,) = self._policy(self._seen.observation(), self._lanes)
-        return self._actions[int(chosen)]
+    def _screen(self, core: Core) -> ByteArray:
+        """The frame that the policy sees, in palette indices."""
+        return core.screen()

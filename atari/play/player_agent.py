@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
+from atari.cores import ByteArray, Core
 from atari.games.game import Game
 from atari.learning.frame_agent import FrameAgent
 from atari.multiplayer import MultiplayerCore
-from atari.observations.frames import Frame
 from atari.policy.needs import Needs
 from atari.task import Task
 from atari.task.fields import ObsType
@@ -48,6 +48,6 @@ class PlayerAgent(FrameAgent):
     def _unsaid(self, game: Game) -> Task:
         return Task.of(game, players=self._players, obs_type=self._obs_type)
 
-    def _frame(self) -> Frame:
-        mirrored = self._mirrored and self._task.obs_type != "ram"
-        return np.ascontiguousarray(self._core.screen()[:, ::-1]) if mirrored else self._core
+    def _screen(self, core: Core) -> ByteArray:
+        screen = core.screen()
+        return np.ascontiguousarray(screen[:, ::-1]) if self._mirrored else screen

@@ -106,8 +106,8 @@ class Session(BaseSession):
     def over(self) -> bool:
         """Whether the game has ended, and its last frame has been shown."""
         core = self._atari.core
-        goes_on = self.task.episodic_life and self.task.on_reset != "new_game" and not self._truncated
-        return not self._played and (core.game_over or core.truncated or (self._ended and not goes_on))
+        ended = self._ended and (self._truncated or self.task.new_game_after_life)
+        return not self._played and (core.game_over or core.truncated or ended)
 
     @property
     def screen(self) -> ByteArray:

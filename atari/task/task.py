@@ -311,6 +311,16 @@ class Task:
         return minimal if {*self.action_set} <= {*minimal} else full
 
     @property
+    def new_stack_after_life(self) -> bool:
+        """Whether the stack of images begins anew after each lost life that a step returns as a termination."""
+        return not self.life_loss_info and (not self.seamless_lives or self.on_reset == "new_game")
+
+    @property
+    def new_game_after_life(self) -> bool:
+        """Whether a reset after a lost life that ended the episode begins a new game."""
+        return self.episodic_life and self.on_reset == "new_game"
+
+    @property
     def preprocessed(self) -> bool:
         """Whether wrappers around an `AtariEnv` play the task; otherwise an `AtariEnv` does alone."""
         return bool(self.fields_of_wrappers())

@@ -212,15 +212,15 @@ def _checked(out: Any, shapes: dict[str, tuple[int, ...]]) -> dict[str, npt.NDAr
 
 
 def ends_of_stacks(task: Task, terminations: Bools, truncations: Bools, info: Mapping[str, Any]) -> Bools:
-    """The lanes in which a step ended a stack of images. A stack continues after a lost life that does not clear it.
+    """The lanes in which a step ended a stack of images.
 
     Args:
-        task: with `seamless_lives` or `life_loss_info`, the vector must have `game_info`.
+        task: without `new_stack_after_life`, the vector must have `game_info`.
         terminations, truncations: results of the step, (num_envs,).
         info: the `info` of the step; with SAME_STEP its "final_info".
     """
     ended: Bools = terminations | truncations
-    if not task.life_loss_info and (not task.seamless_lives or task.on_reset == "new_game"):
+    if task.new_stack_after_life:
         return ended
     over: Bools = truncations | (ended & info.get("_episode", False))
     return over

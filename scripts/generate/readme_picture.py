@@ -14,7 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 import atari
-from atari.observations.frames import FrameObservations
+from atari import _emulator
+from atari.observations.settings import observation_settings
 from atari.recording import Replay
 
 TOP = Path(__file__).resolve().parents[2]
@@ -25,7 +26,9 @@ FIRST, STEPS, SKIP = 180, 150, 4
 def pictures() -> list[npt.NDArray[np.uint8]]:
     """The pictures of the steps, (420, 676, 3): the screen, and the last four images in two rows."""
     replay = Replay.load(TOP / "examples" / "qbert.a26r")
-    seen = FrameObservations(atari.Task.of("qbert", preset="dqn2015"))
+    task = atari.Task.of("qbert", preset="dqn2015")
+    screen = task.definition.screen
+    seen = _emulator.ObservationStack(observation_settings(task), screen.height, screen.format)
     seen.begin(replay.seek(FIRST))
     made = []
     for step in range(STEPS):
@@ -33,7 +36,7 @@ def pictures() -> list[npt.NDArray[np.uint8]]:
             core = replay.seek(FIRST + step * SKIP + frame)
             seen.frame_played(core, SKIP - frame, False)
         seen.skip_ended(core, 0, False)
-        images = np.pad(seen.observation()[0], ((0, 0), (2, 2), (2, 2)), constant_values=96)
+        images = np.pad(seen.observation(), ((0, 0), (2, 2), (2, 2)), constant_values=96)
         four = np.block([[images[0], images[1]], [images[2], images[3]]])
         right = np.zeros((210, 178, 3), np.uint8)
         right[17:193, 2:] = four[:, :, None]

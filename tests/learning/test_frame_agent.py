@@ -11,6 +11,7 @@ from atari import AtariVectorEnv
 from atari.actions import Action
 from atari.cores import NativeCore
 from atari.learning.frame_agent import FrameAgent
+from atari.learning.frame_episode import PlayedFrames
 from atari.task import Task
 
 SEED = 5
@@ -144,6 +145,35 @@ def test_an_agent_that_goes_on_in_a_game_presses_fire_alone() -> None:
     assert agent.task_in(core.game).fire == "after_noops"
 
 
+@pytest.mark.parametrize("on_reset", ["noop", "continue"])
+def test_a_life_that_is_lost_in_the_noops_after_a_lost_life(on_reset: str) -> None:
+    task = Task.of("ms_pacman", noops=(700, 700), episodic_life=True, on_reset=on_reset, obs_type="ram")
+    policy = Recorder(task=task)
+    follow(policy, "ms_pacman", 100)
+    compare(policy, watch(task, 100))
+
+
+def test_ten_thousand_noops_are_played_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Once for their actions, and once for the observation."""
+    played, act = [0], PlayedFrames.act
+
+    def counted(frames: PlayedFrames, action: int, strength: float) -> int:
+        played[0] += 1
+        return act(frames, action, strength)
+
+    monkeypatch.setattr(PlayedFrames, "act", counted)
+    follow(Recorder(task=Task.of("breakout", noops=(10_000, 10_000), obs_type="ram")), "breakout", 1)
+    assert 20_000 <= played[0] <= 20_004  # the actions of the next step are known, too
+
+
+@pytest.mark.parametrize(("on_reset", "calls"), [("new_game", True), ("continue", False)])
+def test_a_policy_hears_of_new_stacks_after_lost_lives(on_reset: str, calls: bool) -> None:
+    begun: list[Any] = []
+    task = Task.of("breakout", preset="envpool", episodic_life=True, on_reset=on_reset)
+    follow(Recorder(task=task, begin_episodes=begun.append), "breakout", 200)
+    assert bool(begun) is calls
+
+
 def test_actions_are_those_of_the_task() -> None:
     policy = Recorder(environment={"preset": "machado2018"})
     follow(policy, "pong", 2)
@@ -170,6 +200,7 @@ def test_wrong_actions() -> None:
     ("environment", "text"),
     [
         ({"sound_obs": True}, "the environment of the policy: sound_obs=True is for"),
+        ({"task": Task.of("pong", sound_obs=True)}, "recorder has sound_obs=True, and an agent hears no sound"),
         ({"continuous": True}, "recorder has continuous=True, and an agent chooses"),
         ({"players": 2}, "recorder has players=2, and the game is played by 1; give a policy whose task has players=1"),
         ({"rom": "pong.bin"}, "recorder has rom='pong.bin', and the core has its ROM; leave it out"),

@@ -160,5 +160,5 @@ def test_the_mirror_lets_a_policy_of_player_1_play_pong_as_player_2(monkeypatch:
     policy = ScoresPolicy(follow, task=TrainingOptions.of("pong", actions=ACTIONS).task)
     assert match({0: policy, 1: serve}) == [21, -21]
     assert match({0: serve, 1: policy}) == [-20, 20]
-    monkeypatch.setattr(PlayerAgent, "_frame", FrameAgent._frame)
+    monkeypatch.setattr(PlayerAgent, "_screen", FrameAgent._screen)
     assert match({0: serve, 1: policy}) == [21, -21]

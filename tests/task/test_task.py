@@ -245,6 +245,21 @@ def test_fields_without_effect_of_another_task_are_left_out() -> None:
     assert task.replace(fire="never").fire_counts is False
 
 
+@pytest.mark.parametrize(
+    ("options", "begins"),
+    [
+        ({}, True),
+        ({"seamless_lives": True}, True),  # a reset begins a new game
+        ({"seamless_lives": True, "on_reset": "continue"}, False),
+        ({"seamless_lives": True, "on_reset": "noop"}, False),
+        ({"seamless_lives": False, "on_reset": "continue"}, True),
+        ({"episodic_life": False, "life_loss_info": True}, False),  # a report ends nothing
+    ],
+)
+def test_lost_lives_that_begin_a_new_stack(options: dict[str, Any], begins: bool) -> None:
+    assert Task.of("breakout", **{"episodic_life": True, **options}).new_stack_after_life is begins
+
+
 def test_an_action_is_named_once() -> None:
     with pytest.raises(ValueError, match="actions has a name twice: NOOP, FIRE, NOOP"):
         Task.of("pong", actions=["NOOP", "FIRE", "NOOP"])

@@ -66,7 +66,7 @@ class Player:
 
     def begin_episodes(self, lanes: IntArray) -> None:
         """Begin the episodes after a lost life in some lanes, where the games go on."""
-        if not self.task.seamless_lives:
+        if self.task.new_stack_after_life:
             self._policy.begin_episodes(lanes)
 
     def act(self, observations: Any, lanes: IntArray) -> IntArray:
