@@ -5,6 +5,7 @@
                     score, steps and first frame of the game, task
     wrappers        the task, the wrappers that have a state, with   the snapshot of the AtariEnv, the wrappers' arrays
                     their arguments (`atari.restorable`)
+    MultiplayerEnv  the task, the agents that play                   the core's snapshot, the state of the episode
     NativeCore      core, game, ROM, options, version of the state   the state: machine, RAM of the cartridge, episode,
                                                                      framebuffer, sound, held action, generators
     AleCore         the same, and the seed                           ale-py's state after the last reset, the calls

@@ -1,8 +1,10 @@
 """`PettingZooNames`: the attributes and methods of PettingZoo's Atari environments, for `MultiplayerEnv`."""
 
+from collections.abc import Callable
 from operator import attrgetter
 from typing import Any
 
+from atari import _emulator
 from atari.cores import ByteArray
 from atari.multiplayer.ale import MultiplayerAle
 from atari.roms import find
@@ -25,7 +27,8 @@ class PettingZooNames:
     possible_agents: list[str]
     _task: Task
     _ale: MultiplayerAle
-    _out: list[bool]
+    _episode: _emulator.Episode
+    _continued: Callable[[bytes], _emulator.Episode]
 
     @property
     def task(self) -> Task:
@@ -34,6 +37,7 @@ class PettingZooNames:
         return self._task.with_set(**{name: getattr(played, name) for name in _OF_CORE})
 
     ale = property(attrgetter("_ale"), doc="The core under the names of Multi-Agent-ALE's `ALEInterface`.")
+    frame = property(attrgetter("_episode.steps"), doc="Steps of the episode.")
     num_players = property(attrgetter("core.players"), doc="The number of players.")
     full_action_space = property(lambda self: self._task.actions == "full", doc="Whether all 18 actions can be taken.")
     rom_path = property(lambda self: str(find(self.core.game, self.core.rom)), doc="The path of the ROM file.")
@@ -61,11 +65,13 @@ class PettingZooNames:
     @max_cycles.setter
     def max_cycles(self, steps: int) -> None:
         self._task = self._task.with_set(max_episode_steps=check_integer("max_cycles", steps, 1, NO_LIMIT))
+        self._episode = self._continued(self._episode.save())
 
     @property
     def terminations(self) -> dict[str, bool]:
         """Whether the game of each agent has ended by its rules."""
-        return {agent: self.core.game_over or out for agent, out in zip(self.possible_agents, self._out, strict=True)}
+        outs = self._episode.out
+        return {agent: self.core.game_over or out for agent, out in zip(self.possible_agents, outs, strict=True)}
 
     def clone_state(self) -> ByteArray:
         """The emulator's state, uint8, without the generator of sticky actions."""

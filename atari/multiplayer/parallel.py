@@ -1,7 +1,8 @@
 """`MultiplayerEnv`: a task of two to four players as a parallel environment of PettingZoo."""
 
 import copy
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from operator import itemgetter
 from os import PathLike
 from typing import Any
 
@@ -13,19 +14,22 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 from typing_extensions import Self
 
+from atari import _emulator
 from atari.actions import PLAYER_ACTIONS
-from atari.cores.ale_random import AleRandom
+from atari.cores import snapshot
 from atari.multiplayer.ale import Console, MultiplayerAle
 from atari.multiplayer.core import OF_CORE, OWN_OPTIONS, REFERENCES, MultiplayerCore
 from atari.multiplayer.names import OBS_TYPES, PettingZooNames
 from atari.multiplayer.resolution import resolve_several
-from atari.observations.frames import FrameObservations
 from atari.observations.layout import Layout
+from atari.observations.settings import make_episode
 from atari.task import Task
 from atari.task.fields import NO_LIMIT
 from atari.task.resolution import GameLike
+from atari.task.storage import identity, require_same
 from atari.validation import check_integer, check_known, check_name
 from atari.vector.results import zero_sum
+from atari.vector.seeds import words_of
 
 AGENTS = ("first_0", "second_0", "third_0", "fourth_0")
 
@@ -37,8 +41,6 @@ _BASE = {
     "seeding": "ale",
 }
 """Defaults of a game without a task, as in PettingZoo's environments, instead of the defaults of ALE's v5."""
-
-_NO_OP = 0
 
 Infos = dict[str, dict[str, Any]]
 
@@ -90,8 +92,6 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
         (210, 160, 3)
     """
 
-    _out: list[bool]  # by player
-
     def __init__(
         self,
         game: GameLike,
@@ -122,10 +122,9 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
             "render_fps": 60,
             "is_parallelizable": True,
         }
-        layout = Layout.check(self._task, self._task.stack_num is not None and self._task.obs_type != "ram", "uint8")
-        self._seen = FrameObservations(self._task, layout)
-        if seed is not None:
-            check_integer("seed", seed, 0, 2**63 - 1)
+        channels_last = self._task.stack_num is not None and self._task.obs_type != "ram"
+        self._layout = Layout.check(self._task, channels_last, "uint8")
+        seed = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else _checked(seed)
         emulated = {name: getattr(self._task, name) for name in OF_CORE if name not in ("game", "frameskip")}
         self.core = MultiplayerCore(
             Task(self._task.definition, frameskip=1, **emulated),  # type: ignore[arg-type]
@@ -147,10 +146,10 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
         self.action_mappings = {agent: np.array(numbers, np.int32) for agent, numbers in self._actions.items()}
         self.action_mapping = self.action_mappings[self.possible_agents[0]]
         self.action_spaces = {agent: spaces.Discrete(len(numbers)) for agent, numbers in self._actions.items()}
-        self.observation_spaces = {agent: _space(seen) for agent, seen in self._observe(self.possible_agents).items()}
+        self._episode = self._make_episode(self._load(seed))
+        seen = self._seen_by(self.possible_agents, self._episode.observation)
+        self.observation_spaces = {agent: _space(observation) for agent, observation in seen.items()}
         self._window: Any = None
-        self._begin_counters()
-        self._seed(int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else seed)
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
         """The space of an agent's observations."""
@@ -170,66 +169,46 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
             ValueError: the seed is not within 0..2**63-1.
         """
         check_known("reset", [str(name) for name in options or {} if name != "options"], ("seed",))
-        self._begin_game(seed)
-        low, high = self._task.noops
-        for _ in range(self._draw(low, high + 1)):
-            self.core.act_players([_NO_OP] * self.core.players)
-            if self.core.game_over or self.core.truncated:
-                self._begin_game(seed)
-        self._begin_counters()
-        self._seen.begin(self.core)
+        seed = None if seed is None else _checked(seed)
+
+        def begin() -> Any:
+            if seed is not None:
+                self._load(seed)
+            self.core.reset()
+            return self.core
+
+        words = None if seed is None else self._words(seed)
+        observation, _ = self._episode.reset(self.core, begin, seed=words)
         self.agents = self.possible_agents[:]
-        return self._observe(self.agents), {agent: {} for agent in self.agents}
+        return self._seen_by(self.agents, observation), {agent: {} for agent in self.agents}
 
     def step(
         self, actions: dict[str, int]
     ) -> tuple[dict[str, Any], dict[str, Any], dict[str, bool], dict[str, bool], Infos]:
         """Play a step. An agent without an action, or that has ended, takes action 0 of the action space."""
-        agents, were_out = self.agents, self._out.copy()
+        agents = self.agents
         if not agents:
             return {}, {}, {}, {}, {}
         moves = {agent: actions.get(agent, 0) if agent in agents else 0 for agent in self.possible_agents}
-        paid, terminated, truncated = self._play([self._actions[agent][index] for agent, index in moves.items()])
-        rewards = self._rewards([0 if out else reward for out, reward in zip(were_out, paid, strict=True)])
-        out = dict(zip(self.possible_agents, self._out, strict=True))
+        numbers = [self._actions[agent][index] for agent, index in moves.items()]
+        observation, paid, terminated, truncated, _ = self._episode.step(self.core, numbers)
+        out = dict(zip(self.possible_agents, self._episode.out, strict=True))
         terminations = {agent: terminated or out[agent] for agent in agents}
         truncations = {agent: truncated and not out[agent] for agent in agents}
         self.agents = [agent for agent in agents if not terminations[agent]]  # truncated agents stay, as in PettingZoo
         if self.render_mode == "human":
             self.render()
-        paid_to = {
-            agent: reward for agent, reward in zip(self.possible_agents, rewards, strict=True) if agent in agents
-        }
-        return self._observe(agents), paid_to, terminations, truncations, {agent: {} for agent in agents}
-
-    def _play(self, moves: list[int]) -> tuple[list[int], bool, bool]:
-        """Play a step's frames; returns the rewards of the players, and whether the episode terminated or truncated."""
-        task, core, seen = self._task, self.core, self._seen
-        paid = [0] * len(moves)
-        low, high = task.frames
-        left = low if high == low + 1 else self._draw(low, high)
-        terminated = truncated = False
-        while left and not (terminated or truncated):
-            left -= 1
-            paid = [sum(pair) for pair in zip(paid, core.act_players(moves), strict=True)]
-            for player, lives in enumerate(core.player_lives):
-                self._out[player] |= lives < 0
-            self._frames_played += 1
-            terminated = core.game_over or all(self._out)
-            no_more = task.max_frames is not None and self._frames_played >= task.max_frames
-            truncated = core.truncated or (no_more and not terminated)
-            seen.frame_played(core, left, terminated or truncated)
-        seen.skip_ended(core, left, terminated or truncated)
-        self.frame += 1
-        return paid, terminated, truncated or self.frame >= (task.max_episode_steps or self.frame + 1)
-
-    def _rewards(self, paid: list[int]) -> list[Any]:
-        """The rewards of the players of a step in the agents' form."""
-        if self._task.reward_clipping:
-            paid = [min(max(reward, -1), 1) for reward in paid]
+        amounts: Any = np.array(paid, np.int32)
         if self._task.zero_sum:
-            return list(zero_sum(np.array([paid], np.int32))[0])
-        return [np.int32(reward) for reward in paid]
+            amounts = zero_sum(amounts[None])[0]
+        rewards = dict(zip(self.possible_agents, amounts, strict=True))
+        return (
+            self._seen_by(agents, observation),
+            {agent: rewards[agent] for agent in agents},
+            terminations,
+            truncations,
+            {agent: {} for agent in agents},
+        )
 
     def render(self) -> NDArray[np.uint8] | None:
         """The screen (rows, 160, 3), or None and a window."""
@@ -246,41 +225,35 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
         self._window.show(screen)
         return None
 
-    def snapshot(self) -> tuple[Any, ...]:
-        """The task, the state of the game, of its generator and counters, the agents in it, and the images."""
-        counters = (self.frame, self._frames_played, self._out.copy(), tuple(self.agents))
-        return self.task, self.core.snapshot(), copy.deepcopy(self._random), counters, self._seen.save()
+    def snapshot(self) -> bytes:
+        """The whole environment as portable bytes: task, game, all generators, counters, agents and stacked images."""
+        facts = {"of": "MultiplayerEnv", "task": identity(self.task), "agents": self.agents}
+        return snapshot.pack(facts, {"core": self.core.snapshot(), "episode": self._episode.save()})
 
-    def restore(self, snapshot: tuple[Any, ...]) -> None:
-        """Continue from a result of `snapshot`.
+    def restore(self, data: bytes) -> None:
+        """Continue from a result of `snapshot`, also in another process.
 
         Raises:
-            ValueError: it is no such result, or belongs to another task; nothing has changed.
+            TypeError, ValueError: it is no such result, is damaged, or belongs to another task; nothing has changed.
         """
-        own = self.snapshot()
-        if _kinds(snapshot) != _kinds(own) or _kinds(snapshot[3]) != _kinds(own[3]):
-            raise ValueError(f"a snapshot is what snapshot() returned, got {snapshot!r:.200}")
-        task, data, random, (frame, frames_played, out, agents), seen = snapshot
-        if differing := self.task.differences(task):
-            name, (mine, other) = next(iter(differing.items()))
-            raise ValueError(f"the snapshot is of a task with {name}={other!r}, and this environment has {mine!r}")
-        playing = [agent for agent, is_out in zip(AGENTS, out, strict=False) if agent in agents and not is_out]
-        if _kinds(out) != _kinds(self._out) or playing != list(agents) or min(frame, frames_played) < 0:
-            raise ValueError(f"the snapshot is damaged: its counters cannot be {snapshot[3]!r:.200}")
-        if len(seen) != len(own[4]):
-            raise ValueError(f"the snapshot is damaged: its images have {len(seen):,} bytes, not {len(own[4]):,}")
-        self._seen.load(seen)
-        try:
-            self.core.restore(data)
-        except ValueError:
-            self._seen.load(own[4])
-            raise
-        self._random = copy.deepcopy(random)
-        self.frame, self._frames_played, self._out, self.agents = frame, frames_played, out.copy(), list(agents)
+        facts, blobs = snapshot.unpack(data)
+        snapshot.require(facts, {"of": "MultiplayerEnv"})
+        require_same(facts.get("task"), self.task)
+        snapshot.require_blobs(blobs, "core", "episode")
+        episode, agents = self._continued(blobs["episode"]), facts.get("agents")
+        playing = [agent for agent, out in zip(self.possible_agents, episode.out, strict=True) if not out]
+        if not isinstance(agents, list) or agents != [agent for agent in playing if agent in agents]:
+            raise ValueError(f"the snapshot is damaged: its agents cannot be {agents!r:.200}")
+        self.core.restore(blobs["core"])
+        self._episode, self.agents = episode, agents
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in the game; a copy opens a window of its own."""
-        return {**vars(self), "_window": None}
+        return {**vars(self), "_window": None, "_episode": self._episode.save()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._episode = self._continued(state["_episode"])
 
     def __copy__(self) -> Self:
         """A copy with a core of its own."""
@@ -292,40 +265,39 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
             self._window.close()
             self._window = None
 
-    def _seed(self, seed: int) -> None:
-        """Start the generators like the lane of a vector."""
+    def _make_episode(self, seed: list[int] | None = None) -> _emulator.Episode:
+        idle = [self._actions[agent][0] for agent in self.possible_agents]
+        return make_episode(self._task, idle=idle, seed=seed)
+
+    def _continued(self, state: bytes) -> _emulator.Episode:
+        """A new episode of the task in the state of another.
+
+        Raises:
+            ValueError: the task is another.
+        """
+        episode = self._make_episode()
+        episode.load(state)
+        return episode
+
+    def _words(self, seed: int) -> list[int]:
+        """The seeds of the core and of the episode's generator, as in the lane of a vector."""
+        return words_of(seed, ale=self._task.seeding == "ale")
+
+    def _load(self, seed: int) -> list[int]:
+        """Load the game again with a seed, and return its words."""
         self.np_random = seeding.np_random(seed)[0]
-        first, second = (int(word) for word in np.random.SeedSequence(seed).generate_state(2))
-        self._random = seeding.np_random(first)[0]
-        if self._task.seeding == "ale":
-            self._random = AleRandom()
-            second = self._random.seed(seed)
-        self._console.ale_settings.set_seed(second)
+        words = self._words(seed)
+        self._console.ale_settings.set_seed(words[0])
         self._console.load_game()
+        return words
 
-    def _begin_game(self, seed: int | None) -> None:
-        """Reset the core. With a seed, all generators begin anew, as in a vector, also after a game of no-ops alone."""
-        if seed is not None:
-            self._seed(check_integer("seed", seed, 0, 2**63 - 1))
-        self.core.reset()
-
-    def _draw(self, low: int, high: int) -> int:
-        """A number within low..high-1."""
-        if isinstance(self._random, AleRandom):
-            return low + self._random.below(high - low)
-        return int(self._random.integers(low, high))
-
-    def _begin_counters(self) -> None:
-        self.frame = self._frames_played = 0
-        self._out = [False] * self.core.players
-
-    def _observe(self, agents: Sequence[str]) -> dict[str, Any]:
-        if self._task.obs_type not in ("rgb", "grayscale"):
-            self._seen.see_ram(self.core.ram())
-        batch = self._seen.observation()
+    def _seen_by(self, agents: Sequence[str], observation: Any) -> dict[str, Any]:
+        """The observation of each agent, from one of the engine."""
+        batch = _changed(observation, lambda part: part[None])
+        seen = _changed(self._layout.apply(batch), itemgetter(0))
         if not self._task.agent_indicator:
-            return dict.fromkeys(agents, _row(batch, 0))
-        return {agent: _row(_row(batch, 0), self.possible_agents.index(agent)) for agent in agents}
+            return dict.fromkeys(agents, seen)
+        return {agent: _changed(seen, itemgetter(self.possible_agents.index(agent))) for agent in agents}
 
 
 def _largest(probability: Any) -> float:
@@ -333,14 +305,15 @@ def _largest(probability: Any) -> float:
     return float(max(probability)) if isinstance(probability, tuple) else float(probability)
 
 
-def _kinds(parts: Any) -> Any:
-    """The kind of a sequence and the kinds of its parts."""
-    return (type(parts), *map(type, parts)) if isinstance(parts, (tuple, list)) else type(parts)
+def _checked(seed: Any) -> int:
+    return check_integer("seed", seed, 0, 2**63 - 1)
 
 
-def _row(batch: Any, row: int) -> Any:
-    """A row of an observation, which may be a dict."""
-    return {name: part[row] for name, part in batch.items()} if isinstance(batch, dict) else batch[row]
+def _changed(observation: Any, change: Callable[[Any], Any]) -> Any:
+    """An observation, which may be a dict, with each array changed."""
+    if isinstance(observation, dict):
+        return {name: change(part) for name, part in observation.items()}
+    return change(observation)
 
 
 def _space(observation: Any) -> spaces.Space[Any]:

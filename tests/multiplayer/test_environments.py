@@ -10,6 +10,8 @@ import pytest
 pytest.importorskip("pettingzoo")
 from pettingzoo.test import api_test, parallel_api_test, parallel_seed_test, render_test, seed_test
 
+from atari import AtariEnv
+from atari.cores import snapshot
 from atari.multiplayer import ENVIRONMENTS, env, parallel_env
 from atari.multiplayer.parallel import MultiplayerEnv
 
@@ -39,26 +41,57 @@ def test_equal_seeds_give_equal_games_also_seed_zero() -> None:
         assert np.array_equal(one["first_0"], two["first_0"])
 
 
-WRONG: tuple[Any, ...] = (None, "x", -1, -5, 1.5, True, b"", b"x", [], {}, ["first_0"], ("x",), ("first_0", "first_0"))
+WRONG: tuple[Any, ...] = (None, "x", -1, 1.5, True, [], {}, [[]], ["third_0"], ["second_0", "first_0"], ["first_0"] * 2)
 
 
 @pytest.mark.parametrize("options", [{}, {"obs_type": "ram"}, {"obs_type": "grayscale", "stack_num": 2}])
-def test_a_snapshot_with_an_impossible_part_is_refused_and_changes_nothing(options: dict[str, Any]) -> None:
+def test_a_foreign_or_damaged_snapshot_is_refused_and_changes_nothing(options: dict[str, Any]) -> None:
     game = MultiplayerEnv("pong", **options)
     game.reset(seed=0)
     game.step({"first_0": 1})
     good = game.snapshot()
-    parts = [(*good[:at], wrong, *good[at + 1 :]) for at in range(5) for wrong in WRONG if wrong != good[at]]
-    counters = [(*good[3][:at], wrong, *good[3][at + 1 :]) for at in range(4) for wrong in WRONG]
-    counters += [(1, 1, [True, False], ("first_0",)), (1, 1, [False], ("first_0",)), (1, 1, [0, 0], ("first_0",))]
-    for wrong in (*WRONG, good[:4], *parts, *((*good[:3], each, good[4]) for each in counters)):
-        with pytest.raises(ValueError, match="snapshot"):
-            game.restore(wrong)
-        now = game.snapshot()
-        assert (now[1], now[3], now[4]) == (good[1], good[3], good[4])
-    for ended in (good[3], (1, 1, [True, False], ("second_0",)), (1, 1, [False, False], ())):
-        game.restore((*good[:3], ended, good[4]))
-        assert game.agents == list(ended[3])
+    facts, blobs = snapshot.unpack(good)
+    forged = [
+        *(
+            ({**facts, name: wrong}, blobs)
+            for name in ("of", "agents")
+            for wrong in WRONG
+            if (name, wrong) != ("agents", [])
+        ),
+        *(({**facts, "task": wrong}, blobs) for wrong in WRONG if wrong is not None),
+        *((facts, {name: blobs[name]}) for name in blobs),
+        *(
+            (facts, {**blobs, name: wrong})
+            for name in blobs
+            for wrong in (b"", b"x", blobs[name][:-1], blobs[name] + b"x")
+        ),
+        (facts, {**blobs, "core": MultiplayerEnv("pong", num_players=4).core.snapshot()}),
+    ]
+    others = [MultiplayerEnv("boxing").snapshot(), AtariEnv("pong").snapshot(), game.core.snapshot()]
+    damaged = [b"", b"x", good[:-1], good + b"x", good[:-1] + bytes([good[-1] ^ 1])]
+    for data in (None, "x", 3, (), [good], *damaged, *others, *(snapshot.pack(*each) for each in forged)):
+        with pytest.raises((TypeError, ValueError), match=r"snapshot|the task is damaged|the state "):
+            game.restore(data)
+        assert game.snapshot() == good
+    for agents in (["second_0"], []):
+        game.restore(snapshot.pack({**facts, "agents": agents}, blobs))
+        assert game.agents == agents
+        assert list(game.step({})[0]) == agents
+
+
+@pytest.mark.parametrize("fill", [0, 0xFF])
+def test_a_snapshot_with_a_forged_episode_is_played_without_a_crash(fill: int) -> None:
+    game = MultiplayerEnv("warlords", players=4, preset="multiplayer_dqn", frameskip=(2, 5), noops=(0, 9))
+    game.reset(seed=0)
+    facts, blobs = snapshot.unpack(game.snapshot())
+    blobs["episode"] = bytes([fill]) * len(blobs["episode"])
+    game.restore(snapshot.pack({**facts, "agents": []}, blobs))
+    assert game.step({}) == ({}, {}, {}, {}, {})
+    assert game.terminations == dict.fromkeys(game.possible_agents, fill > 0)
+    if not fill:
+        game.restore(snapshot.pack(facts, blobs))
+        assert list(game.step({})[0]) == game.possible_agents
+    assert list(game.reset()[0]) == game.agents == game.possible_agents
 
 
 def test_a_snapshot_continues_the_game() -> None:

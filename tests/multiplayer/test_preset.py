@@ -63,7 +63,7 @@ def test_a_snapshot_continues_with_its_stack() -> None:
     assert np.array_equal(after, again)
     before = game.core.save()
     for options in ({"frameskip": 4}, {"frameskip": (2, 5), "stack_num": 3}):
-        with pytest.raises(ValueError, match=r"the snapshot is of a task with (frameskip|stack_num)="):
+        with pytest.raises(ValueError, match=r"the snapshot was taken with (frameskip|stack_num) = "):
             game.restore(MultiplayerEnv("boxing", preset=DQN, **options).snapshot())
     assert game.core.save() == before
 
