@@ -15,11 +15,11 @@ from atari.multiplayer.core import MultiplayerCore
 from atari.recording.replay.events import Kind
 from atari.recording.replay.players import RecordMatch
 from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, header_of, not_copied
-from atari.recording.replay.vector_shadow import make_shadow
+from atari.recording.replay.vector_shadow import LaneShadow, shadow_env
 from atari.recording.vectors import is_vector, not_recorded, recorded_vector
 from atari.restorable import Restorable
 from atari.validation import check_arguments, check_integer
-from atari.vector.seeds import seed_values
+from atari.vector.seeds import seed_words
 
 
 class RecordEnvReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -104,15 +104,16 @@ class RecordVectorReplay(VectorWrapper):
         super().__init__(envs)
         self._vector = inner
         self._index = check_integer("index", index, 0, inner.num_envs - 1)
-        self._added = inner.lanes[self._index].added
+        self._lane = inner.lanes[self._index]
+        self._added = self._lane.added
         if self._added.slots:
             raise ValueError("the environment has a Freeze or a Poke; release it, and make it after RecordReplay")
         self._seeded = not inner.started
-        self._shadow = make_shadow(inner, self._index, lambda env: RecordReplay(env, path))
-        self._recorder = self._shadow.env.recorder
+        recorded = RecordReplay(shadow_env(inner.options, self._index), path)
+        self._recorder = recorded.recorder
         self.path = self._recorder.path
-        self._core = self._shadow.env.unwrapped.core
-        self._added.shadows.append(self._core)
+        self._shadow = LaneShadow(inner, self._index, recorded)
+        self._added.shadows.append(self._shadow.core)
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset environments; if the recorded one is among them, reset its shadow.
@@ -125,13 +126,14 @@ class RecordVectorReplay(VectorWrapper):
         if seed is None and not vector.started and self._seeded:
             seed = np.random.SeedSequence().generate_state(vector.num_envs).astype(np.int64)
         mask = vector.reset_mask(options)
-        chosen = seed_values(seed, mask).get(self._index)
+        seeded, words = seed_words(seed, mask, ale=vector.task.seeding == "ale")
+        chosen = words[self._index].tolist() if seeded[self._index] else None
         if mask[self._index] and chosen is None and not self._seeded:
             raise ValueError("the vector was reset before it was recorded; give this first reset a seed")
         result: tuple[Any, dict[str, Any]] = self.env.reset(seed=seed, options=options)
         if mask[self._index] and self._recorder.open:
             self._seeded = True
-            self._shadow.reset(chosen)
+            self._shadow.reset(chosen, new_game=bool((options or {}).get("new_game")))
             self._compare()
         return result
 
@@ -144,18 +146,15 @@ class RecordVectorReplay(VectorWrapper):
         indices, strengths = self._vector.options.moves(actions)
         row = self._index
         self._recorder.raise_deferred_error()
-        result = self.env.step(actions)
-        if not self._recorder.open:
-            return result
-        info = result[4]
-        final = info["final_info"]["frame_number"][row] if info.get("_final_info", [False] * (row + 1))[row] else None
-        self._shadow.step(int(indices[row]), 1.0 if strengths is None else float(strengths[row]), final)
-        self._compare()
+        result: tuple[Any, Any, Any, Any, dict[str, Any]] = self.env.step(actions)
+        if self._recorder.open:
+            self._shadow.step(int(indices[row]), 1.0 if strengths is None else float(strengths[row]))
+            self._compare()
         return result
 
     def stop(self) -> None:
         """Complete the file; the environments can continue without a recording."""
-        self._added.shadows = [each for each in self._added.shadows if each is not self._core]
+        self._added.shadows = [each for each in self._added.shadows if each is not self._shadow.core]
         self._shadow.env.close()
 
     def close(self, **kwargs: Any) -> None:
@@ -167,7 +166,7 @@ class RecordVectorReplay(VectorWrapper):
         raise not_copied()
 
     def _compare(self) -> None:
-        lane, core = self._shadow.lane, self._shadow.env.unwrapped.core
+        lane, core = self._lane, self._shadow.core
         if core.frame_number != lane.frame_number or core.ram().tobytes() != lane.ram().tobytes():
             self.stop()
             raise RuntimeError(

@@ -146,7 +146,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         """Repeat the environments' step on the shadow cores and record each frame."""
         if not self.recording:
             return
-        repeats = [shadow.action_repeat(actions, bool(resets[shadow.index]), info) for shadow in self._shadows]
+        repeats = [shadow.action_repeat(actions, info) for shadow in self._shadows]
         self._synchronize(shadow for shadow, repeat in zip(self._shadows, repeats, strict=True) if not repeat.frames)
         for frame in range(max(int(resets.any()), *(repeat.frames for repeat in repeats))):
             for shadow, repeat in zip(self._shadows, repeats, strict=True):

@@ -41,6 +41,7 @@ class ShadowCore:
         """Whether the environment has been seeded or reset, which may change its generator alone."""
         self.played: tuple[int, int] | None = None
         """Action and reward of the frame of the last `play`; None if that call played no frame."""
+        self._ended = False  # whether the next step plays no action
 
     def synchronize(self) -> bool:
         """Copy the environment's state if it differs, and return whether the copy is from another episode.
@@ -48,6 +49,7 @@ class ShadowCore:
         Equal states are not copied, because the environment has no sound.
         """
         core, lane = self.core, self._lane
+        self._ended = lane.ended
         if not self.is_new and core.frame_number == lane.frame_number and (core.ram() == lane.ram()).all():
             return False
         before = core.episode_frame_number
@@ -69,23 +71,21 @@ class ShadowCore:
                 "wrappers that change actions"
             )
 
-    def action_repeat(self, actions: Any, was_reset: bool, info: dict[str, Any]) -> ActionRepeat:
+    def action_repeat(self, actions: Any, info: dict[str, Any]) -> ActionRepeat:
         """The frames that the environment has played since `synchronize`, in a step with these actions and results.
+
+        A step that only resets the environment has none.
 
         Args:
             actions: the actions of all environments, as passed to `step`.
-            was_reset: whether autoreset was due for the environment. With episodic life it may have only continued.
             info: the infos that `step` returned.
         """
         indices, strengths = self._options.moves(actions)
         action = int(self._options.actions[self.index][int(indices[self.index])])
         strength = 1.0 if strengths is None else float(strengths[self.index])
         ended = "_final_info" in info and bool(info["_final_info"][self.index])
-        numbers = info["final_info"] if ended else info
-        frame, episode_frame = (int(numbers[name][self.index]) for name in ("frame_number", "episode_frame_number"))
-        if was_reset and (not self._options.task.life_loss_info or episode_frame < self.core.episode_frame_number):
-            return ActionRepeat(action, strength, 0)
-        return ActionRepeat(action, strength, max(0, frame - self.core.frame_number))
+        frame = int((info["final_info"] if ended else info)["frame_number"][self.index])
+        return ActionRepeat(action, strength, 0 if self._ended else max(0, frame - self.core.frame_number))
 
     def play(self, repeat: ActionRepeat, frame: int) -> None:
         """Play frame number `frame` of an action repeat; after its last frame, do nothing."""

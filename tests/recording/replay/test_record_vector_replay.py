@@ -54,6 +54,8 @@ def check(path: Path, rams: list[np.ndarray[Any, Any]], core: str = "ale") -> Re
         ("breakout", {}),
         ("ms_pacman", {"life_loss_info": True, "repeat_action_probability": 0.25, "frameskip": (2, 5)}),
         ("breakout", {"episodic_life": True, "noop_max": 1, "use_fire_reset": False}),
+        ("breakout", {"episodic_life": True, "on_reset": "noop"}),
+        ("breakout", {"episodic_life": True, "on_reset": "continue", "lives_unit": "skip"}),
         ("pong", {"max_num_frames_per_episode": 90, "mode": 1, "difficulty": [0, 1, 0]}),
         ("breakout", {"continuous": True}),
         (["pong", "breakout", "seaquest"], {"full_action_space": None}),
@@ -79,6 +81,66 @@ def test_every_preset(name: str, tmp_path: Path) -> None:
     rams = play(envs, 80, 1)
     envs.close()
     check(tmp_path / "a.a26r", rams)
+
+
+@pytest.mark.parametrize(("index", "game"), list(enumerate(["pong", "breakout", "ms_pacman"])))
+@pytest.mark.parametrize("preset", ["dqn2015", "baselines", "ale_vector"])
+def test_presets_of_games_with_different_actions(index: int, game: str, preset: str, tmp_path: Path) -> None:
+    games, mode = ["pong", "breakout", "ms_pacman"], MODES[index]
+    envs: Any = atari.AtariVectorEnv(games, preset=preset, autoreset_mode=mode, num_threads=1)
+    envs = RecordReplay(envs, tmp_path / "a.a26r", index)
+    rams = play(envs, 120, index)
+    assert envs.single_action_space.n == 18
+    envs.close()
+    replay = check(tmp_path / "a.a26r", rams, "native")
+    assert replay.game.id == game
+    assert len(replay.make_env().driver.actions) == 18
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("preset", [None, "dqn2015", "envpool"])
+def test_a_lost_life_that_is_only_reported(mode: str, preset: str | None, tmp_path: Path) -> None:
+    envs = atari.AtariVectorEnv(
+        "breakout", 2, preset=preset, autoreset_mode=mode, episodic_life=False, life_loss_info=True, num_threads=1
+    )
+    envs = RecordReplay(envs, tmp_path / "a.a26r", 1)
+    rams = play(envs, 150, 1)
+    envs.close()
+    check(tmp_path / "a.a26r", rams, "native")
+
+
+def test_continuous_actions_of_a_preset(tmp_path: Path) -> None:
+    envs = RecordReplay(
+        atari.AtariVectorEnv("breakout", 2, preset="dqn2015", continuous=True, num_threads=1), tmp_path / "a.a26r"
+    )
+    rams = play(envs, 60, 0)
+    envs.close()
+    check(tmp_path / "a.a26r", rams, "native")
+
+
+def test_new_game_after_a_lost_life(tmp_path: Path) -> None:
+    envs: Any = RecordReplay(
+        atari.AtariVectorEnv("breakout", 2, preset="baselines", autoreset_mode="Disabled"), tmp_path / "a.a26r"
+    )
+    envs.reset(seed=0)
+    while not envs.unwrapped.lanes[0].ended:
+        envs.step(np.array([1, 1]))
+    assert envs.unwrapped.lanes[0].lives == 4
+    envs.reset(options={"new_game": True})
+    assert envs.unwrapped.lanes[0].lives == 5
+    envs.close()
+    assert len(Replay.load(tmp_path / "a.a26r").episodes) == 2
+
+
+@pytest.mark.parametrize("seeding", ["ale", "gymnasium"])
+def test_the_limit_of_the_emulator_may_end_a_game_in_the_no_ops(seeding: Any, tmp_path: Path) -> None:
+    task = atari.Task("breakout", seeding=seeding, noops=(40, 140), max_num_frames_per_episode=90)
+    envs = RecordReplay(atari.AtariVectorEnv(task, 1, num_threads=1), tmp_path / "a.a26r")
+    rams = play(envs, 60, 0)
+    envs.close()
+    replay = check(tmp_path / "a.a26r", rams)
+    assert replay.options["max_num_frames_per_episode"] == 90
+    assert {episode.end for episode in replay.episodes[:-1]} == {"truncated"}
 
 
 def test_without_a_seed_all_get_random_ones(tmp_path: Path) -> None:
@@ -143,8 +205,6 @@ def test_wrong_uses(tmp_path: Path) -> None:
         RecordReplay(atari.AtariVectorEnv("pong", 2), path, 2)
     with pytest.raises(ValueError, match="batches of all environments"):
         RecordReplay(atari.AtariVectorEnv("pong", 2, batch_size=1), path)
-    with pytest.raises(ValueError, match="all games have the same actions"):
-        RecordReplay(atari.AtariVectorEnv(["pong", "breakout"], preset="dqn2015"), path)
     envs = RecordReplay(atari.AtariVectorEnv("pong", 2), path)
     with pytest.raises(gymnasium.error.ResetNeeded):
         envs.step(np.zeros(2, int))

@@ -283,6 +283,21 @@ def test_it_synchronizes_with_environments_that_were_restored_or_changed(tmp_pat
     envs.close()
 
 
+def test_an_ended_environment_that_was_restored_shows_its_frames(tmp_path: Path) -> None:
+    vector = AtariVectorEnv("pong", 1, max_num_frames_per_episode=12, noop_max=1)
+    first = {"episode_trigger": lambda episode: episode == 0, "video_length": 100}
+    envs = record_video(vector, tmp_path, format="gif", **first)
+    envs.reset(seed=0)
+    saved = vector.snapshot()
+    while not envs.step(np.array([2]))[3][0]:
+        pass
+    vector.restore(None, saved)
+    before = envs._recorder.frames
+    envs.step(np.array([2]))
+    assert envs._recorder.frames == before + 4
+    envs.close()
+
+
 def test_inner_wrappers_that_change_actions_are_reported(tmp_path: Path) -> None:
     vector = AtariVectorEnv("pong", 2, noop_max=1, use_fire_reset=False)
     changed = gymnasium.wrappers.vector.TransformAction(vector, lambda actions: 5 - actions)
