@@ -6,7 +6,7 @@ from typing import Any
 
 from atari import _emulator
 from atari.cores import ByteArray, Core
-from atari.observations.settings import filled_by_name, observation_settings
+from atari.observations.settings import episode_settings, make_episode
 from atari.task import Task
 
 ReadScreen = Callable[[Core], ByteArray]
@@ -35,9 +35,7 @@ class FrameEpisode:
     """The core that is played. It is set before each `next` of a generator."""
 
     def __init__(self, task: Task, read_screen: ReadScreen) -> None:
-        rows, _ = task.definition.screen.shape
-        settings = filled_by_name(
-            _emulator.EpisodeSettings(),
+        settings = episode_settings(
             task,
             acts_after_end=False,
             players=1,  # the policy is one of several players
@@ -47,15 +45,7 @@ class FrameEpisode:
             max_frames=None,  # the program that plays the frames ends the games
             max_episode_steps=None,
         )
-        self._episode = _emulator.Episode(
-            settings,
-            observation_settings(task),
-            rows=rows,
-            format=task.definition.screen.format,
-            ram=task.obs_type in ("dict", "rgb_dict") or (task.obs_type == "ram" and task.stack_num is None),
-            begin_actions=list(map(int, task.begin_actions)),
-            idle=[0],
-        )
+        self._episode = make_episode(task.replace(reward=None), settings)
         self._read_screen = read_screen
 
     def reset(self, seed: list[int] | None, noops: int | None) -> Generator[int, None, Any]:

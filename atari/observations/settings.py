@@ -48,13 +48,27 @@ def observation_settings(task: Task) -> _emulator.ObservationSettings:
     return filled_by_name(_emulator.ObservationSettings(), task, pixels=_pixels(task), **size)
 
 
+def episode_settings(task: Task, **changed: Any) -> _emulator.EpisodeSettings:
+    """The settings with which episodes begin, are played and end; `changed` has fields in place of the task's."""
+    alone = task.players == 1 and not task.preprocessed
+    return filled_by_name(_emulator.EpisodeSettings(), task, **{"acts_after_end": alone, **changed})
+
+
 def make_episode(
-    task: Task, *, begin_actions: Iterable[Action] | None = None, idle: Iterable[int] = (0,), **options: Any
+    task: Task,
+    settings: _emulator.EpisodeSettings | None = None,
+    *,
+    observed: bool = True,
+    begin_actions: Iterable[Action] | None = None,
+    idle: Iterable[int] = (0,),
+    **options: Any,
 ) -> _emulator.Episode:
     """The rules, counters and stack of a task, which plays on the core of each call.
 
     Args:
         task: the task.
+        settings: the settings in place of the task's.
+        observed: whether there are observations and a reward of the task's own; without, only games are played.
         begin_actions: the actions that can begin an episode; None means the task's.
         idle: the action of each player who is out, an ALE number.
         **options: other arguments of `_emulator.Episode`: `stacked`, `draw`, `seed`.
@@ -63,17 +77,18 @@ def make_episode(
         ValueError: the task has an image size that a vector does not support.
     """
     game = task.definition
-    # The core has the sticky actions.
-    settings = filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=False, repeat_action_probability=0.0)
+    blind = filled(_emulator.ObservationSettings(), pixels=_emulator.PixelFormat.NONE)
+    of_ram = task.obs_type in ("dict", "rgb_dict") or (task.obs_type == "ram" and task.stack_num is None)
     return _emulator.Episode(
-        settings,
-        observation_settings(task),
+        # The core has the sticky actions.
+        episode_settings(task, repeat_action_probability=0.0) if settings is None else settings,
+        observation_settings(task) if observed else blind,
         rows=game.screen.shape[0],
         format=game.screen.format,
-        ram=task.obs_type in ("dict", "rgb_dict") or (task.obs_type == "ram" and task.stack_num is None),
+        ram=observed and of_ram,
         begin_actions=list(map(int, task.begin_actions if begin_actions is None else begin_actions)),
         idle=list(idle),
-        reward=None if task.reward is None else reward_formula(game, task.reward),
+        reward=reward_formula(game, task.reward) if observed and task.reward is not None else None,
         **options,
     )
 

@@ -22,7 +22,7 @@ from atari.cores.rewards import reward_formula
 from atari.cores.writes import make_writes
 from atari.games.game import Game
 from atari.observations.layout import Layout
-from atari.observations.settings import filled, filled_by_name, image_shape, observation_settings
+from atari.observations.settings import episode_settings, filled, image_shape, observation_settings
 from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
@@ -278,12 +278,6 @@ class VectorOptions:
                 f"a continuous action is radius 0..1, angle -pi..pi, fire 0..1, got {actions[row]} in row {row}"
             )
         return joystick_action(radius, angle, fire, self.threshold), radius
-
-
-def episode_settings(task: Task) -> _emulator.EpisodeSettings:
-    """The settings with which the engine, or an `_emulator.Episode`, begins, plays and ends episodes."""
-    alone = task.players == 1 and not task.preprocessed
-    return filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=alone)
 
 
 def _own_reward(task: Task) -> dict[str, _emulator.RewardFormula]:

@@ -6,13 +6,11 @@ has the same seed and plays the same actions, so its RAM and frame numbers must 
 
 from typing import Any
 
-from atari import _emulator
 from atari._gymnasium import AutoresetMode
 from atari.env import AtariEnv
-from atari.observations.settings import filled
-from atari.task import Task
+from atari.observations.settings import make_episode
 from atari.vector.env import AtariVectorEnv
-from atari.vector.options import VectorOptions, episode_settings
+from atari.vector.options import VectorOptions
 
 
 class LaneShadow:
@@ -29,7 +27,7 @@ class LaneShadow:
         """The recorded core."""
         self._actions = vector.options.actions[index]
         self._autoreset = vector.autoreset_mode
-        self._episode = _episode(vector.options.tasks[index])
+        self._episode = make_episode(vector.options.tasks[index], observed=False)
 
     def reset(self, seed: list[int] | None = None, new_game: bool = False) -> None:
         """Begin an episode, as the environment has.
@@ -74,16 +72,3 @@ def shadow_env(options: VectorOptions, index: int) -> AtariEnv:
     env = AtariEnv(alone, rom=options.rom)
     env.whole_task = task
     return env
-
-
-def _episode(task: Task) -> _emulator.Episode:
-    """The episodes of a task, without observations."""
-    rows, _ = task.definition.screen.shape
-    return _emulator.Episode(
-        episode_settings(task),
-        filled(_emulator.ObservationSettings(), pixels=_emulator.PixelFormat.NONE),
-        rows=rows,
-        format=task.definition.screen.format,
-        begin_actions=list(map(int, task.begin_actions)),
-        idle=[0],
-    )
