@@ -178,6 +178,7 @@ def test_a_step_is_played_to_its_end_after_an_error_of_a_callback(wrap: Any) -> 
         game.step(1, fail)
     assert (len(calls), game.core.frame_number - before) == (2, 4)
     other.step(1)
+    assert (game.episode.steps, game.episode.score) == (other.episode.steps, other.episode.score) == (1, 0)
     assert _bytes(game.step(3)) == _bytes(other.step(3))
 
 

@@ -65,8 +65,8 @@ class BoundEpisode {
             episode_->reset(seed ? &*seed : nullptr, new_game, noops, fire);
             outcome.game_steps = episode_->game_steps();
             outcome.game_over = game_->game_over();
+            return false;
         });
-        ended_ = false;
         return nb::make_tuple(observation(), info(outcome));
     }
 
@@ -77,25 +77,25 @@ class BoundEpisode {
         Outcome outcome;
         play({std::move(core), {}, std::move(on_frame)}, [&] {
             outcome = episode_->step(numbers.data(), factor);
-            ended_ = outcome.ended;
+            return outcome.ended;
         });
         return nb::make_tuple(observation(), reward(outcome), outcome.terminated, outcome.limited, info(outcome));
     }
 
     nb::object& draw() { return draw_; }
-    bool ended() const { return ended_; }
+    bool ended() const { return now_.ended; }
     nb::object score() const {
-        return of_players(episode_->score(), [](int64_t score) { return nb::int_(score); });
+        return of_players(now_.score, [](int64_t score) { return nb::int_(score); });
     }
     nb::object present() {
         const Playing playing(*this);
         return observation();
     }
-    int steps() const { return episode_->game_steps(); }
+    int steps() const { return now_.steps; }
     nb::tuple out() const {
         nb::list out;
         for (int player = 0; player < episode_->players(); ++player)
-            out.append(static_cast<bool>(episode_->out() >> player & 1));
+            out.append(static_cast<bool>(now_.out >> player & 1));
         return nb::tuple(out);
     }
     nb::bytes save() {
@@ -111,6 +111,8 @@ class BoundEpisode {
                                    " bytes, got " + std::to_string(state.size()))
                                       .c_str());
         episode_->load(static_cast<const uint8_t*>(state.data()));
+        read_counters(now_);
+        now_.ended = false;
     }
 
   private:
@@ -128,16 +130,42 @@ class BoundEpisode {
         std::atomic<bool>& flag_;
     };
 
+    // What the last call has left: a copy, because another thread may read it while an episode is played.
+    struct Now {
+        OfPlayers<int> lives;
+        int frame, episode_frame, steps;
+        OfPlayers<int64_t> score;
+        uint8_t out;
+        bool ended;
+        std::array<uint8_t, kRamSize> ram;
+    };
+
+    // Calls `work`, which plays and returns whether the episode has ended.
     template <typename Work>
     void play(CoreGame::Call call, Work&& work) {
-        game_->play(std::move(call), [&] {
-            work();
+        Now now = now_;
+        const auto played = [&] {
+            now.ended = work();
+            read_counters(now);
             for (int player = 0; player < episode_->players(); ++player)
-                now_.lives[static_cast<size_t>(player)] = game_->lives(player);
-            now_.frame = game_->frame_number();
-            now_.episode_frame = game_->episode_frame_number();
-            if (ram_) std::copy_n(game_->ram(), kRamSize, now_.ram.begin());
-        });
+                now.lives[static_cast<size_t>(player)] = game_->lives(player);
+            now.frame = game_->frame_number();
+            now.episode_frame = game_->episode_frame_number();
+            if (ram_) std::copy_n(game_->ram(), kRamSize, now.ram.begin());
+        };
+        try {
+            game_->play(std::move(call), played);
+        } catch (...) {  // An error of `on_frame` follows the last frame of a step.
+            now_ = now;
+            throw;
+        }
+        now_ = now;
+    }
+
+    void read_counters(Now& now) const {
+        now.steps = episode_->game_steps();
+        now.score = episode_->score();
+        now.out = episode_->out();
     }
 
     int drawn(int low, int high) {
@@ -230,19 +258,12 @@ class BoundEpisode {
         return info;
     }
 
-    struct Now {
-        OfPlayers<int> lives;
-        int frame, episode_frame;
-        std::array<uint8_t, kRamSize> ram;
-    };
-
     const bool stacked_, ram_;
     nb::object draw_;
     const Keys keys_;
     std::unique_ptr<CoreGame> game_;
     std::unique_ptr<Episode> episode_;
-    Now now_{};  // after the last call
-    bool ended_ = false;
+    Now now_{};
     std::atomic<bool> playing_ = false;
 };
 
