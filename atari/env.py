@@ -138,7 +138,9 @@ class AtariEnv(EnvState):
         self._own_ale = self._ale
         self._np_random_seed = -1
         self._obs_type, self._frameskip = task.obs_type, task.frameskip  # `step` reads them
-        self._pixels = None if self.sound_obs or self._has_own_results() else _PIXELS[task.obs_type]
+        kind = type(self)
+        own_results = kind._get_obs is not kind.observe or kind.observe is not AtariEnv.observe
+        self._calls_methods = self.sound_obs or own_results or kind._get_info is not AtariEnv._get_info
         self.action_space = make_action_space(task.action_set, self.continuous)
         self.observation_space = self._make_observation_space()
         self.metadata = {**self.metadata, "render_fps": max(1, round(self._steps_per_second()))}
@@ -208,8 +210,8 @@ class AtariEnv(EnvState):
         driver = self.driver
         number, strength = driver.ale_action(action)
         frames = self._frameskip if type(self._frameskip) is int else self._draw_frameskip()
-        if self._pixels is not None and not driver.observers and type(driver.core) in _IN_ONE_CALL:
-            results = driver.play_step(number, strength, self._pixels, frames=frames)
+        if self._plays_in_one_call():
+            results = driver.play_step(number, strength, _PIXELS[self._obs_type], frames=frames)
             self.show()
             return results
         reward = driver.play_frames(number, strength, frames=frames)
@@ -235,10 +237,13 @@ class AtariEnv(EnvState):
     def _get_info(self) -> dict[str, Any]:
         return self.driver.info()
 
-    def _has_own_results(self) -> bool:
-        """Whether a subclass changes the observation or the information that `step` returns."""
-        kind = type(self)
-        return not (kind._get_obs is kind.observe is AtariEnv.observe) or kind._get_info is not AtariEnv._get_info
+    def _plays_in_one_call(self) -> bool:
+        """Whether a step need call no method of a subclass, of this object, of its core or of an observer."""
+        driver, own = self.driver, vars(self)
+        if self._calls_methods or driver.observers or "_get_obs" in own or "observe" in own or "_get_info" in own:
+            return False
+        core = driver.core
+        return type(core) in _IN_ONE_CALL and "act" not in vars(core)
 
     @property
     def has_own_step(self) -> bool:

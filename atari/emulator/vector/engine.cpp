@@ -254,15 +254,13 @@ void VectorEngine::save(int environment, uint8_t* out) {
 bool VectorEngine::load(int environment, const uint8_t* in) {
     if (!lane(environment).load(in + 1)) return false;
     Outcome& outcome = slot(environment).outcome;
-    const auto out = static_cast<uint8_t>(*in >> 4 & ((1 << players_) - 1));
-    outcome = {{},
-               (*in & 1) != 0,
-               (*in & 2) != 0,
-               out,
-               (*in & 4) != 0,
-               (*in & 8) != 0,
-               {},
-               lane(environment).episode().game_steps()};
+    outcome = Outcome{};
+    outcome.terminated = *in & 1;
+    outcome.truncated = *in >> 1 & 1;
+    outcome.ended = *in >> 2 & 1;
+    outcome.game_over = *in >> 3 & 1;
+    outcome.out = static_cast<uint8_t>(*in >> 4 & ((1 << players_) - 1));
+    outcome.game_steps = lane(environment).episode().game_steps();
     return true;
 }
 
