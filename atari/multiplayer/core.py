@@ -18,9 +18,9 @@ from atari.multiplayer.resolution import resolve_several
 from atari.roms import find
 from atari.roms import image as rom_image
 from atari.task import Task
-from atari.task.fields import GROUPS, check_bool
+from atari.task.checks import check_bool
+from atari.task.fields import DEFAULTS, FIELDS, GROUPS
 from atari.task.resolution import GameLike
-from atari.task.task import DEFAULTS, FIELDS
 from atari.validation import check_integer, check_name
 
 Reference = Literal["multi_agent_ale", "ale_py"]

@@ -9,7 +9,7 @@ from atari.cores import ByteArray
 from atari.multiplayer.ale import MultiplayerAle
 from atari.roms import find
 from atari.task import Task
-from atari.task.fields import NO_LIMIT
+from atari.task.checks import NO_LIMIT
 from atari.validation import check_integer
 
 OBS_TYPES = {"rgb_image": "rgb", "grayscale_image": "grayscale"}

@@ -24,7 +24,7 @@ from atari.multiplayer.resolution import resolve_several
 from atari.observations.layout import Layout
 from atari.observations.settings import make_episode
 from atari.task import Task
-from atari.task.fields import NO_LIMIT
+from atari.task.checks import NO_LIMIT
 from atari.task.resolution import GameLike
 from atari.task.storage import identity, require_same
 from atari.validation import check_integer, check_known, check_name

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from gymnasium import spaces
 
 from atari.task import Task
-from atari.task.fields import check_bool
+from atari.task.checks import check_bool
 
 _DTYPES = ("uint8", "float32")
 

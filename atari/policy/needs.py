@@ -10,10 +10,9 @@ from atari.games.game import Game
 from atari.games.players import rules_of
 from atari.observations.layout import Layout
 from atari.task import Task
-from atari.task.fields import GROUPS
+from atari.task.fields import DEFAULTS, FIELDS, GROUPS
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.rules import settle
-from atari.task.task import DEFAULTS, FIELDS
 from atari.validation import check_known
 from atari.vector import AtariVectorEnv
 from atari.vector.ale_names import NAMES

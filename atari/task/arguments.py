@@ -19,11 +19,11 @@ from atari.games.frozen import FrozenDict
 from atari.roms.identification import identify
 from atari.roms.search import ENDINGS
 from atari.task.description import summary
-from atari.task.fields import GROUPS, check_field
+from atari.task.fields import DEFAULTS, GROUPS, check_field
 from atari.task.presets import PRESETS, find_preset
 from atari.task.resolution import OPTIONS, GameLike, leave_out, resolve_for_agent, resolve_task
 from atari.task.storage import read_task
-from atari.task.task import DEFAULTS, Task
+from atari.task.task import Task
 from atari.validation import check_integer
 
 SEEDS = 2**32

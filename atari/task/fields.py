@@ -1,22 +1,36 @@
-"""The fields of a `Task` one by one: the values that each accepts, and its group."""
+"""The fields of a `Task`, one row each: name, type, default, group, sentence, and what the type does not say.
 
-from collections.abc import Callable, Mapping, Sequence
+The dataclass, the checks, the typed options, flags and their help, JSON, the printed task and the tables of
+`docs/tasks.md` follow from the rows. The rules between fields are in `atari/task/rules.py`.
+"""
+
+import dataclasses
+import typing
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypeVar, get_args, get_origin
 
-import numpy as np
-
-from atari.actions import PLAYER_ACTIONS, Action
 from atari.games.frozen import FrozenDict
-from atari.games.rewards import as_one_line
-from atari.validation import (
-    MOST_FRAMES_SKIPPED,
-    OptionTypeError,
-    check_frameskip,
-    check_integer,
-    check_name,
-    check_probability,
+from atari.games.interventions import Intervention
+from atari.task.checks import (
+    NO_LIMIT,
+    Check,
+    FrameSkip,
+    Limit,
+    Noops,
+    OneOf,
+    OrNone,
+    Probability,
+    Whole,
+    as_is,
+    check_actions,
+    check_bool,
+    check_probabilities,
+    check_reward,
+    check_text,
+    check_threshold,
 )
+from atari.validation import MOST_FRAMES_SKIPPED
 
 ObsType = Literal["rgb", "grayscale", "ram", "dict", "rgb_dict"]
 Fire = Literal["never", "before_noops", "after_noops"]
@@ -25,9 +39,8 @@ Unit = Literal["frame", "skip"]
 Seeding = Literal["gymnasium", "ale"]
 Padding = Literal["zero", "reset"]
 EndFrames = Literal["last", "gymnasium", "baselines", "envpool"]
-
-NO_LIMIT = 2**31 - 1
-"""The highest limit of frames or steps."""
+Group = Literal["game", "play", "begin", "lives", "limits", "observation", "reward"]
+_T = TypeVar("_T")
 
 
 class _Unset:
@@ -40,36 +53,287 @@ class _Unset:
 UNSET: Any = _Unset()
 """The default of an option that a user may leave out."""
 
+
+@dataclass(frozen=True)
+class Row:
+    """A field, without its name, type and default.
+
+    Attributes:
+        group: the part of a task to which the field belongs.
+        says: its meaning, for the documentation and the help of commands.
+        check: checks a value; None for a bool or a Literal, whose type is the check.
+        tuned: whether users tune it. Otherwise it only says how another program resets.
+        accepts: the type of the option, if that takes None as "not given", or other forms of a value.
+        flags: its flags, if they are not made from its name.
+        metavar: its value in the help of commands; "" for the choices of a Literal, and otherwise N.
+        words: its words in the printed task where its value is not the default; {} is the value. "" if
+            `atari/task/description.py` writes it together with other fields.
+    """
+
+    group: Group
+    says: str
+    check: Check | None = None
+    tuned: bool = True
+    accepts: str | None = None
+    flags: tuple[str, ...] = ()
+    metavar: str = ""
+    words: str = ""
+
+
+def row(default: _T, group: Group, says: str, *, compare: bool = True, **more: Any) -> _T:
+    """A field with a default; see `Row`. `compare` is whether `==` compares it."""
+    return dataclasses.field(default=default, compare=compare, metadata={"row": Row(group, says, **more)})
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class TaskFields:
+    """The rows. Their order is the order of the fields in `repr`, in the documentation and in the help of commands."""
+
+    game: str = dataclasses.field(
+        kw_only=False,
+        metadata={
+            "row": Row(
+                "game",
+                'id of the game ("breakout"). The constructor also takes a game file of your own, or a `Game`',
+                as_is,
+            )
+        },
+    )
+    rules: str = row(
+        "",
+        "game",
+        'fingerprint of the game definition; "" in the constructor means the installed one\'s',
+        check=check_text,
+    )
+    rom_md5: str | None = row(
+        None,
+        "game",
+        "MD5 of the ROM, None if it is not known; it is not compared by `==`",
+        check=check_text,
+        compare=False,
+    )
+    mode: int | None = row(
+        None,
+        "game",
+        "game mode, None in the constructor means the default. With several players, Multi-Agent-ALE numbers the modes",
+        check=as_is,
+    )
+    difficulty: int | None = row(None, "game", "None in the constructor means ALE's default, 0", check=as_is)
+    players: int = row(1, "game", "number of players of one game, 1 to 4", check=Whole(1, 4), accepts="int | None")
+    actions: str | tuple[str, ...] = row(
+        "minimal",
+        "play",
+        "minimal (those that the game uses), full (all legal ones), or names of actions",
+        check=check_actions,
+        accepts="str | Sequence[str | Action] | None",
+        metavar="full|NAMES",
+    )
+    continuous: bool = row(
+        False, "play", 'actions are (radius, angle, fire), three float32 (Farebrother and Castro 2024, "CALE")'
+    )
+    continuous_action_threshold: float = row(
+        0.5,
+        "play",
+        "least movement of the stick, or pressure on fire, that counts, 0..1",
+        check=Probability(check_threshold),
+        metavar="P",
+    )
+    repeat_action_probability: float | tuple[float, ...] = row(
+        0.25,
+        "play",
+        "probability of repeating the previous action, drawn in each frame (sticky actions); each of several players "
+        "can have its own",
+        check=Probability(check_probabilities),
+        accepts="float | tuple[float, ...] | None",
+        flags=("--repeat-action-probability", "--sticky"),
+        metavar="P",
+    )
+    frameskip: int | tuple[int, int] = row(
+        4,
+        "play",
+        "frames for each action, or (low, high) for a number within low..high-1 drawn at each step",
+        check=FrameSkip(Whole(1, MOST_FRAMES_SKIPPED)),
+        metavar="N|LOW,HIGH",
+    )
+    interventions: tuple[Intervention, ...] = row(
+        (),
+        "play",
+        'changes of the game through its RAM; names, paths as "file.toml#name", or definitions',
+        check=as_is,
+        accepts="Interventions",
+        flags=("--intervention",),
+        metavar="NAME",
+    )
+    noops: tuple[int, int] = row(
+        (0, 0),
+        "begin",
+        "(low, high), both included: an episode begins with a number of NOOP frames drawn from this range",
+        check=Noops(Whole(0, 1_000_000)),
+        metavar="LOW,HIGH",
+    )
+    fire: Fire = row(
+        "never", "begin", "an episode begins with FIRE before or after the no-ops, or never, in games that have it"
+    )
+    fire_counts: bool = row(False, "begin", "FIRE is one of the no-ops", tuned=False)
+    third_action: bool = row(
+        False, "begin", "the action with index 2 follows FIRE, as in OpenAI's Baselines", tuned=False
+    )
+    fire_unit: Unit = row(
+        "frame",
+        "begin",
+        "FIRE is played for a frame, or for a skip: a whole step, after the no-ops",
+        tuned=False,
+    )
+    fire_again: bool = row(
+        True,
+        "begin",
+        "FIRE is pressed again when a game ends in the no-ops that follow it",
+        tuned=False,
+        words="FIRE is not pressed again if the game ends in them",
+    )
+    seeding: Seeding = row(
+        "gymnasium",
+        "begin",
+        "generators that a seed starts: gymnasium (NumPy's PCG64 for no-ops and skips, the emulator's from the second "
+        "word of the seed) or ale (a Mersenne Twister, and the seed itself for the emulator)",
+        tuned=False,
+    )
+    episodic_life: bool = row(False, "lives", "a lost life ends the episode", accepts="bool | None")
+    lives_unit: Unit = row(
+        "frame",
+        "lives",
+        "lives are compared after each frame, so that a lost life cuts a skip short, or after a whole skip",
+        tuned=False,
+        words="whole steps are played",
+    )
+    on_reset: OnReset = row(
+        "new_game", "lives", "a reset after a lost life plays a step of NOOP, nothing (continue), or a new game"
+    )
+    last_life: bool = row(
+        False,
+        "lives",
+        "losing the last life counts in games that continue after it",
+        words="the last life counts too",
+    )
+    seamless_lives: bool = row(
+        False,
+        "lives",
+        "a lost life neither cuts a skip short nor clears the stack",
+        tuned=False,
+        words="skip and stack go on",
+    )
+    life_loss_info: bool = row(False, "lives", "a lost life is reported as a termination, and the episode continues")
+    max_num_frames_per_episode: int | None = row(
+        108_000,
+        "limits",
+        "limit on all frames of a game, no-ops included; None means no limit",
+        check=Limit(Whole(0, NO_LIMIT)),
+        words="{:,} frames of the emulator",
+    )
+    max_frames: int | None = row(
+        None,
+        "limits",
+        "limit on the frames of a game after its beginning; None means no limit",
+        check=OrNone(Whole(1, NO_LIMIT)),
+        words="{:,} frames after the beginning",
+    )
+    max_episode_steps: int | None = row(
+        None,
+        "limits",
+        "limit on the agent's steps of an episode; None means no limit",
+        check=OrNone(Whole(1, NO_LIMIT)),
+        words="{:,} steps",
+    )
+    obs_type: ObsType = row(
+        "rgb",
+        "observation",
+        "rgb, grayscale, ram (128 bytes), dict (gray image and RAM) or rgb_dict",
+        accepts="ObsType | None",
+    )
+    img_height: int | None = row(
+        None, "observation", "rows of the image, None means the screen's rows", check=OrNone(Whole(1, 256))
+    )
+    img_width: int | None = row(
+        None, "observation", "columns of the image, None means the screen's columns", check=OrNone(Whole(1, 160))
+    )
+    stack_num: int | None = row(
+        None,
+        "observation",
+        "images or RAM vectors in an observation, the oldest first; None means one, without an axis for it. In dicts "
+        "of both, images are stacked, RAM is not. The stacks of presets contain images",
+        check=OrNone(Whole(1, 256)),  # 26 MB of RGB images
+    )
+    maxpool: bool = row(False, "observation", "the image is the maximum of the last two frames of a skip")
+    pool_rgb: bool = row(
+        False,
+        "observation",
+        "colours are pooled and then made gray, as in OpenAI's Baselines, instead of ALE's gray values",
+    )
+    padding: Padding = row(
+        "zero",
+        "observation",
+        "filling of the stack at the start of an episode: zero, or reset, the first image or RAM",
+    )
+    end_frames: EndFrames = row(
+        "last",
+        "observation",
+        "frames that are observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`",
+    )
+    sound_obs: bool = row(
+        False,
+        "observation",
+        "observations are image and sound: 512 samples of the step's last frame",
+        words="and 512 samples of sound",
+    )
+    agent_indicator: bool = row(
+        False,
+        "observation",
+        "each of several players sees more channels, which say which player it is",
+        words="with the number of the player",
+    )
+    reward: str | None = row(
+        None,
+        "reward",
+        'an expression over the game\'s own reward, lives and RAM, such as "reward - 5 * lives_lost", see '
+        "docs/rewards.md; None is the game's own. `info` has the game's rewards and scores all the same",
+        check=check_reward,
+        metavar="EXPRESSION",
+        words="the expression {}",
+    )
+    reward_clipping: bool = row(
+        False, "reward", "rewards are clipped to -1..1", accepts="bool | None", words="clipped to -1..1"
+    )
+    zero_sum: bool = row(
+        False,
+        "reward",
+        "each of several players gets its reward minus the mean of the others'",
+        words="minus the mean of the other players'",
+    )
+
+
+ROWS: Mapping[str, Row] = {one.name: one.metadata["row"] for one in dataclasses.fields(TaskFields)}
+"""The row of each field."""
+
+FIELDS: tuple[str, ...] = tuple(ROWS)
+"""The names of the fields of a `Task`."""
+
+TYPES: Mapping[str, Any] = typing.get_type_hints(TaskFields)
+"""The type of each field."""
+
+DEFAULTS: Mapping[str, Any] = {one.name: one.default for one in dataclasses.fields(TaskFields)}
+"""The default of each field; that of `game` is MISSING."""
+
 GROUPS: Mapping[str, tuple[str, ...]] = FrozenDict(
-    {
-        "game": ("game", "rules", "rom_md5", "mode", "difficulty", "players"),
-        "play": (
-            "actions",
-            "continuous",
-            "continuous_action_threshold",
-            "repeat_action_probability",
-            "frameskip",
-            "interventions",
-        ),
-        "begin": ("noops", "fire", "fire_counts", "third_action", "fire_unit", "fire_again", "seeding"),
-        "lives": ("episodic_life", "lives_unit", "on_reset", "last_life", "seamless_lives", "life_loss_info"),
-        "limits": ("max_num_frames_per_episode", "max_frames", "max_episode_steps"),
-        "observation": (
-            "obs_type",
-            "img_height",
-            "img_width",
-            "stack_num",
-            "maxpool",
-            "pool_rgb",
-            "padding",
-            "end_frames",
-            "sound_obs",
-            "agent_indicator",
-        ),
-        "reward": ("reward", "reward_clipping", "zero_sum"),
-    }
+    {group: tuple(name for name in ROWS if ROWS[name].group == group) for group in get_args(Group)}
 )
 """The fields of a `Task` by group."""
+
+
+CHECKS: Mapping[str, Check] = {
+    name: row.check or (check_bool if TYPES[name] is bool else OneOf(get_args(TYPES[name])))
+    for name, row in ROWS.items()
+}
+"""The check of each field. Its attributes are the range that the field accepts; the tests draw from them."""
 
 
 def check_field(name: str, value: Any) -> Any:
@@ -81,191 +345,11 @@ def check_field(name: str, value: Any) -> Any:
     return CHECKS[name](name, value)
 
 
-def check_bool(name: str, value: Any) -> bool:
-    """`value`, which must be True or False."""
-    if not isinstance(value, (bool, np.bool_)):
-        raise OptionTypeError(f"{name} must be True or False, got {value!r}")
-    return bool(value)
+def choices(name: str) -> tuple[str, ...]:
+    """The values of a field that is a Literal, and none for another field."""
+    return get_args(TYPES[name]) if get_origin(TYPES[name]) is Literal else ()
 
 
-def check_actions(name: str, value: Any) -> str | tuple[str, ...]:
-    """ "minimal", "full", or the names of actions as a tuple.
-
-    Raises:
-        TypeError, ValueError: it is none of these, or a name occurs twice.
-    """
-    if isinstance(value, str):
-        if value in ("minimal", "full"):
-            return value
-        raise ValueError(f"{name} must be 'minimal', 'full' or a list of names such as ['NOOP', 'FIRE'], got {value!r}")
-    if not isinstance(value, Sequence) or not value:
-        raise TypeError(f"{name} must be 'minimal', 'full' or a list of names such as ['NOOP', 'FIRE'], got {value!r}")
-    known = [action.name for action in PLAYER_ACTIONS]
-    names = tuple(one.name if isinstance(one, Action) else check_name(f"each of {name}", one, known) for one in value)
-    if len(set(names)) < len(names):
-        raise ValueError(f"{name} has a name twice: {', '.join(names)}")
-    return names
-
-
-def _check_probabilities(name: str, value: Any) -> float | tuple[float, ...]:
-    """A probability, or one for each of several players."""
-    if not isinstance(value, (list, tuple, np.ndarray)):
-        return check_probability(name, value)
-    each = tuple(check_probability(f"{name}[{player}]", one) for player, one in enumerate(value))
-    return each[0] if len(set(each)) == 1 < len(each) else each
-
-
-def _check_text(name: str, value: Any) -> str | None:
-    if value is not None and not isinstance(value, str):
-        raise TypeError(f"{name} must be a string or None, got {value!r}")
-    return value
-
-
-def _check_reward(name: str, value: Any) -> str | None:
-    """The text of an expression in one line; `Task` checks it for its game."""
-    if value is None:
-        return None
-    if not isinstance(value, str):
-        raise OptionTypeError(
-            f"{name} must be None, for the game's own, or an expression such as 'reward - 5 * lives_lost', "
-            f"got {value!r:.80}"
-        )
-    return as_one_line(value)
-
-
-def _shortest(value: float) -> float:
-    """The shortest decimal number that is the same float32: 0.1, not 0.10000000149011612."""
-    return float(str(np.float32(value)))
-
-
-@dataclass(frozen=True)
-class Whole:
-    """The check of an integer within low..high."""
-
-    low: int
-    high: int
-
-    def __call__(self, name: str, value: Any) -> int:
-        """`value` as an int."""
-        return check_integer(name, value, self.low, self.high)
-
-
-@dataclass(frozen=True)
-class Probability:
-    """The check of a number within 0..1; `convert` gives it the form that a `Task` stores."""
-
-    convert: Callable[[str, Any], Any]
-    low: float = 0.0
-    high: float = 1.0
-
-    def __call__(self, name: str, value: Any) -> Any:
-        """`value` in the form that a `Task` stores."""
-        return self.convert(name, value)
-
-
-@dataclass(frozen=True)
-class OneOf:
-    """The check of a name."""
-
-    choices: tuple[str, ...]
-
-    def __call__(self, name: str, value: Any) -> str:
-        """`value`, which must be one of the choices."""
-        return check_name(name, value, self.choices)
-
-
-@dataclass(frozen=True)
-class OrNone:
-    """The check of a value that may be None."""
-
-    check: Callable[[str, Any], Any]
-
-    def __call__(self, name: str, value: Any) -> Any:
-        """None, or `value` as `check` returns it."""
-        return None if value is None else self.check(name, value)
-
-
-@dataclass(frozen=True)
-class Limit(OrNone):
-    """The check of a limit; zero stands for none, as in ale-py."""
-
-    def __call__(self, name: str, value: Any) -> Any:
-        """`value` as `check` returns it; None in place of zero."""
-        return super().__call__(name, value) or None
-
-
-@dataclass(frozen=True)
-class Noops:
-    """The check of a range low..high, both included."""
-
-    each: Whole
-
-    def __call__(self, name: str, value: Any) -> tuple[int, int]:
-        """`value` as (low, high)."""
-        if not isinstance(value, (tuple, list)) or len(value) != 2:
-            raise OptionTypeError(f"{name} must be (low, high), both included, such as (1, 30), got {value!r}")
-        low, high = (self.each(name, one) for one in value)
-        if low > high:
-            raise ValueError(f"{name} must be (low, high) with low of at most high, got {value!r}")
-        return low, high
-
-
-@dataclass(frozen=True)
-class FrameSkip:
-    """The check of a number of frames, or of a range low..high-1 of it."""
-
-    each: Whole
-
-    def __call__(self, name: str, value: Any) -> int | tuple[int, int]:
-        """`value` as a number of frames or as (low, high)."""
-        return check_frameskip(value)
-
-
-def _as_is(name: str, value: Any) -> Any:
-    return value
-
-
-CHECKS: Mapping[str, Callable[[str, Any], Any]] = {
-    "game": _as_is,  # `Task` finds the game, and its modes, difficulties and interventions
-    "rules": _check_text,
-    "rom_md5": _check_text,
-    "mode": _as_is,
-    "difficulty": _as_is,
-    "players": Whole(1, 4),
-    "actions": check_actions,
-    "continuous": check_bool,
-    "continuous_action_threshold": Probability(lambda name, value: _shortest(check_probability(name, value))),
-    "repeat_action_probability": Probability(_check_probabilities),
-    "frameskip": FrameSkip(Whole(1, MOST_FRAMES_SKIPPED)),
-    "interventions": _as_is,
-    "noops": Noops(Whole(0, 1_000_000)),
-    "fire": OneOf(get_args(Fire)),
-    "fire_counts": check_bool,
-    "third_action": check_bool,
-    "fire_unit": OneOf(get_args(Unit)),
-    "fire_again": check_bool,
-    "seeding": OneOf(get_args(Seeding)),
-    "episodic_life": check_bool,
-    "lives_unit": OneOf(get_args(Unit)),
-    "on_reset": OneOf(get_args(OnReset)),
-    "last_life": check_bool,
-    "seamless_lives": check_bool,
-    "life_loss_info": check_bool,
-    "max_num_frames_per_episode": Limit(Whole(0, NO_LIMIT)),
-    "max_frames": OrNone(Whole(1, NO_LIMIT)),
-    "max_episode_steps": OrNone(Whole(1, NO_LIMIT)),
-    "obs_type": OneOf(get_args(ObsType)),
-    "img_height": OrNone(Whole(1, 256)),
-    "img_width": OrNone(Whole(1, 160)),
-    "stack_num": OrNone(Whole(1, 256)),  # 26 MB of RGB images
-    "maxpool": check_bool,
-    "pool_rgb": check_bool,
-    "padding": OneOf(get_args(Padding)),
-    "end_frames": OneOf(get_args(EndFrames)),
-    "sound_obs": check_bool,
-    "agent_indicator": check_bool,
-    "reward": _check_reward,
-    "reward_clipping": check_bool,
-    "zero_sum": check_bool,
-}
-"""The check of each field. Its attributes are the range that the field accepts; the tests draw from them."""
+def accepts_none(name: str) -> bool:
+    """Whether None is a value of a field."""
+    return type(None) in get_args(TYPES[name])

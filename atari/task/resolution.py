@@ -13,10 +13,11 @@ from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.games.pettingzoo import find_environment
 from atari.games.players import options_of
-from atari.task.fields import GROUPS, check_bool, check_field
+from atari.task.checks import check_bool
+from atari.task.fields import DEFAULTS, FIELDS, GROUPS, check_field
 from atari.task.presets import Preset, find_preset
 from atari.task.rules import settle
-from atari.task.task import DEFAULTS, FIELDS, Task
+from atari.task.task import Task
 from atari.validation import check_known
 
 OPTIONS: tuple[str, ...] = tuple(name for name in FIELDS if name not in ("game", "rules", "rom_md5"))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from atari.games.game import Game
-from atari.task.fields import NO_LIMIT
+from atari.task.checks import NO_LIMIT
 
 Fields = Mapping[str, Any]
 

@@ -10,7 +10,8 @@ from atari.cores.writes import fact
 from atari.files import json_text
 from atari.games.catalog import games
 from atari.games.game import Game
-from atari.task.task import DEFAULTS, FIELDS, Task
+from atari.task.fields import DEFAULTS, FIELDS
+from atari.task.task import Task
 from atari.validation import check_file
 
 FORMAT = 1

@@ -1,10 +1,10 @@
 """`Task`: everything that decides what an agent sees, may do and is paid, as one value."""
 
 import copy
-import dataclasses
+import inspect
 import operator
-from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass, field
+import textwrap
+from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -17,9 +17,9 @@ from atari.cores.writes import make_writes
 from atari.games.catalog import games
 from atari.games.fingerprint import fingerprint
 from atari.games.game import Game
-from atari.games.interventions import Intervention, resolve
+from atari.games.interventions import resolve
 from atari.games.players import choose_mode, rules_of
-from atari.task.fields import GROUPS, EndFrames, Fire, ObsType, OnReset, Padding, Seeding, Unit, check_field
+from atari.task.fields import DEFAULTS, FIELDS, GROUPS, ROWS, TaskFields, check_field
 from atari.task.options import TaskOptions
 from atari.task.rules import check_together, settle
 from atari.validation import check_integer
@@ -31,61 +31,13 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Task:
+class Task(TaskFields):
     """A game, and everything that decides what an agent sees, may do and is paid.
 
     `Task.of` makes one from an environment ID, the name of a game or a game file, with options. Every function, class
     and command of this package that plays a game takes a task, or the same options by the same names. The defaults are
     those of ALE's v5 environments. Fields without effect have their defaults, and tasks with equal fields are equal.
     Tasks can be hashed, pickled and stored as JSON.
-
-    Attributes:
-        game: id of the game ("breakout"). The constructor also takes a game file of your own, or a `Game`.
-        rules: fingerprint of the game definition; "" in the constructor means the installed one's.
-        rom_md5: MD5 of the ROM, None if it is not known; it is not compared by `==`.
-        mode: game mode, None in the constructor means the default. With several players, Multi-Agent-ALE numbers the
-            modes.
-        difficulty: None in the constructor means ALE's default, 0.
-        players: number of players of one game, 1 to 4.
-        actions: minimal (those that the game uses), full (all legal ones), or names of actions.
-        continuous: actions are (radius, angle, fire), three float32 (Farebrother and Castro 2024, "CALE").
-        continuous_action_threshold: least movement of the stick, or pressure on fire, that counts, 0..1.
-        repeat_action_probability: probability of repeating the previous action, drawn in each frame (sticky actions);
-            each of several players can have its own.
-        frameskip: frames for each action, or (low, high) for a number within low..high-1 drawn at each step.
-        interventions: changes of the game through its RAM; names, paths as "file.toml#name", or definitions.
-        noops: (low, high), both included: an episode begins with a number of NOOP frames drawn from this range.
-        fire: an episode begins with FIRE before or after the no-ops, or never, in games that have it.
-        fire_counts: FIRE is one of the no-ops.
-        third_action: the action with index 2 follows FIRE, as in OpenAI's Baselines.
-        fire_unit: FIRE is played for a frame, or for a skip: a whole step, after the no-ops.
-        fire_again: FIRE is pressed again when a game ends in the no-ops that follow it.
-        seeding: generators that a seed starts: gymnasium (NumPy's PCG64 for no-ops and skips, the emulator's from the
-            second word of the seed) or ale (a Mersenne Twister, and the seed itself for the emulator).
-        episodic_life: a lost life ends the episode.
-        lives_unit: lives are compared after each frame, so that a lost life cuts a skip short, or after a whole skip.
-        on_reset: a reset after a lost life plays a step of NOOP, nothing (continue), or a new game.
-        last_life: losing the last life counts in games that continue after it.
-        seamless_lives: a lost life neither cuts a skip short nor clears the stack.
-        life_loss_info: a lost life is reported as a termination, and the episode continues.
-        max_num_frames_per_episode: limit on all frames of a game, no-ops included; None means no limit.
-        max_frames: limit on the frames of a game after its beginning; None means no limit.
-        max_episode_steps: limit on the agent's steps of an episode; None means no limit.
-        obs_type: rgb, grayscale, ram (128 bytes), dict (gray image and RAM) or rgb_dict.
-        img_height: rows of the image, None means the screen's rows.
-        img_width: columns of the image, None means the screen's columns.
-        stack_num: images or RAM vectors in an observation, the oldest first; None means one, without an axis for it.
-            In dicts of both, images are stacked, RAM is not. The stacks of presets contain images.
-        maxpool: the image is the maximum of the last two frames of a skip.
-        pool_rgb: colours are pooled and then made gray, as in OpenAI's Baselines, instead of ALE's gray values.
-        padding: filling of the stack at the start of an episode: zero, or reset, the first image or RAM.
-        end_frames: frames that are observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`.
-        sound_obs: observations are image and sound: 512 samples of the step's last frame.
-        agent_indicator: each of several players sees more channels, which say which player it is.
-        reward: an expression over the game's own reward, lives and RAM, such as "reward - 5 * lives_lost", see
-            docs/rewards.md; None is the game's own. `info` has the game's rewards and scores all the same.
-        reward_clipping: rewards are clipped to -1..1.
-        zero_sum: each of several players gets its reward minus the mean of the others'.
 
     Raises:
         TypeError, ValueError: a field is of the wrong kind or out of range, has no effect beside the others, or
@@ -104,49 +56,6 @@ class Task:
         >>> task.differences(atari.Task.of("breakout", preset="dqn2015"))
         {'frameskip': (3, 4)}
     """
-
-    game: str
-    _: KW_ONLY
-    rules: str = ""
-    rom_md5: str | None = field(default=None, compare=False)
-    mode: int | None = None
-    difficulty: int | None = None
-    players: int = 1
-    actions: str | tuple[str, ...] = "minimal"
-    continuous: bool = False
-    continuous_action_threshold: float = 0.5
-    repeat_action_probability: float | tuple[float, ...] = 0.25
-    frameskip: int | tuple[int, int] = 4
-    interventions: tuple[Intervention, ...] = ()
-    noops: tuple[int, int] = (0, 0)
-    fire: Fire = "never"
-    fire_counts: bool = False
-    third_action: bool = False
-    fire_unit: Unit = "frame"
-    fire_again: bool = True
-    seeding: Seeding = "gymnasium"
-    episodic_life: bool = False
-    lives_unit: Unit = "frame"
-    on_reset: OnReset = "new_game"
-    last_life: bool = False
-    seamless_lives: bool = False
-    life_loss_info: bool = False
-    max_num_frames_per_episode: int | None = 108_000
-    max_frames: int | None = None
-    max_episode_steps: int | None = None
-    obs_type: ObsType = "rgb"
-    img_height: int | None = None
-    img_width: int | None = None
-    stack_num: int | None = None
-    maxpool: bool = False
-    pool_rgb: bool = False
-    padding: Padding = "zero"
-    end_frames: EndFrames = "last"
-    sound_obs: bool = False
-    agent_indicator: bool = False
-    reward: str | None = None
-    reward_clipping: bool = False
-    zero_sum: bool = False
 
     definition: Game = field(init=False, compare=False)
     """The game definition."""
@@ -418,12 +327,16 @@ class Task:
         return fields
 
 
-FIELDS: tuple[str, ...] = tuple(name for names in GROUPS.values() for name in names)
-"""The names of the fields of a `Task`."""
+def _with_attributes(doc: str) -> str:
+    """A docstring with the section "Attributes" before "Raises"."""
+    wrapper = textwrap.TextWrapper(
+        116, initial_indent="    ", subsequent_indent="        ", break_on_hyphens=False, break_long_words=False
+    )
+    lines = [wrapper.fill(f"{name}: {row.says}.") for name, row in ROWS.items()]
+    return inspect.cleandoc(doc).replace("Raises:", "\n".join(["Attributes:", *lines, "", "Raises:"]), 1)
 
-DEFAULTS: Mapping[str, Any] = {one.name: one.default for one in dataclasses.fields(Task) if one.name in FIELDS}
-"""The default of each field; that of `game` is MISSING."""
 
+Task.__doc__ = _with_attributes(Task.__doc__ or "Raises:")
 
 _OF_WRAPPERS = (
     *GROUPS["begin"],

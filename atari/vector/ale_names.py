@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from atari.games.frozen import FrozenDict
-from atari.task.fields import NO_LIMIT, check_bool
+from atari.task.checks import NO_LIMIT, check_bool
 from atari.validation import check_integer, check_name
 
 _PREPROCESSING = {

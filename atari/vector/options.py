@@ -26,7 +26,7 @@ from atari.observations.settings import episode_settings, filled, image_shape, o
 from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
-from atari.task.fields import NO_LIMIT, check_bool
+from atari.task.checks import NO_LIMIT, check_bool
 from atari.task.resolution import ALIASES, OPTIONS, is_id, is_versioned, resolve_task
 from atari.task.storage import identity
 from atari.validation import check_integer, check_known, check_no_name

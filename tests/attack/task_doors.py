@@ -19,9 +19,9 @@ from atari.games.catalog import playable_ids
 from atari.games.game import Game
 from atari.task import Task
 from atari.task.arguments import add_task, task_of
-from atari.task.fields import CHECKS, FrameSkip, Noops, OneOf, OrNone, Probability, Whole, check_actions, check_bool
+from atari.task.checks import FrameSkip, Noops, OneOf, OrNone, Probability, Whole, check_actions, check_bool
+from atari.task.fields import CHECKS, DEFAULTS
 from atari.task.resolution import _NONE_IS_NOT_GIVEN
-from atari.task.task import DEFAULTS
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 

@@ -4,7 +4,7 @@ import pytest
 from door_cells import VALUES, call, check_cell
 from doors import DOORS, Door
 
-from atari.task.task import FIELDS
+from atari.task.fields import FIELDS
 
 
 @pytest.mark.parametrize("field", VALUES)

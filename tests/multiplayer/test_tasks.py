@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import atari
 from atari import Task
 from atari.multiplayer.parallel import MultiplayerEnv
-from atari.task.task import FIELDS
+from atari.task.fields import FIELDS
 
 OF_ONE_PLAYER = (
     *("continuous", "continuous_action_threshold", "fire", "fire_counts", "third_action", "fire_unit", "fire_again"),

@@ -13,20 +13,9 @@ from atari.actions import PLAYER_ACTIONS
 from atari.games.game import Game
 from atari.games.interventions import load
 from atari.task import Task
-from atari.task.fields import (
-    CHECKS,
-    NO_LIMIT,
-    FrameSkip,
-    Noops,
-    OneOf,
-    OrNone,
-    Probability,
-    Whole,
-    check_actions,
-    check_bool,
-)
+from atari.task.checks import NO_LIMIT, FrameSkip, Noops, OneOf, OrNone, Probability, Whole, check_actions, check_bool
+from atari.task.fields import CHECKS, DEFAULTS
 from atari.task.rules import settle
-from atari.task.task import DEFAULTS
 
 Pick = Callable[[random.Random, int, int], int]
 """Draws an integer within low..high."""

@@ -23,9 +23,8 @@ from atari.task.arguments import (
     show_task,
     task_of,
 )
-from atari.task.fields import GROUPS
+from atari.task.fields import DEFAULTS, GROUPS
 from atari.task.resolution import OPTIONS
-from atari.task.task import DEFAULTS
 
 TEXTS: dict[str, tuple[list[str], Any]] = {
     "mode": (["--mode", "1"], 1),

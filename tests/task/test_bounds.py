@@ -8,7 +8,7 @@ import pytest
 
 import atari
 from atari.task import Task
-from atari.task.task import FIELDS
+from atari.task.fields import FIELDS
 
 VALUES: tuple[Any, ...] = (10**6, 10**9, 2**63, -1, True, 1.5, None, "x", [])
 

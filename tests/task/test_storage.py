@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from atari.task import Task
+from atari.task.fields import FIELDS
 from atari.task.storage import from_json, to_short_json
-from atari.task.task import FIELDS
 
 TEXT = Task.of("breakout", preset="envpool", interventions=[]).to_json()
 

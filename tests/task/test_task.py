@@ -18,10 +18,9 @@ from atari.actions import Action
 from atari.games.catalog import games
 from atari.task import PRESETS, Task
 from atari.task.arguments import descriptions
-from atari.task.fields import GROUPS
+from atari.task.fields import DEFAULTS, FIELDS, GROUPS
 from atari.task.options import AddedOptions, MakeOptions, TaskOptions, VectorTaskOptions
 from atari.task.resolution import ALIASES, OPTIONS
-from atari.task.task import DEFAULTS, FIELDS
 from atari.vector import ale_names
 
 GAMES = ("breakout", "pong", "ms_pacman", "seaquest", "backgammon", "video_checkers")

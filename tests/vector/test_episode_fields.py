@@ -10,8 +10,8 @@ import atari
 from atari import _emulator
 from atari.observations.settings import filled_by_name
 from atari.task import Task
+from atari.task.fields import FIELDS
 from atari.task.resolution import resolve_task
-from atari.task.task import FIELDS
 
 BASE: dict[str, Any] = {
     "repeat_action_probability": 0.0,

@@ -20,7 +20,7 @@ from tasks import nested
 from atari import wrappers
 from atari.env import AtariEnv
 from atari.task import Task
-from atari.task.task import FIELDS
+from atari.task.fields import FIELDS
 from atari.wrappers.layers import layers_of
 
 GAMES = ("breakout", "ms_pacman", "bank_heist", "frogger", "pong", "backgammon", "video_checkers", "space_invaders")

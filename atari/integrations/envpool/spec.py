@@ -16,7 +16,7 @@ from atari.env_ids import stem
 from atari.games.catalog import playable_ids
 from atari.integrations.envpool.arrays import ArraySpec, action_arrays, state_arrays
 from atari.task import Task
-from atari.task.fields import check_bool
+from atari.task.checks import check_bool
 from atari.task.resolution import GameLike, resolve_for_agent
 from atari.validation import check_integer
 from atari.vector import AtariVectorEnv

@@ -9,7 +9,8 @@ from atari.learning.evaluation.played import Entry, played_task
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.policy import LoadedPolicy
 from atari.policy.needs import needs_of
-from atari.task.fields import GROUPS, NO_LIMIT
+from atari.task.checks import NO_LIMIT
+from atari.task.fields import GROUPS
 from atari.vector import AtariVectorEnv
 
 IntArray = npt.NDArray[np.int64]

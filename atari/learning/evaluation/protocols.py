@@ -11,9 +11,8 @@ from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.tables import check_known_name, read_table
 from atari.task import PRESETS, Task
 from atari.task.description import summary
-from atari.task.fields import GROUPS
+from atari.task.fields import DEFAULTS, GROUPS
 from atari.task.presets import OTHER_NAMES
-from atari.task.task import DEFAULTS
 from atari.validation import check_frameskip, check_integer, check_name, check_probability
 
 MAX_EPISODES = 1_000_000

@@ -10,7 +10,7 @@ import numpy as np
 from atari import _emulator
 from atari._extras import import_extra, pip_install
 from atari.learning.memory.options import MemoryOptions, as_numpy, check_stack
-from atari.task.fields import check_bool
+from atari.task.checks import check_bool
 from atari.validation import check_integer
 
 Array = Callable[[tuple[int, ...], Any], Any]

@@ -21,7 +21,7 @@ from atari.learning.memory.batches import Batch, Sequences, array_maker, check_s
 from atari.learning.memory.final_frames import final_observations
 from atari.learning.memory.options import MemoryOptions, Part, as_numpy
 from atari.learning.memory.step_arrays import StepArrays
-from atari.task.fields import check_bool
+from atari.task.checks import check_bool
 from atari.validation import check_integer
 
 _SEQUENCE_MOST = 2**20

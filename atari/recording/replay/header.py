@@ -12,10 +12,10 @@ from atari.recording.replay.file_format import Corrupt
 from atari.recording.replay.players import make_core
 from atari.recording.replay.recorder import rom_md5
 from atari.task import Task
+from atari.task.fields import DEFAULTS
 from atari.task.resolution import translate
 from atari.task.rules import settle
 from atari.task.storage import from_json
-from atari.task.task import DEFAULTS
 from atari.validation import check_name
 
 _MAY_BE_NONE = ("mode", "difficulty", "max_num_frames_per_episode", "interventions")
