@@ -10,8 +10,9 @@ from atari.task.fields import EndFrames, Fire, ObsType, OnReset, Padding, Seedin
 Interventions = Sequence[str | Mapping[str, Any] | Intervention] | None
 
 
+# Begin of what scripts/generate/options.py writes.
 class AddedOptions(TypedDict, total=False):
-    """The options that ale-py's environments do not have."""
+    """The options that `AtariEnv` does not name."""
 
     players: int | None
     actions: str | Sequence[str | Action] | None
@@ -40,20 +41,25 @@ class AddedOptions(TypedDict, total=False):
     agent_indicator: bool
     reward: str | None
     reward_clipping: bool | None
-    clip_reward: bool | None
     zero_sum: bool
+    clip_reward: bool | None
 
 
 class _Shared(AddedOptions, total=False):
-    obs_type: ObsType | None
-    frameskip: int | tuple[int, int]
-    repeat_action_probability: float | tuple[float, ...] | None
-    full_action_space: bool | None
+    """All options with one type in all functions."""
+
     continuous: bool
     continuous_action_threshold: float
-    max_num_frames_per_episode: int | None
-    sound_obs: bool
+    repeat_action_probability: float | tuple[float, ...] | None
+    frameskip: int | tuple[int, int]
     interventions: Interventions
+    max_num_frames_per_episode: int | None
+    obs_type: ObsType | None
+    sound_obs: bool
+    full_action_space: bool | None
+
+
+# End of what scripts/generate/options.py writes.
 
 
 class TaskOptions(_Shared, total=False):

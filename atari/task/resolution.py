@@ -14,7 +14,7 @@ from atari.games.game import Game
 from atari.games.pettingzoo import find_environment
 from atari.games.players import options_of
 from atari.task.checks import check_bool
-from atari.task.fields import DEFAULTS, FIELDS, GROUPS, check_field
+from atari.task.fields import DEFAULTS, FIELDS, GROUPS, ROWS, check_field
 from atari.task.presets import Preset, find_preset
 from atari.task.rules import settle
 from atari.task.task import Task
@@ -26,9 +26,7 @@ OPTIONS: tuple[str, ...] = tuple(name for name in FIELDS if name not in ("game",
 ALIASES: Mapping[str, str] = {"full_action_space": "actions", "clip_reward": "reward_clipping"}
 """Gymnasium's and ale-py's names of options, and ours."""
 
-_NONE_IS_NOT_GIVEN = frozenset(
-    ("repeat_action_probability", "actions", "episodic_life", "reward_clipping", "obs_type", "players", "interventions")
-)
+_NONE_IS_NOT_GIVEN = frozenset(name for name in OPTIONS if ROWS[name].accepts)
 """Options whose value None counts as not given, as in ale-py."""
 
 GameLike = str | PathLike[str] | Game | Task
