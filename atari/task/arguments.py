@@ -1,4 +1,4 @@
-"""GAME and the options of a `Task` on a command line: flags made from the fields of the class and its docstring."""
+"""GAME and the options of a `Task` on a command line: flags made from the rows of its fields."""
 
 import argparse
 import difflib
@@ -6,20 +6,18 @@ import inspect
 import json
 import os
 import re
-import typing
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
-from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
 from atari.files import magic
 from atari.games.frozen import FrozenDict
 from atari.roms.identification import identify
 from atari.roms.search import ENDINGS
 from atari.task.description import summary
-from atari.task.fields import DEFAULTS, GROUPS, check_field
+from atari.task.fields import DEFAULTS, GROUPS, ROWS, TYPES, check_field
 from atari.task.presets import PRESETS, find_preset
 from atari.task.resolution import OPTIONS, GameLike, leave_out, resolve_for_agent, resolve_task
 from atari.task.storage import read_task
@@ -33,25 +31,6 @@ SCREEN: Mapping[str, Any] = FrozenDict(
     {name: DEFAULTS[name] for name in (*GROUPS["observation"], "reward", "reward_clipping")}
 )
 """The fields for an agent's observations and rewards, with their values when a person sees the screen."""
-
-_NAMES: Mapping[str, tuple[str, ...]] = {
-    "repeat_action_probability": ("--repeat-action-probability", "--sticky"),
-    "interventions": ("--intervention",),
-}
-"""The flags of options whose flags are not their names."""
-
-_METAVARS: Mapping[str, str] = {
-    "actions": "full|NAMES",
-    "frameskip": "N|LOW,HIGH",
-    "noops": "LOW,HIGH",
-    "interventions": "NAME",
-    "repeat_action_probability": "P",
-    "continuous_action_threshold": "P",
-    "reward": "EXPRESSION",
-}
-
-_MAY_BE_NONE = frozenset(name for name in OPTIONS if DEFAULTS[name] is None) | {"max_num_frames_per_episode"}
-"""Options for which the text "none" is a value."""
 
 
 def add_task(
@@ -77,13 +56,13 @@ def add_task(
     if preset:
         own.add_argument("--preset", type=_preset, metavar="NAME", help=f"a preprocessing: {', '.join(PRESETS)}")
     own.add_argument("--print-task", action="store_true", help="print what would be played, and end")
-    texts, obeyed = descriptions(Task), [name for name in _options_of(groups) if name not in leave_out]
+    obeyed = [name for name in _options_of(groups) if name not in leave_out]
     sections: dict[str, Any] = {}
     for name in obeyed:
-        title = next(group for group, names in GROUPS.items() if name in names)
+        title = ROWS[name].group
         section = sections.get(title) or parser.add_argument_group(f"what is played: {title}")
         sections[title] = section
-        _add_flag(section, name, texts[name].replace("%", "%%"))
+        _add_flag(section, name)
         if name == "actions":
             section.add_argument(
                 "--full-action-space",
@@ -99,19 +78,21 @@ def _options_of(groups: Collection[str]) -> tuple[str, ...]:
     return tuple(name for name in names if name in OPTIONS)
 
 
-def _add_flag(group: Any, name: str, text: str) -> None:
-    flags = _flags_of(name)
-    common: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS, "help": text}
-    if _kinds()[name] is bool:
+def _add_flag(group: Any, name: str) -> None:
+    row, flags = ROWS[name], _flags_of(name)
+    common: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS, "help": row.says.replace("%", "%%")}
+    if TYPES[name] is bool:
         group.add_argument(*flags, action=argparse.BooleanOptionalAction, **common)
     elif name == "interventions":
-        group.add_argument(*flags, action="append", metavar="NAME", **{**common, "help": f"{text}; may be repeated"})
+        common["help"] += "; may be repeated"
+        group.add_argument(*flags, action="append", metavar=row.metavar, **common)
     else:
-        group.add_argument(*flags, type=_reader(name), metavar=_metavar(name), **common)
+        choices = get_args(TYPES[name]) if get_origin(TYPES[name]) is Literal else ()
+        group.add_argument(*flags, type=_reader(name), metavar=row.metavar or "|".join(choices) or "N", **common)
 
 
 def _flags_of(name: str) -> tuple[str, ...]:
-    return _NAMES.get(name, (f"--{name.replace('_', '-')}",))
+    return ROWS[name].flags or (f"--{name.replace('_', '-')}",)
 
 
 class StoreOnce(argparse.Action):
@@ -262,9 +243,9 @@ def option_of(name: str, text: str) -> Any:
         >>> option_of("frameskip", "2,5"), option_of("actions", "NOOP,FIRE"), option_of("stack_num", "none")
         ((2, 5), ('NOOP', 'FIRE'), None)
     """
-    if text == "none" and name in _MAY_BE_NONE:
+    if text == "none" and type(None) in get_args(TYPES[name]):
         return None
-    if name == "reward":
+    if TYPES[name] == str | None:  # the whole text is the value; it may have commas
         return check_field(name, text)
     words = tuple(_number(word) for word in text.split(","))
     several = len(words) > 1 or (name == "actions" and text not in ("minimal", "full"))
@@ -309,16 +290,3 @@ def _number(word: str) -> Any:
         value = float(word)
         return int(value) if value.is_integer() else value
     return word
-
-
-def _metavar(name: str) -> str:
-    kind = _kinds()[name]
-    if typing.get_origin(kind) is typing.Literal:
-        return "|".join(typing.get_args(kind))
-    return _METAVARS.get(name, "N")
-
-
-@cache
-def _kinds() -> dict[str, Any]:
-    """The type of each field."""
-    return typing.get_type_hints(Task)

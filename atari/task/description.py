@@ -6,6 +6,7 @@ from typing import Any
 from atari import env_ids
 from atari.games.catalog import playable_ids
 from atari.games.players import rules_of
+from atari.task.fields import DEFAULTS, GROUPS, ROWS, Group
 from atari.task.presets import PRESETS
 from atari.task.task import Task
 
@@ -69,6 +70,12 @@ def _named(task: Task) -> dict[str, Task]:
     return named
 
 
+def _words(task: Task, group: Group) -> list[str]:
+    """The words of the fields of a group that have words of their own and do not have their default."""
+    values = {name: getattr(task, name) for name in GROUPS[group] if ROWS[name].words}
+    return [ROWS[name].words.format(value) for name, value in values.items() if value != DEFAULTS[name]]
+
+
 def _observation(task: Task) -> str:
     rows, columns = task.definition.screen.shape
     shape: tuple[int, ...] = (task.img_height or rows, task.img_width or columns)
@@ -92,11 +99,7 @@ def _observation(task: Task) -> str:
         words.append(f"ends inside a skip as in {task.end_frames}")
     if task.obs_type in ("dict", "rgb_dict"):
         words.append("and the 128 bytes of RAM")
-    if task.sound_obs:
-        words.append("and 512 samples of sound")
-    if task.agent_indicator:
-        words.append("with the number of the player")
-    return "; ".join(words)
+    return "; ".join([*words, *_words(task, "observation")])
 
 
 _PADDING: Mapping[str, str] = {"zero": "black images", "reset": "copies of the first image"}
@@ -120,10 +123,12 @@ def sticky_text(probability: float | tuple[float, ...]) -> str:
 
 def _actions(task: Task) -> str:
     if task.continuous:
-        return f"continuous: radius, angle, fire; threshold {task.continuous_action_threshold}"
-    names = " ".join(action.name for action in task.action_set)
-    kind = {"minimal": ", those the game uses", "full": ", all legal ones"}.get(str(task.actions), "")
-    return f"{len(task.action_set)}{kind}: {names}"
+        words = f"continuous: radius, angle, fire; threshold {task.continuous_action_threshold}"
+    else:
+        names = " ".join(action.name for action in task.action_set)
+        kind = {"minimal": ", those the game uses", "full": ", all legal ones"}.get(str(task.actions), "")
+        words = f"{len(task.action_set)}{kind}: {names}"
+    return "; ".join([words, *_words(task, "play")])
 
 
 def _begin(task: Task) -> str:
@@ -132,8 +137,8 @@ def _begin(task: Task) -> str:
     unit = " for a whole step" if task.fire_unit == "skip" else ""
     fire = "" if task.fire == "never" else f"FIRE{unit}" + (", then action 2" if task.third_action else "")
     order = [fire, noops] if task.fire == "before_noops" else [noops, fire]
-    again = "" if task.fire_again else "; FIRE is not pressed again if the game ends in them"
-    return ", then ".join(part for part in order if part) + again or "the emulator's reset alone"
+    start = ", then ".join(part for part in order if part) or "the emulator's reset alone"
+    return "; ".join([start, *_words(task, "begin")])
 
 
 _ON_RESET: Mapping[str, str] = {
@@ -148,32 +153,19 @@ def _lives(task: Task) -> str:
         return "a lost life is reported as a termination; the episode goes on"
     if not task.episodic_life:
         return "a lost life does not end an episode"
-    words = [f"a lost life ends an episode; the reset after it {_ON_RESET[task.on_reset]}"]
-    if task.lives_unit == "skip":
-        words.append("whole steps are played")
-    if task.last_life:
-        words.append("the last life counts too")
-    if task.seamless_lives:
-        words.append("skip and stack go on")
-    return "; ".join(words)
+    end = f"a lost life ends an episode; the reset after it {_ON_RESET[task.on_reset]}"
+    return "; ".join([end, *_words(task, "lives")])
 
 
 def _limit(task: Task) -> str:
-    limits = {
-        "frames of the emulator": task.max_num_frames_per_episode,
-        "frames after the beginning": task.max_frames,
-        "steps": task.max_episode_steps,
-    }
-    words = [f"{number:,} {unit}" for unit, number in limits.items() if number is not None]
+    limits = {name: getattr(task, name) for name in GROUPS["limits"]}
+    words = [ROWS[name].words.format(number) for name, number in limits.items() if number is not None]
     return "truncated after " + " or ".join(words) if words else "none"
 
 
 def _reward(task: Task) -> str:
-    words = [] if task.reward is None else [f"the expression {task.reward}"]
-    if task.reward_clipping:
-        words.append("clipped to -1..1")
-    words = words or ["the change of the score"]
-    return ", ".join([*words, "minus the mean of the other players'"] if task.zero_sum else words)
+    score = [] if task.reward is not None or task.reward_clipping else ["the change of the score"]
+    return ", ".join([*score, *_words(task, "reward")])
 
 
 def _mode(task: Task) -> str:

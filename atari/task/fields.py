@@ -8,7 +8,7 @@ import dataclasses
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar, get_args, get_origin
+from typing import Any, Literal, TypeVar, get_args
 
 from atari.games.frozen import FrozenDict
 from atari.games.interventions import Intervention
@@ -63,7 +63,7 @@ class Row:
         says: its meaning, for the documentation and the help of commands.
         check: checks a value; None for a bool or a Literal, whose type is the check.
         tuned: whether users tune it. Otherwise it only says how another program resets.
-        accepts: the type of the option, if that takes None as "not given", or other forms of a value.
+        accepts: the type of the option, if it takes more than the field holds. None then counts as not given.
         flags: its flags, if they are not made from its name.
         metavar: its value in the help of commands; "" for the choices of a Literal, and otherwise N.
         words: its words in the printed task where its value is not the default; {} is the value. "" if
@@ -343,13 +343,3 @@ def check_field(name: str, value: Any) -> Any:
         TypeError, ValueError: it is of the wrong kind or out of range.
     """
     return CHECKS[name](name, value)
-
-
-def choices(name: str) -> tuple[str, ...]:
-    """The values of a field that is a Literal, and none for another field."""
-    return get_args(TYPES[name]) if get_origin(TYPES[name]) is Literal else ()
-
-
-def accepts_none(name: str) -> bool:
-    """Whether None is a value of a field."""
-    return type(None) in get_args(TYPES[name])

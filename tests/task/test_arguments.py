@@ -23,7 +23,7 @@ from atari.task.arguments import (
     show_task,
     task_of,
 )
-from atari.task.fields import DEFAULTS, GROUPS
+from atari.task.fields import DEFAULTS, GROUPS, ROWS
 from atari.task.resolution import OPTIONS
 
 TEXTS: dict[str, tuple[list[str], Any]] = {
@@ -91,12 +91,12 @@ def test_other_names() -> None:
     assert task_of(parsed("--full-action-space")).actions == "full"
 
 
-def test_help_is_that_of_the_class(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_is_that_of_the_rows(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         parsed("--help")
     shown = "".join(capsys.readouterr().out.split())  # lines are broken at hyphens, too
     for name in OPTIONS:
-        assert "".join(descriptions(Task)[name].split()) in shown, name
+        assert "".join(ROWS[name].says.split()) in shown, name
 
 
 @pytest.mark.parametrize(
