@@ -85,20 +85,20 @@ def row(default: _T, group: Group, says: str, *, compare: bool = True, **more: A
     return dataclasses.field(default=default, compare=compare, metadata={"row": Row(group, says, **more)})
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class TaskFields:
     """The rows. Their order is the order of the fields in `repr`, in the documentation and in the help of commands."""
 
     game: str = dataclasses.field(
-        kw_only=False,
         metadata={
             "row": Row(
                 "game",
                 'id of the game ("breakout"). The constructor also takes a game file of your own, or a `Game`',
                 as_is,
             )
-        },
+        }
     )
+    _: dataclasses.KW_ONLY
     rules: str = row(
         "",
         "game",
@@ -317,7 +317,7 @@ ROWS: Mapping[str, Row] = {one.name: one.metadata["row"] for one in dataclasses.
 FIELDS: tuple[str, ...] = tuple(ROWS)
 """The names of the fields of a `Task`."""
 
-TYPES: Mapping[str, Any] = typing.get_type_hints(TaskFields)
+TYPES: Mapping[str, Any] = {name: kind for name, kind in typing.get_type_hints(TaskFields).items() if name in ROWS}
 """The type of each field."""
 
 DEFAULTS: Mapping[str, Any] = {one.name: one.default for one in dataclasses.fields(TaskFields)}

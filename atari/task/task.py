@@ -37,7 +37,7 @@ class Task(TaskFields):
     `Task.of` makes one from an environment ID, the name of a game or a game file, with options. Every function, class
     and command of this package that plays a game takes a task, or the same options by the same names. The defaults are
     those of ALE's v5 environments. Fields without effect have their defaults, and tasks with equal fields are equal.
-    Tasks can be hashed, pickled and stored as JSON.
+    Tasks can be hashed, pickled and stored as JSON. `docs/tasks.md` has a table of the fields.
 
     Raises:
         TypeError, ValueError: a field is of the wrong kind or out of range, has no effect beside the others, or

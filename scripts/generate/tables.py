@@ -1,7 +1,7 @@
 #!/usr/bin/env python
 """Writes the tables of the documents that the package's data decide, and the picture of the presets.
 
-    scripts/generate/tables.py            # docs/ids.md, docs/presets.md, docs/learning.md (needs the extra `learn`)
+    scripts/generate/tables.py            # the documents of DOCUMENTS; docs/learning.md needs the extra `learn`
     scripts/generate/tables.py --pictures # also docs/assets/presets.png
 
 A table stands between `<!-- table: NAME -->` and `<!-- end -->`. A test compares the files with the data.
@@ -11,6 +11,7 @@ import argparse
 import dataclasses
 import re
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +21,11 @@ import numpy.typing as npt
 
 import atari
 from atari.env_ids import FAMILIES, Family
-from atari.task import PRESETS
+from atari.task import PRESETS, fields
 from atari.task.arguments import descriptions
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-DOCUMENTS = ("ids.md", "presets.md", "learning.md")
+DOCUMENTS = ("ids.md", "presets.md", "tasks.md", "learning.md")
 TABLE = re.compile(r"(<!-- table: ([\w.]+) -->\n)(.*?)(\n<!-- end -->)", re.DOTALL)
 
 Fields = Mapping[str, Any]
@@ -103,6 +104,16 @@ def sources() -> str:
     return "\n".join(f"- `{name}`: {preset.source}" for name, preset in PRESETS.items())
 
 
+def task_fields(tuned: bool) -> str:
+    """A row for each field of a task that users tune, or for each other field."""
+    lines = ["| group | field | default | meaning |", "|---|---|---|---|"]
+    for name, row in fields.ROWS.items():
+        if row.tuned == tuned:
+            default = "" if name == "game" else f"`{fields.DEFAULTS[name]!r}`"
+            lines.append(f"| {row.group} | `{name}` | {default} | {row.says} |")
+    return "\n".join(lines)
+
+
 def options() -> str:
     """A table of the options that all agents have, and one for each agent's own."""
     from atari.learning.agents import AGENTS, find_agent  # imports PyTorch
@@ -160,6 +171,8 @@ TABLES: Mapping[str, Callable[[], str]] = {
     "learning.fast": fast,
     "ids.families": families,
     "presets.sources": sources,
+    "tasks.fields": partial(task_fields, tuned=True),
+    "tasks.resets": partial(task_fields, tuned=False),
     "presets.choices": presets,
 }
 
