@@ -8,7 +8,7 @@ import pytest
 
 import atari
 from atari import _emulator
-from atari.observations.settings import filled_by_name
+from atari.observations.settings import episode_settings, filled_by_name
 from atari.task import Task
 from atari.task.fields import FIELDS
 from atari.task.resolution import resolve_task
@@ -421,6 +421,12 @@ class TestSettings:
         pixels = _emulator.PixelFormat.RGB
         observation = filled_by_name(_emulator.ObservationSettings(), task, pixels=pixels)
         assert (observation.pixels, observation.padding) == (pixels, _emulator.Padding.RESET)
+
+    def test_have_the_defaults_of_ale_pys_vector(self) -> None:
+        task = Task.of("pong", preset="ale_vector", fire_again=False, seeding="ale")
+        ale, default = episode_settings(task), _emulator.EpisodeSettings()
+        for name in (name for name, lane in vars(type(ale)).items() if isinstance(lane, property)):
+            assert getattr(default, name) == getattr(ale, name), name
 
     @pytest.mark.parametrize(
         ("kind", "missing"),

@@ -7,6 +7,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <memory>
+#include <type_traits>
 
 #include "threads.hpp"
 #include "vector/lanes.hpp"
@@ -15,6 +16,19 @@ namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace atari {
+namespace {
+
+// Makes a setting a property. A limit accepts None.
+template <typename T>
+void bind_setting(nb::class_<EpisodeSettings>& settings, const char* name, T EpisodeSettings::*member) {
+    if constexpr (std::is_same_v<T, EpisodeSettings::Limit>)
+        settings.def_rw(name, member, nb::arg().none());
+    else
+        settings.def_rw(name, member);
+}
+
+}  // namespace
+
 void register_settings(nb::module_& m) {
     nb::enum_<FirePress>(m, "FirePress", "When FIRE is pressed at the start of an episode.")
         .value("NEVER", FirePress::kNever)
@@ -51,29 +65,10 @@ void register_settings(nb::module_& m) {
         .value("SAME_STEP", Autoreset::kSameStep)
         .value("DISABLED", Autoreset::kDisabled);
 
-    nb::class_<EpisodeSettings>(m, "EpisodeSettings", "How episodes begin, are played, and end.")
-        .def(nb::init<>())
-        .def_rw("players", &EpisodeSettings::players)
-        .def_rw("repeat_action_probability", &EpisodeSettings::repeat_action_probability)
-        .def_rw("seeding", &EpisodeSettings::seeding)
-        .def_rw("frameskip", &EpisodeSettings::frameskip)
-        .def_rw("noops", &EpisodeSettings::noops)
-        .def_rw("fire", &EpisodeSettings::fire)
-        .def_rw("fire_counts", &EpisodeSettings::fire_counts)
-        .def_rw("third_action", &EpisodeSettings::third_action)
-        .def_rw("fire_unit", &EpisodeSettings::fire_unit)
-        .def_rw("fire_again", &EpisodeSettings::fire_again)
-        .def_rw("episodic_life", &EpisodeSettings::episodic_life)
-        .def_rw("lives_unit", &EpisodeSettings::lives_unit)
-        .def_rw("on_reset", &EpisodeSettings::on_reset)
-        .def_rw("last_life", &EpisodeSettings::last_life)
-        .def_rw("seamless_lives", &EpisodeSettings::seamless_lives)
-        .def_rw("life_loss_info", &EpisodeSettings::life_loss_info)
-        .def_rw("max_frames", &EpisodeSettings::max_frames, nb::arg().none())
-        .def_rw("max_episode_steps", &EpisodeSettings::max_episode_steps, nb::arg().none())
-        .def_rw("max_num_frames_per_episode", &EpisodeSettings::max_num_frames_per_episode, nb::arg().none())
-        .def_rw("reward_clipping", &EpisodeSettings::reward_clipping)
-        .def_rw("acts_after_end", &EpisodeSettings::acts_after_end);
+    nb::class_<EpisodeSettings> episode(m, "EpisodeSettings", "How episodes begin, are played, and end.");
+    episode.def(nb::init<>());
+#define SETTING(type, name, ...) bind_setting(episode, #name, &EpisodeSettings::name);
+#include "vector/episode_settings.def"
     nb::class_<ObservationSettings>(m, "ObservationSettings", "How frames are pooled, resized and stacked.")
         .def(nb::init<>())
         .def_rw("pixels", &ObservationSettings::pixels)
