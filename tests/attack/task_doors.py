@@ -25,7 +25,7 @@ from atari.task.resolution import _NONE_IS_NOT_GIVEN
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
-from field_values import DRAWN, seconds_of_noop, seconds_of_step, small, task_with, value_of
+from field_values import DRAWN, flags_of, seconds_of_noop, seconds_of_step, small, task_with, value_of
 
 MOST_SECONDS = 0.1
 """The seconds that a step, or the no-ops of a reset, of a played task may take."""
@@ -91,17 +91,6 @@ def of_command_line(game: str, options: Mapping[str, Any]) -> Task:
     except SystemExit:
         raise ValueError(errors.getvalue()) from None
     return task_of(args, game=game)
-
-
-def flags_of(name: str, value: Any) -> list[str]:
-    """The flags of an option."""
-    flag = f"--{name.replace('_', '-')}"
-    if name == "interventions":
-        return [f"--intervention={one['name'] if isinstance(one, Mapping) else one}" for one in value]
-    if isinstance(value, bool):
-        return [flag if value else flag.replace("--", "--no-", 1)]
-    words = value if isinstance(value, (tuple, list)) else [value]
-    return [f"{flag}={','.join('none' if word is None else str(word) for word in words)}"]
 
 
 def forged(source: random.Random, name: str, game: Game) -> Any:

@@ -2,13 +2,15 @@
 
 import pytest
 from documents import page
-from door_cells import VALUES, check_cell
+from door_cells import check_cell
 from doors import TRAIN, row
+
+from atari.task.resolution import OPTIONS
 
 pytest.importorskip("torch")
 
 
-@pytest.mark.parametrize("field", VALUES)
+@pytest.mark.parametrize("field", OPTIONS)
 def test_a_training_takes_or_refuses_a_field(field: str) -> None:
     check_cell(TRAIN, field)
 

@@ -7,19 +7,16 @@ import numpy as np
 import pytest
 
 pytest.importorskip("pettingzoo")
-from field_values import DRAWN, seconds_of_step, settled, small, value_of
+from field_values import CASES, lacking, seconds_of_step, settled, small, value_of
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 import atari
 from atari import Task
 from atari.multiplayer.parallel import MultiplayerEnv
-from atari.task.fields import FIELDS
 
-OF_ONE_PLAYER = (
-    *("continuous", "continuous_action_threshold", "fire", "fire_counts", "third_action", "fire_unit", "fire_again"),
-    *("episodic_life", "lives_unit", "on_reset", "last_life", "seamless_lives", "life_loss_info", "reward"),
-)
+OF_SEVERAL = tuple(name for name in CASES if name not in lacking("several"))
+"""The fields of a task of several players."""
 GAMES = (("pong", 2), ("pong", 4), ("warlords", 4), ("joust", 2), ("boxing", 2), ("wizard_of_wor", 2), ("combat", 2))
 
 
@@ -28,7 +25,7 @@ def tasks(draw: st.DrawFn) -> Task:
     """A random task of several players."""
     name, players = draw(st.sampled_from(GAMES))
     game, source = atari.games[name], random.Random(draw(st.integers(0, 2**32 - 1)))
-    names = [*({*DRAWN} - {*OF_ONE_PLAYER, "mode", "difficulty"}), "agent_indicator", "zero_sum"]
+    names = {*OF_SEVERAL} - {"game", "players", "mode", "difficulty"}
     drawn = {field: value_of(source, field, game, small) for field in sorted(names) if source.random() < 0.5}
     task = settled(source, game, {**drawn, "players": players})
     assume(task is not None and seconds_of_step(task) < 0.02)
@@ -148,38 +145,6 @@ def test_players_who_are_out_are_those_of_the_lane() -> None:
     assert left >= {2, 3, 4}
 
 
-ACTING: dict[str, tuple[dict[str, Any], Any]] = {
-    "game": ({}, "boxing"),
-    "mode": ({}, 10),
-    "difficulty": ({}, 3),
-    "players": ({}, 4),
-    "actions": ({}, "full"),
-    "repeat_action_probability": ({}, 0.0),
-    "frameskip": ({}, (2, 5)),
-    "interventions": (
-        {},
-        [{"name": "frozen_ball", "description": "-", "source": "-", "writes": [{"to": "ball_x", "value": 80}]}],
-    ),
-    "noops": ({}, (5, 9)),
-    "seeding": ({"noops": (0, 30)}, "ale"),
-    "max_num_frames_per_episode": ({}, 90),
-    "max_frames": ({}, 90),
-    "max_episode_steps": ({}, 20),
-    "obs_type": ({}, "ram"),
-    "img_height": ({"img_height": 84, "img_width": 84}, 60),
-    "img_width": ({"img_height": 84, "img_width": 84}, 60),
-    "stack_num": ({}, 2),
-    "maxpool": ({"game": "joust"}, True),
-    "pool_rgb": ({"obs_type": "grayscale", "maxpool": True}, True),
-    "padding": ({"stack_num": 4}, "reset"),
-    "end_frames": ({"max_num_frames_per_episode": 130, "frameskip": 4}, "gymnasium"),
-    "agent_indicator": ({}, True),
-    "reward_clipping": ({"game": "joust"}, True),
-    "zero_sum": ({}, True),
-}
-"""By field, the others with which it acts, and a value other than the default."""
-
-
 def trace(task: Task) -> list[Any]:
     """All that agents get in some steps of random actions."""
     game, source = MultiplayerEnv(task), np.random.default_rng(3)
@@ -200,19 +165,16 @@ def _bytes(observation: Any) -> bytes:
     return b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
 
 
-@pytest.mark.parametrize("field", ACTING)
+@pytest.mark.parametrize("field", OF_SEVERAL)
 def test_every_field_acts(field: str) -> None:
-    others, value = ACTING[field]
-    base = Task(**{"game": "pong", "players": 2, **others})
-    changed = Task(**{"game": "pong", "players": 2, **others, field: value})
-    assert field in base.differences(changed)
-    assert trace(base) != trace(changed)
+    case = CASES[field].several or CASES[field]
+    others = {"game": "pong", "players": 2, **case.needs, **case.seen}
+    one, other = Task(**others), Task(**{**others, field: case.value})
+    assert field in one.differences(other)
+    assert trace(one) != trace(other)
 
 
-def test_every_field_is_tested_or_refused() -> None:
-    assert {*ACTING, *OF_ONE_PLAYER, "sound_obs", "rules", "rom_md5"} == set(FIELDS)
-    for field in ("continuous", "episodic_life", "life_loss_info", "sound_obs"):
-        with pytest.raises(ValueError, match=f"{field}.*for one player"):
-            MultiplayerEnv("pong", **{field: True})
-    with pytest.raises(ValueError, match=r"fire='after_noops' is for one player"):
-        MultiplayerEnv("pong", fire="after_noops")
+@pytest.mark.parametrize("field", [name for name in lacking("several") if not CASES[name].needs])
+def test_a_field_of_one_player_is_refused(field: str) -> None:
+    with pytest.raises(ValueError, match=f"{field}.*for one player"):
+        MultiplayerEnv("pong", **{field: CASES[field].value})

@@ -2,13 +2,15 @@
 
 import pytest
 from documents import page
-from door_cells import VALUES, check_cell
+from door_cells import check_cell
 from doors import STABLE_BASELINES, row
+
+from atari.task.resolution import OPTIONS
 
 pytestmark = pytest.mark.peers
 
 
-@pytest.mark.parametrize("field", VALUES)
+@pytest.mark.parametrize("field", OPTIONS)
 def test_a_vector_of_stable_baselines_takes_or_refuses_a_field(field: str) -> None:
     check_cell(STABLE_BASELINES, field)
 

@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 import gymnasium
 import pytest
+from field_values import flags_of, lacking
 
 import atari
 from atari.cli import main
@@ -118,7 +119,7 @@ def _command(*words: str) -> Callable[..., Task]:
         line = [
             *words,
             game,
-            *(flag for name, value in options.items() for flag in _flags(name, value)),
+            *(flag for name, value in options.items() for flag in flags_of(name, value)),
         ]
         printed, errors = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(errors):
@@ -131,15 +132,6 @@ def _command(*words: str) -> Callable[..., Task]:
         return Task.from_json(printed.getvalue())
 
     return task
-
-
-def _flags(name: str, value: Any) -> list[str]:
-    flag = f"--{name.replace('_', '-')}"
-    if isinstance(value, bool):
-        return [flag if value else f"--no-{flag[2:]}"]
-    if name == "interventions":
-        return [word for intervention in value for word in ("--intervention", intervention)]
-    return [flag, ",".join(map(str, value)) if isinstance(value, (tuple, list)) else str(value)]
 
 
 def of_fields(names: str | tuple[str, ...], reason: str) -> dict[str, str]:
@@ -155,9 +147,8 @@ def all_but(names: tuple[str, ...], reason: str) -> dict[str, str]:
 
 _NO_WRAPPERS = "an AtariEnv has no wrappers; atari.make and Task.make put them around"
 _ONE_PLAYER = "Gymnasium's environments have one player; atari.multiplayer and vectors have several"
-_NO_SOUND = of_fields(("sound_obs",), "a vector's engine has no sound")
-_TOGETHER = "a rule of tasks: it is for one player"
-_SINGLE = of_fields(("players", "agent_indicator", "zero_sum"), _ONE_PLAYER)
+_NO_SOUND = of_fields(lacking("vector"), "a vector's engine has no sound")
+_SINGLE = of_fields(lacking("one"), _ONE_PLAYER)
 _OF_WRAPPERS = tuple(
     name
     for name in (
@@ -171,11 +162,7 @@ _OF_WRAPPERS = tuple(
     if name not in ("obs_type", "sound_obs", "agent_indicator")
 )
 _OF_LIMITS = {"max_num_frames_per_episode": "max_frames"}
-_OF_SEVERAL = {
-    **of_fields((*GROUPS["lives"], "continuous", "continuous_action_threshold", "reward"), _TOGETHER),
-    **of_fields(tuple(name for name in GROUPS["begin"] if name not in ("noops", "seeding")), _TOGETHER),
-    **_NO_SOUND,
-}
+_OF_SEVERAL = of_fields(lacking("several"), "a rule of tasks: it is for one player")
 _OF_STEPS = of_fields(
     (
         *("frameskip", "actions", "noops", "seeding", "max_frames", "max_episode_steps"),
@@ -197,15 +184,15 @@ _OF_PLAY = of_fields(
 _NOT_OF_BASELINES = of_fields(("fire_again", "seamless_lives"), "it contradicts preset baselines")
 _OF_POLICIES = of_fields(
     (
-        *("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
-        *("life_loss_info", "reward", "reward_clipping"),
+        *lacking("one", "vector"),
+        *("continuous", "continuous_action_threshold", "life_loss_info", "reward", "reward_clipping"),
     ),
     "policies play whole games of one player, with the game's own scores",
 )
 _NO_CHOICE = of_fields(("continuous", "continuous_action_threshold"), "a policy chooses one of the actions")
 _OF_DEMO = _NO_CHOICE | of_fields(
     (
-        *("players", "agent_indicator", "zero_sum", "sound_obs"),
+        *lacking("one", "vector"),
         *("actions", "repeat_action_probability", "life_loss_info"),  # dqn2015 prescribes or contradicts these
     ),
     "the demonstration plays preset dqn2015",
@@ -257,7 +244,7 @@ TRAIN = Door(
     _command("train", "--json", "ppo"),
     {
         **of_fields(
-            ("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
+            (*lacking("one", "vector"), "continuous", "continuous_action_threshold"),
             "agents see images or RAM of one player, and choose one of the actions",
         ),
         **_NOT_OF_BASELINES,

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from field_values import CASES, flags_of
 
 import atari
 from atari.cli.arguments import Parser
@@ -23,38 +24,17 @@ from atari.task.arguments import (
     show_task,
     task_of,
 )
-from atari.task.fields import DEFAULTS, GROUPS, ROWS
+from atari.task.fields import GROUPS, ROWS
 from atari.task.resolution import OPTIONS
 
-TEXTS: dict[str, tuple[list[str], Any]] = {
-    "mode": (["--mode", "1"], 1),
-    "difficulty": (["--difficulty", "1"], 1),
-    "players": (["--players", "2"], 2),
-    "actions": (["--actions", "NOOP,FIRE"], ("NOOP", "FIRE")),
-    "continuous": (["--continuous"], True),
-    "continuous_action_threshold": (["--continuous-action-threshold", "0.25"], 0.25),
-    "repeat_action_probability": (["--repeat-action-probability", "0.5"], 0.5),
-    "frameskip": (["--frameskip", "2,5"], (2, 5)),
-    "interventions": (["--intervention", "a", "--intervention", "b.toml#c"], ("a", "b.toml#c")),
-    "noops": (["--noops", "1,30"], (1, 30)),
-    "fire": (["--fire", "after_noops"], "after_noops"),
-    "fire_unit": (["--fire-unit", "skip"], "skip"),
-    "fire_again": (["--no-fire-again"], False),
-    "seeding": (["--seeding", "ale"], "ale"),
-    "lives_unit": (["--lives-unit", "skip"], "skip"),
-    "on_reset": (["--on-reset", "noop"], "noop"),
-    "max_num_frames_per_episode": (["--max-num-frames-per-episode", "none"], None),
-    "max_frames": (["--max-frames", "1e5"], 100_000),
-    "max_episode_steps": (["--max-episode-steps", "7"], 7),
-    "obs_type": (["--obs-type", "grayscale"], "grayscale"),
-    "img_height": (["--img-height", "84"], 84),
-    "img_width": (["--img-width", "none"], None),
-    "stack_num": (["--stack-num", "4"], 4),
-    "padding": (["--padding", "reset"], "reset"),
-    "end_frames": (["--end-frames", "baselines"], "baselines"),
-    "reward": (["--reward", "-5 * lives_lost + min(reward, 3)"], "-5 * lives_lost + min(reward, 3)"),
-}
-"""The flags of options that are not bool, and of some that are."""
+TEXTS: tuple[tuple[str, str, Any], ...] = (
+    ("--actions", "NOOP,FIRE", ("NOOP", "FIRE")),
+    ("--max-num-frames-per-episode", "none", None),
+    ("--max-frames", "1e5", 100_000),
+    ("--img-width", "none", None),
+    ("--reward", "-5 * lives_lost + min(reward, 3)", "-5 * lives_lost + min(reward, 3)"),
+)
+"""Flags whose values are not written as Python writes them."""
 
 
 def parsed(*words: str, parser: argparse.ArgumentParser | None = None) -> argparse.Namespace:
@@ -67,11 +47,15 @@ def parsed(*words: str, parser: argparse.ArgumentParser | None = None) -> argpar
 
 @pytest.mark.parametrize("name", OPTIONS)
 def test_every_option_has_a_flag(name: str) -> None:
-    words, value = TEXTS.get(name, ([f"--{name.replace('_', '-')}"], True))
-    assert given_options(parsed(*words)) == {name: value}
-    if name not in TEXTS:
-        assert DEFAULTS[name] is False
-        assert given_options(parsed(f"--no-{name.replace('_', '-')}")) == {name: False}
+    value = CASES[name].value
+    assert given_options(parsed(*flags_of(name, value))) == {name: tuple(value) if isinstance(value, list) else value}
+    if isinstance(value, bool):
+        assert given_options(parsed(*flags_of(name, not value))) == {name: not value}
+
+
+@pytest.mark.parametrize(("flag", "text", "value"), TEXTS)
+def test_values_that_have_texts_of_their_own(flag: str, text: str, value: Any) -> None:
+    assert [*given_options(parsed(flag, text)).values()] == [value]
 
 
 @pytest.mark.parametrize("text", ["1", "1e5", "lives, 1", "full", "none"])

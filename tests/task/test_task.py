@@ -11,6 +11,7 @@ from typing import Any, get_type_hints
 import gymnasium
 import numpy as np
 import pytest
+from field_values import CASES, lacking
 from hypothesis import HealthCheck, given, settings
 from task_strategies import tasks
 
@@ -27,10 +28,10 @@ from atari.vector import ale_names
 GAMES = ("breakout", "pong", "ms_pacman", "seaquest", "backgammon", "video_checkers")
 
 
-def test_groups_have_every_field_once() -> None:
-    names = [name for group in GROUPS.values() for name in group]
-    assert sorted(names) == sorted(one.name for one in dataclasses.fields(Task) if one.name != "definition")
-    assert tuple(names) == FIELDS
+def test_fields_have_rows_and_cases() -> None:
+    assert sorted(FIELDS) == sorted(one.name for one in dataclasses.fields(Task) if one.name != "definition")
+    assert sorted(FIELDS) == sorted(name for group in GROUPS.values() for name in group)
+    assert {*CASES, "rules", "rom_md5"} == {*FIELDS}
 
 
 def test_the_docstring_describes_every_field() -> None:
@@ -196,22 +197,11 @@ class TestOptions:
 
 
 WITHOUT_EFFECT: list[tuple[dict[str, Any], dict[str, Any]]] = [
-    ({"on_reset": "noop"}, {"episodic_life": True}),
-    ({"lives_unit": "skip"}, {"episodic_life": True}),
-    ({"seamless_lives": True}, {"episodic_life": True}),
+    *(({name: case.value}, dict(case.needs)) for name, case in CASES.items() if case.needs and name != "players"),
     ({"last_life": True}, {"life_loss_info": True}),
-    ({"fire_counts": True}, {"fire": "after_noops"}),
-    ({"third_action": True}, {"fire": "after_noops"}),
-    ({"fire_unit": "skip"}, {"fire": "after_noops"}),
-    ({"fire_again": False}, {"fire": "before_noops", "noops": (1, 30)}),
-    ({"continuous_action_threshold": 0.3}, {"continuous": True}),
     ({"max_frames": 300, "max_num_frames_per_episode": 200}, {"max_num_frames_per_episode": None}),
-    ({"pool_rgb": True}, {"obs_type": "grayscale", "maxpool": True}),
-    ({"padding": "reset"}, {"stack_num": 4}),
     ({"obs_type": "ram", "maxpool": True}, {"obs_type": "dict"}),
     ({"obs_type": "ram", "padding": "reset"}, {"stack_num": 4}),
-    ({"zero_sum": True}, {"players": 2}),
-    ({"agent_indicator": True}, {"players": 2}),
 ]
 
 CONTRADICTIONS: list[tuple[dict[str, Any], dict[str, Any]]] = [
@@ -234,8 +224,16 @@ def test_combinations_without_a_meaning_are_refused_and_have_a_neighbour(
     wrong: dict[str, Any], change: dict[str, Any]
 ) -> None:
     with pytest.raises(ValueError, match="|".join(wrong)):
-        Task.of("pong", **wrong)
-    Task.of("pong", **{**wrong, **change})
+        Task("pong", **wrong)
+    Task(**{"game": "pong", **wrong, **change})
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if name not in ("game", *lacking("one"))])
+def test_the_printed_task_has_every_field(name: str) -> None:
+    case = CASES[name]
+    others = {"game": "breakout", **case.needs, **case.seen}
+    one, other = (str(Task(**fields)).splitlines()[1:] for fields in (others, {**others, name: case.value}))
+    assert one != other
 
 
 def test_fields_without_effect_of_another_task_are_left_out() -> None:
