@@ -113,5 +113,5 @@ def composed(game: Task, **fields: Any) -> Task:
     """
     kept = ("rules", "rom_md5", "mode", "difficulty", "players", "interventions")
     every = {**DEFAULTS, **{name: getattr(game, name) for name in kept}, **fields, "game": game.definition}
-    settle(every, DEFAULTS, given=())
+    settle(every, given=())
     return Task(**every)

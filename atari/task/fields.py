@@ -85,230 +85,121 @@ def row(default: _T, group: Group, says: str, *, compare: bool = True, **more: A
     return dataclasses.field(default=default, compare=compare, metadata={"row": Row(group, says, **more)})
 
 
+# fmt: off
 @dataclass(frozen=True, repr=False)
 class TaskFields:
     """The rows. Their order is the order of the fields in `repr`, in the documentation and in the help of commands."""
 
-    game: str = dataclasses.field(
-        metadata={
-            "row": Row(
-                "game",
-                'id of the game ("breakout"). The constructor also takes a game file of your own, or a `Game`',
-                as_is,
-            )
-        }
-    )
+    game: str = dataclasses.field(metadata={"row": Row(
+        "game", 'id of the game ("breakout"). The constructor also takes a game file of your own, or a `Game`', as_is)})
     _: dataclasses.KW_ONLY
     rules: str = row(
-        "",
-        "game",
-        'fingerprint of the game definition; "" in the constructor means the installed one\'s',
-        check=check_text,
-    )
+        "", "game", 'fingerprint of the game definition; "" in the constructor means the installed one\'s',
+        check=check_text)
     rom_md5: str | None = row(
-        None,
-        "game",
-        "MD5 of the ROM, None if it is not known; it is not compared by `==`",
-        check=check_text,
-        compare=False,
-    )
+        None, "game", "MD5 of the ROM, None if it is not known; it is not compared by `==`", check=check_text,
+        compare=False)
     mode: int | None = row(
-        None,
-        "game",
+        None, "game",
         "game mode, None in the constructor means the default. With several players, Multi-Agent-ALE numbers the modes",
-        check=as_is,
-    )
+        check=as_is)
     difficulty: int | None = row(None, "game", "None in the constructor means ALE's default, 0", check=as_is)
     players: int = row(1, "game", "number of players of one game, 1 to 4", check=Whole(1, 4), accepts="int | None")
     actions: str | tuple[str, ...] = row(
-        "minimal",
-        "play",
-        "minimal (those that the game uses), full (all legal ones), or names of actions",
-        check=check_actions,
-        accepts="str | Sequence[str | Action] | None",
-        metavar="full|NAMES",
-    )
+        "minimal", "play", "minimal (those that the game uses), full (all legal ones), or names of actions",
+        check=check_actions, accepts="str | Sequence[str | Action] | None", metavar="full|NAMES")
     continuous: bool = row(
-        False, "play", 'actions are (radius, angle, fire), three float32 (Farebrother and Castro 2024, "CALE")'
-    )
+        False, "play", 'actions are (radius, angle, fire), three float32 (Farebrother and Castro 2024, "CALE")')
     continuous_action_threshold: float = row(
-        0.5,
-        "play",
-        "least movement of the stick, or pressure on fire, that counts, 0..1",
-        check=Probability(check_threshold),
-        metavar="P",
-    )
+        0.5, "play", "least movement of the stick, or pressure on fire, that counts, 0..1",
+        check=Probability(check_threshold), metavar="P")
     repeat_action_probability: float | tuple[float, ...] = row(
-        0.25,
-        "play",
-        "probability of repeating the previous action, drawn in each frame (sticky actions); each of several players "
-        "can have its own",
-        check=Probability(check_probabilities),
-        accepts="float | tuple[float, ...] | None",
-        flags=("--repeat-action-probability", "--sticky"),
-        metavar="P",
-    )
+        0.25, "play", "probability of repeating the previous action, drawn in each frame (sticky actions); each of "
+        "several players can have its own", check=Probability(check_probabilities),
+        accepts="float | tuple[float, ...] | None", flags=("--repeat-action-probability", "--sticky"), metavar="P")
     frameskip: int | tuple[int, int] = row(
-        4,
-        "play",
-        "frames for each action, or (low, high) for a number within low..high-1 drawn at each step",
-        check=FrameSkip(Whole(1, MOST_FRAMES_SKIPPED)),
-        metavar="N|LOW,HIGH",
-    )
+        4, "play", "frames for each action, or (low, high) for a number within low..high-1 drawn at each step",
+        check=FrameSkip(Whole(1, MOST_FRAMES_SKIPPED)), metavar="N|LOW,HIGH")
     interventions: tuple[Intervention, ...] = row(
-        (),
-        "play",
-        'changes of the game through its RAM; names, paths as "file.toml#name", or definitions',
-        check=as_is,
-        accepts="Interventions",
-        flags=("--intervention",),
-        metavar="NAME",
-    )
+        (), "play", 'changes of the game through its RAM; names, paths as "file.toml#name", or definitions',
+        check=as_is, accepts="Interventions", flags=("--intervention",), metavar="NAME")
     noops: tuple[int, int] = row(
-        (0, 0),
-        "begin",
+        (0, 0), "begin",
         "(low, high), both included: an episode begins with a number of NOOP frames drawn from this range",
-        check=Noops(Whole(0, 1_000_000)),
-        metavar="LOW,HIGH",
-    )
+        check=Noops(Whole(0, 1_000_000)), metavar="LOW,HIGH")
     fire: Fire = row(
-        "never", "begin", "an episode begins with FIRE before or after the no-ops, or never, in games that have it"
-    )
+        "never", "begin", "an episode begins with FIRE before or after the no-ops, or never, in games that have it")
     fire_counts: bool = row(False, "begin", "FIRE is one of the no-ops", tuned=False)
     third_action: bool = row(
-        False, "begin", "the action with index 2 follows FIRE, as in OpenAI's Baselines", tuned=False
-    )
+        False, "begin", "the action with index 2 follows FIRE, as in OpenAI's Baselines", tuned=False)
     fire_unit: Unit = row(
-        "frame",
-        "begin",
-        "FIRE is played for a frame, or for a skip: a whole step, after the no-ops",
-        tuned=False,
-    )
+        "frame", "begin", "FIRE is played for a frame, or for a skip: a whole step, after the no-ops", tuned=False)
     fire_again: bool = row(
-        True,
-        "begin",
-        "FIRE is pressed again when a game ends in the no-ops that follow it",
-        tuned=False,
-        words="FIRE is not pressed again if the game ends in them",
-    )
+        True, "begin", "FIRE is pressed again when a game ends in the no-ops that follow it", tuned=False,
+        words="FIRE is not pressed again if the game ends in them")
     seeding: Seeding = row(
-        "gymnasium",
-        "begin",
-        "generators that a seed starts: gymnasium (NumPy's PCG64 for no-ops and skips, the emulator's from the second "
-        "word of the seed) or ale (a Mersenne Twister, and the seed itself for the emulator)",
-        tuned=False,
-    )
+        "gymnasium", "begin", "generators that a seed starts: gymnasium (NumPy's PCG64 for no-ops and skips, the "
+        "emulator's from the second word of the seed) or ale (a Mersenne Twister, and the seed itself for the "
+        "emulator)", tuned=False)
     episodic_life: bool = row(False, "lives", "a lost life ends the episode", accepts="bool | None")
     lives_unit: Unit = row(
-        "frame",
-        "lives",
+        "frame", "lives",
         "lives are compared after each frame, so that a lost life cuts a skip short, or after a whole skip",
-        tuned=False,
-        words="whole steps are played",
-    )
+        tuned=False, words="whole steps are played")
     on_reset: OnReset = row(
-        "new_game", "lives", "a reset after a lost life plays a step of NOOP, nothing (continue), or a new game"
-    )
+        "new_game", "lives", "a reset after a lost life plays a step of NOOP, nothing (continue), or a new game")
     last_life: bool = row(
-        False,
-        "lives",
-        "losing the last life counts in games that continue after it",
-        words="the last life counts too",
-    )
+        False, "lives", "losing the last life counts in games that continue after it", words="the last life counts too")
     seamless_lives: bool = row(
-        False,
-        "lives",
-        "a lost life neither cuts a skip short nor clears the stack",
-        tuned=False,
-        words="skip and stack go on",
-    )
+        False, "lives", "a lost life neither cuts a skip short nor clears the stack", tuned=False,
+        words="skip and stack go on")
     life_loss_info: bool = row(False, "lives", "a lost life is reported as a termination, and the episode continues")
     max_num_frames_per_episode: int | None = row(
-        108_000,
-        "limits",
-        "limit on all frames of a game, no-ops included; None means no limit",
-        check=Limit(Whole(0, NO_LIMIT)),
-        words="{:,} frames of the emulator",
-    )
+        108_000, "limits", "limit on all frames of a game, no-ops included; None means no limit",
+        check=Limit(Whole(0, NO_LIMIT)), words="{:,} frames of the emulator")
     max_frames: int | None = row(
-        None,
-        "limits",
-        "limit on the frames of a game after its beginning; None means no limit",
-        check=OrNone(Whole(1, NO_LIMIT)),
-        words="{:,} frames after the beginning",
-    )
+        None, "limits", "limit on the frames of a game after its beginning; None means no limit",
+        check=OrNone(Whole(1, NO_LIMIT)), words="{:,} frames after the beginning")
     max_episode_steps: int | None = row(
-        None,
-        "limits",
-        "limit on the agent's steps of an episode; None means no limit",
-        check=OrNone(Whole(1, NO_LIMIT)),
-        words="{:,} steps",
-    )
+        None, "limits", "limit on the agent's steps of an episode; None means no limit",
+        check=OrNone(Whole(1, NO_LIMIT)), words="{:,} steps")
     obs_type: ObsType = row(
-        "rgb",
-        "observation",
-        "rgb, grayscale, ram (128 bytes), dict (gray image and RAM) or rgb_dict",
-        accepts="ObsType | None",
-    )
+        "rgb", "observation", "rgb, grayscale, ram (128 bytes), dict (gray image and RAM) or rgb_dict",
+        accepts="ObsType | None")
     img_height: int | None = row(
-        None, "observation", "rows of the image, None means the screen's rows", check=OrNone(Whole(1, 256))
-    )
+        None, "observation", "rows of the image, None means the screen's rows", check=OrNone(Whole(1, 256)))
     img_width: int | None = row(
-        None, "observation", "columns of the image, None means the screen's columns", check=OrNone(Whole(1, 160))
-    )
+        None, "observation", "columns of the image, None means the screen's columns", check=OrNone(Whole(1, 160)))
     stack_num: int | None = row(
-        None,
-        "observation",
-        "images or RAM vectors in an observation, the oldest first; None means one, without an axis for it. In dicts "
-        "of both, images are stacked, RAM is not. The stacks of presets contain images",
-        check=OrNone(Whole(1, 256)),  # 26 MB of RGB images
-    )
+        None, "observation", "images or RAM vectors in an observation, the oldest first; None means one, without an "
+        "axis for it. In dicts of both, images are stacked, RAM is not. The stacks of presets contain images",
+        check=OrNone(Whole(1, 256)))  # 26 MB of RGB images
     maxpool: bool = row(False, "observation", "the image is the maximum of the last two frames of a skip")
     pool_rgb: bool = row(
-        False,
-        "observation",
-        "colours are pooled and then made gray, as in OpenAI's Baselines, instead of ALE's gray values",
-    )
+        False, "observation",
+        "colours are pooled and then made gray, as in OpenAI's Baselines, instead of ALE's gray values")
     padding: Padding = row(
-        "zero",
-        "observation",
-        "filling of the stack at the start of an episode: zero, or reset, the first image or RAM",
-    )
+        "zero", "observation",
+        "filling of the stack at the start of an episode: zero, or reset, the first image or RAM")
     end_frames: EndFrames = row(
-        "last",
-        "observation",
-        "frames that are observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`",
-    )
+        "last", "observation",
+        "frames that are observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`")
     sound_obs: bool = row(
-        False,
-        "observation",
-        "observations are image and sound: 512 samples of the step's last frame",
-        words="and 512 samples of sound",
-    )
+        False, "observation", "observations are image and sound: 512 samples of the step's last frame",
+        words="and 512 samples of sound")
     agent_indicator: bool = row(
-        False,
-        "observation",
-        "each of several players sees more channels, which say which player it is",
-        words="with the number of the player",
-    )
+        False, "observation", "each of several players sees more channels, which say which player it is",
+        words="with the number of the player")
     reward: str | None = row(
-        None,
-        "reward",
-        'an expression over the game\'s own reward, lives and RAM, such as "reward - 5 * lives_lost", see '
-        "docs/rewards.md; None is the game's own. `info` has the game's rewards and scores all the same",
-        check=check_reward,
-        metavar="EXPRESSION",
-        words="the expression {}",
-    )
+        None, "reward", 'an expression over the game\'s own reward, lives and RAM, such as "reward - 5 * lives_lost", '
+        "see docs/rewards.md; None is the game's own. `info` has the game's rewards and scores all the same",
+        check=check_reward, metavar="EXPRESSION", words="the expression {}")
     reward_clipping: bool = row(
-        False, "reward", "rewards are clipped to -1..1", accepts="bool | None", words="clipped to -1..1"
-    )
+        False, "reward", "rewards are clipped to -1..1", accepts="bool | None", words="clipped to -1..1")
     zero_sum: bool = row(
-        False,
-        "reward",
-        "each of several players gets its reward minus the mean of the others'",
-        words="minus the mean of the other players'",
-    )
+        False, "reward", "each of several players gets its reward minus the mean of the others'",
+        words="minus the mean of the other players'")
+# fmt: on
 
 
 ROWS: Mapping[str, Row] = {one.name: one.metadata["row"] for one in dataclasses.fields(TaskFields)}
@@ -327,7 +218,6 @@ GROUPS: Mapping[str, tuple[str, ...]] = FrozenDict(
     {group: tuple(name for name in ROWS if ROWS[name].group == group) for group in get_args(Group)}
 )
 """The fields of a `Task` by group."""
-
 
 CHECKS: Mapping[str, Check] = {
     name: row.check or (check_bool if TYPES[name] is bool else OneOf(get_args(TYPES[name])))

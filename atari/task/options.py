@@ -46,7 +46,7 @@ class AddedOptions(TypedDict, total=False):
 
 
 class _Shared(AddedOptions, total=False):
-    """All options with one type in all functions."""
+    """The options that have one type in all functions."""
 
     continuous: bool
     continuous_action_threshold: float

@@ -66,7 +66,7 @@ def resolve_task(
     fields |= given
     if fields["obs_type"] == "ram":  # other stacks contain images
         fields["stack_num"] = given.get("stack_num", ram_stack)
-    settle(fields, DEFAULTS, given)
+    settle(fields, given)
     return Task(**fields)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from atari.games.game import Game
 from atari.task.checks import NO_LIMIT
+from atari.task.fields import DEFAULTS
 
 Fields = Mapping[str, Any]
 
@@ -91,7 +92,7 @@ _NEEDS = (
 """A rule may depend on fields of earlier rules."""
 
 
-def settle(fields: dict[str, Any], defaults: Fields, given: Collection[str]) -> None:
+def settle(fields: dict[str, Any], given: Collection[str]) -> None:
     """Set the fields without effect to their defaults, in place.
 
     Raises:
@@ -103,9 +104,9 @@ def settle(fields: dict[str, Any], defaults: Fields, given: Collection[str]) -> 
         if need.holds(fields):
             continue
         for name in need.fields:
-            if name in given and fields[name] != defaults[name]:
+            if name in given and fields[name] != DEFAULTS[name]:
                 raise ValueError(f"{name}={fields[name]!r} has no effect, because {need.because}, or leave {name} out")
-            fields[name] = defaults[name]
+            fields[name] = DEFAULTS[name]
 
 
 def check_together(task: Fields, game: Game) -> None:
@@ -170,21 +171,12 @@ def _contradictions(task: Fields, game: Game) -> list[tuple[bool, str]]:
             "episodic_life and life_loss_info are for one player, because players lose lives at different times; "
             f"leave them or players={task['players']} out",
         ),
-        (
-            several and _fires(task),
-            f"fire={task['fire']!r} is for one player; leave it or players={task['players']} out",
-        ),
-        (
-            several and task["reward"] is not None,
-            f"reward={task['reward']!r} is for one player; leave it or players={task['players']} out",
-        ),
-        (
-            several and task["sound_obs"],
-            f"sound_obs=True is for one player; leave it or players={task['players']} out",
-        ),
-        (
-            several and task["continuous"],
-            f"continuous=True is for one player; leave it or players={task['players']} out",
+        *(
+            (
+                several and task[name] != DEFAULTS[name],
+                f"{name}={task[name]!r} is for one player; leave it or players={task['players']} out",
+            )
+            for name in ("fire", "reward", "sound_obs", "continuous")
         ),
         (
             task["sound_obs"] and task["obs_type"] in ("dict", "rgb_dict"),

@@ -63,7 +63,7 @@ class Task(TaskFields):
     def __post_init__(self) -> None:
         fields = {name: check_field(name, getattr(self, name)) for name in FIELDS}
         self._find_game(fields)
-        settle(fields, DEFAULTS, given=FIELDS)
+        settle(fields, given=FIELDS)
         check_together(fields, self.definition)
         self._settle_actions(fields)
         for name, value in fields.items():
@@ -241,19 +241,8 @@ class Task(TaskFields):
 
     def of_emulator(self) -> "Task":
         """The part of this task that an `AtariEnv` plays inside the wrappers: single frames."""
-        kept = (
-            "rules",
-            "mode",
-            "difficulty",
-            "players",
-            "actions",
-            "continuous",
-            "repeat_action_probability",
-            "interventions",
-        )
-        fields = {name: getattr(self, name) for name in (*kept, "max_num_frames_per_episode", "sound_obs")}
-        if self.continuous:
-            fields["continuous_action_threshold"] = self.continuous_action_threshold
+        kept = (*GROUPS["game"], *GROUPS["play"], "max_num_frames_per_episode", "sound_obs")
+        fields = {name: getattr(self, name) for name in kept if name not in ("game", "rom_md5", "frameskip")}
         return Task(self.definition, frameskip=1, obs_type="ram" if self.obs_type == "ram" else "rgb", **fields)  # type: ignore[arg-type]
 
     @property

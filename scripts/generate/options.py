@@ -10,8 +10,8 @@ Type checkers run no code, so the options have to stand in the source.
 import argparse
 import ast
 import inspect
+import re
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 
 from atari.env import AtariEnv
@@ -20,45 +20,32 @@ from atari.task.resolution import ALIASES, OPTIONS
 
 TASK = Path(__file__).resolve().parents[2] / "atari" / "task"
 FILE = TASK / "options.py"
-BEGIN, END = (
-    "# Begin of what scripts/generate/options.py writes.\n",
-    "# End of what scripts/generate/options.py writes.\n",
-)
-BY_HAND = ("mode", "difficulty")
-"""Options with other types in a vector."""
+BLOCK = re.compile(r"(# Begin of what scripts/generate/options.py writes.\n).*(\n\n# End of)", re.DOTALL)
+CLASSES = """class AddedOptions(TypedDict, total=False):
+    \"\"\"The options that `AtariEnv` does not name.\"\"\"
+
+{added}
 
 
-def types() -> dict[str, str]:
-    """The type of each option, as it stands in the source."""
-    tree = ast.parse((TASK / "fields.py").read_text(encoding="utf-8"))
-    fields = next(node for node in tree.body if isinstance(node, ast.ClassDef) and node.name == "TaskFields")
-    of_fields = {
-        ast.unparse(one.target): ast.unparse(one.annotation) for one in fields.body if isinstance(one, ast.AnnAssign)
-    }
-    found = {name: ROWS[name].accepts or of_fields[name] for name in OPTIONS if name not in BY_HAND}
-    return {**found, **dict.fromkeys(ALIASES, "bool | None")}
+class _Shared(AddedOptions, total=False):
+    \"\"\"The options that have one type in all functions.\"\"\"
 
-
-def class_of(head: str, doc: str, names: Iterable[str]) -> str:
-    """The source of a class of options."""
-    found = types()
-    lines = [f"class {head}:", f'    """{doc}"""', "", *(f"    {name}: {found[name]}" for name in names)]
-    return "\n".join(lines) + "\n"
+{shared}
+"""
 
 
 def written(text: str) -> str:
-    """A source file with its block made anew."""
+    """The source of the options with its classes made anew, in the order of the rows."""
+    tree = ast.parse((TASK / "fields.py").read_text(encoding="utf-8"))
+    fields = next(node for node in tree.body if isinstance(node, ast.ClassDef) and node.name == "TaskFields")
+    annotated = [node for node in fields.body if isinstance(node, ast.AnnAssign)]
+    types = {ast.unparse(node.target): ast.unparse(node.annotation) for node in annotated}
+    options = {name: ROWS[name].accepts or types[name] for name in OPTIONS if name not in ("mode", "difficulty")}
+    options |= dict.fromkeys(ALIASES, "bool | None")
     named = inspect.signature(AtariEnv.__init__).parameters
-    added = [name for name in types() if name not in named]
-    shared = [name for name in types() if name in named]
-    block = "\n\n".join(
-        [
-            class_of("AddedOptions(TypedDict, total=False)", "The options that `AtariEnv` does not name.", added),
-            class_of("_Shared(AddedOptions, total=False)", "All options with one type in all functions.", shared),
-        ]
-    )
-    before, rest = text.split(BEGIN)
-    return f"{before}{BEGIN}{block}\n\n{END}{rest.split(END)[1]}"
+    added = "\n".join(f"    {name}: {kind}" for name, kind in options.items() if name not in named)
+    shared = "\n".join(f"    {name}: {kind}" for name, kind in options.items() if name in named)
+    return BLOCK.sub(lambda match: match[1] + CLASSES.format(added=added, shared=shared) + match[2], text)
 
 
 def main() -> None:

@@ -221,7 +221,7 @@ def settled(source: random.Random, game: Game, drawn: Mapping[str, Any]) -> Task
             fields[name] = fields[name] or value_of(source, name, game) or 1
     fields["img_height"] = fields["img_height"] and min(fields["img_height"], game.screen.height)
     try:
-        settle(fields, DEFAULTS, given=())
+        settle(fields, given=())
         return Task(**fields)
     except ValueError:
         return None

@@ -84,5 +84,5 @@ def emulator_task(options: Mapping[str, Any], game: Game) -> Task:
     """
     given, _ = translate(options, "the replay")
     fields = {**DEFAULTS, "max_num_frames_per_episode": None, **given, "game": game}
-    settle(fields, DEFAULTS, given=())  # older releases recorded options without effect, too
+    settle(fields, given=())  # older releases recorded options without effect, too
     return Task(**fields)
