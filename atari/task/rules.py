@@ -24,6 +24,17 @@ class _Need:
     because: str
 
 
+@dataclass(frozen=True)
+class _Clash:
+    """Fields that contradict each other if `holds` is true; `text` is the error, with fields in braces.
+
+    `definition` is a field, too: the game.
+    """
+
+    holds: Callable[[Fields], bool]
+    text: str
+
+
 _IMAGE = ("img_height", "img_width", "maxpool", "pool_rgb", "end_frames")
 
 
@@ -35,34 +46,34 @@ def _is_gray(task: Fields) -> bool:
     return task["obs_type"] in ("grayscale", "dict")
 
 
-def _fires(task: Fields) -> bool:
-    return bool(task["fire"] != "never")
+def _has_several(task: Fields) -> bool:
+    return bool(task["players"] > 1)
 
 
 _NEEDS = (
     _Need(
         ("on_reset", "lives_unit", "seamless_lives"),
-        lambda task: bool(task["episodic_life"]),
+        lambda task: task["episodic_life"],
         "no lost life ends an episode; add episodic_life=True",
     ),
     _Need(
         ("last_life",),
-        lambda task: bool(task["episodic_life"] or task["life_loss_info"]),
+        lambda task: task["episodic_life"] or task["life_loss_info"],
         "no lost life has an effect; add episodic_life=True or life_loss_info=True",
     ),
     _Need(
         ("fire_counts", "third_action", "fire_unit"),
-        _fires,
+        lambda task: task["fire"] != "never",
         "FIRE is never pressed; add fire='after_noops'",
     ),
     _Need(
         ("fire_again",),
-        lambda task: bool(task["fire"] == "before_noops" and task["noops"][1] > 0),
+        lambda task: task["fire"] == "before_noops" and task["noops"][1] > 0,
         "no no-ops follow FIRE; add fire='before_noops' and noops=(1, 30)",
     ),
     _Need(
         ("continuous_action_threshold",),
-        lambda task: bool(task["continuous"]),
+        lambda task: task["continuous"],
         "actions are not continuous; add continuous=True",
     ),
     _Need(_IMAGE, _has_image, "obs_type='ram' has no image; use obs_type='dict' for both"),
@@ -80,16 +91,81 @@ _NEEDS = (
     ),
     _Need(
         ("pool_rgb",),
-        lambda task: bool(_is_gray(task) and task["maxpool"]),
+        lambda task: _is_gray(task) and task["maxpool"],
         "no colours are pooled for a gray image; use obs_type='grayscale' with maxpool=True",
     ),
     _Need(
         ("agent_indicator", "zero_sum"),
-        lambda task: bool(task["players"] > 1),
+        _has_several,
         "one player plays; add players=2",
     ),
 )
 """A rule may depend on fields of earlier rules."""
+
+
+def _one_player(name: str) -> _Clash:
+    text = f"{name}={{{name}!r}} is for one player; leave it or players={{players}} out"
+    return _Clash(lambda task: _has_several(task) and task[name] != DEFAULTS[name], text)
+
+
+_CLASHES = (
+    _Clash(
+        lambda task: (
+            isinstance(task["repeat_action_probability"], tuple)
+            and len(task["repeat_action_probability"]) != task["players"]
+        ),
+        "repeat_action_probability must be a number, or one for each of {players} players, "
+        "got {repeat_action_probability}",
+    ),
+    _Clash(
+        lambda task: task["agent_indicator"] and _is_gray(task) and task["stack_num"] is None,
+        "agent_indicator=True adds channels, and a gray image without a stack has none; add stack_num=1",
+    ),
+    _Clash(
+        lambda task: task["fire"] == "before_noops" and task["fire_unit"] == "skip",
+        "fire='before_noops' presses FIRE before single frames, and fire_unit='skip' for a whole step after them; "
+        "use fire='after_noops' or fire_unit='frame'",
+    ),
+    _Clash(
+        lambda task: task["third_action"] and task["continuous"],
+        "third_action=True plays the action with index 2, and continuous=True has no such action; "
+        "leave one of them out",
+    ),
+    _Clash(
+        lambda task: task["episodic_life"] and task["life_loss_info"],
+        "episodic_life=True ends an episode with a lost life, and life_loss_info=True goes on; leave one of them out",
+    ),
+    _Clash(
+        lambda task: task["seamless_lives"] and "skip" in (task["lives_unit"], task["fire_unit"]),
+        "seamless_lives=True keeps a skip whole in which a life is lost, and with lives_unit='skip' or "
+        "fire_unit='skip' all are; use 'frame' for both, or seamless_lives=False",
+    ),
+    _Clash(
+        lambda task: task["pool_rgb"] and task["end_frames"] not in ("last", "baselines"),
+        "pool_rgb=True has no meaning for end_frames={end_frames!r}, which only gray images have; "
+        "use end_frames='last' or 'baselines'",
+    ),
+    _Clash(
+        lambda task: task["img_height"] is not None and task["img_height"] > task["definition"].screen.height,
+        "img_height must be at most {definition.screen.height}, the rows of {definition.id}'s screen, got {img_height}",
+    ),
+    _Clash(
+        lambda task: (task["img_height"] is None) != (task["img_width"] is None),
+        "img_height and img_width go together, got {img_height} and {img_width}; give both, or leave both out",
+    ),
+    _Clash(
+        lambda task: _has_several(task) and (task["episodic_life"] or task["life_loss_info"]),
+        "episodic_life and life_loss_info are for one player, because players lose lives at different times; "
+        "leave them or players={players} out",
+    ),
+    *map(_one_player, ("fire", "reward", "sound_obs", "continuous")),
+    _Clash(
+        lambda task: task["sound_obs"] and task["obs_type"] in ("dict", "rgb_dict"),
+        "sound_obs=True makes a dict of image and sound, and obs_type={obs_type!r} one of image and RAM; "
+        "leave one of them out",
+    ),
+)
+"""The first that holds is reported."""
 
 
 def settle(fields: dict[str, Any], given: Collection[str]) -> None:
@@ -115,72 +191,7 @@ def check_together(task: Fields, game: Game) -> None:
     Raises:
         ValueError: two fields contradict each other; the message names both and a way out.
     """
-    for wrong, text in _contradictions(task, game):
-        if wrong:
-            raise ValueError(text)
-
-
-def _contradictions(task: Fields, game: Game) -> list[tuple[bool, str]]:
-    several = task["players"] > 1
-    height, width = task["img_height"], task["img_width"]
-    sticky = task["repeat_action_probability"]
-    return [
-        (
-            isinstance(sticky, tuple) and len(sticky) != task["players"],
-            f"repeat_action_probability must be a number, or one for each of {task['players']} players, got {sticky}",
-        ),
-        (
-            task["agent_indicator"] and _is_gray(task) and task["stack_num"] is None,
-            "agent_indicator=True adds channels, and a gray image without a stack has none; add stack_num=1",
-        ),
-        (
-            task["fire"] == "before_noops" and task["fire_unit"] == "skip",
-            "fire='before_noops' presses FIRE before single frames, and fire_unit='skip' for a whole step after them; "
-            "use fire='after_noops' or fire_unit='frame'",
-        ),
-        (
-            task["third_action"] and task["continuous"],
-            "third_action=True plays the action with index 2, and continuous=True has no such action; "
-            "leave one of them out",
-        ),
-        (
-            task["episodic_life"] and task["life_loss_info"],
-            "episodic_life=True ends an episode with a lost life, and life_loss_info=True goes on; "
-            "leave one of them out",
-        ),
-        (
-            task["seamless_lives"] and "skip" in (task["lives_unit"], task["fire_unit"]),
-            "seamless_lives=True keeps a skip whole in which a life is lost, and with lives_unit='skip' or "
-            "fire_unit='skip' all are; use 'frame' for both, or seamless_lives=False",
-        ),
-        (
-            task["pool_rgb"] and task["end_frames"] not in ("last", "baselines"),
-            f"pool_rgb=True has no meaning for end_frames={task['end_frames']!r}, which only gray images have; "
-            "use end_frames='last' or 'baselines'",
-        ),
-        (
-            height is not None and height > game.screen.height,
-            f"img_height must be at most {game.screen.height}, the rows of {game.id}'s screen, got {height}",
-        ),
-        (
-            (height is None) != (width is None),
-            f"img_height and img_width go together, got {height} and {width}; give both, or leave both out",
-        ),
-        (
-            several and (task["episodic_life"] or task["life_loss_info"]),
-            "episodic_life and life_loss_info are for one player, because players lose lives at different times; "
-            f"leave them or players={task['players']} out",
-        ),
-        *(
-            (
-                several and task[name] != DEFAULTS[name],
-                f"{name}={task[name]!r} is for one player; leave it or players={task['players']} out",
-            )
-            for name in ("fire", "reward", "sound_obs", "continuous")
-        ),
-        (
-            task["sound_obs"] and task["obs_type"] in ("dict", "rgb_dict"),
-            f"sound_obs=True makes a dict of image and sound, and obs_type={task['obs_type']!r} one of image and RAM; "
-            "leave one of them out",
-        ),
-    ]
+    fields = {**task, "definition": game}
+    for clash in _CLASHES:
+        if clash.holds(fields):
+            raise ValueError(clash.text.format(**fields))
