@@ -1,7 +1,6 @@
-"""The checks of the fields of a `Task`, one field at a time. Their attributes are the ranges that fields accept.
+"""The checks of the fields of a `Task`, one field at a time; the tests draw values from their ranges.
 
-A check is called with the name and the value of a field. It returns the value in the form that a `Task` stores, and
-raises TypeError or ValueError if the value is of the wrong kind or out of range. The tests draw from the ranges.
+A check returns the value in the form that a `Task` stores. It raises TypeError or ValueError for a wrong value.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,13 +11,7 @@ import numpy as np
 
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.games.rewards import as_one_line
-from atari.validation import (
-    OptionTypeError,
-    check_frameskip,
-    check_integer,
-    check_name,
-    check_probability,
-)
+from atari.validation import OptionTypeError, check_frameskip, check_integer, check_name, check_probability
 
 Check = Callable[[str, Any], Any]
 

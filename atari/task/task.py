@@ -318,9 +318,7 @@ class Task(TaskFields):
 
 def _with_attributes(doc: str) -> str:
     """A docstring with the section "Attributes" before "Raises"."""
-    wrapper = textwrap.TextWrapper(
-        116, initial_indent="    ", subsequent_indent="        ", break_on_hyphens=False, break_long_words=False
-    )
+    wrapper = textwrap.TextWrapper(116, initial_indent="    ", subsequent_indent=" " * 8, break_on_hyphens=False)
     lines = [wrapper.fill(f"{name}: {row.says}.") for name, row in ROWS.items()]
     return inspect.cleandoc(doc).replace("Raises:", "\n".join(["Attributes:", *lines, "", "Raises:"]), 1)
 
