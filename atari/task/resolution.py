@@ -26,9 +26,6 @@ OPTIONS: tuple[str, ...] = tuple(name for name in FIELDS if name not in ("game",
 ALIASES: Mapping[str, str] = {"full_action_space": "actions", "clip_reward": "reward_clipping"}
 """Gymnasium's and ale-py's names of options, and ours."""
 
-_NONE_IS_NOT_GIVEN = frozenset(name for name in OPTIONS if ROWS[name].accepts)
-"""Options whose value None counts as not given, as in ale-py."""
-
 GameLike = str | PathLike[str] | Game | Task
 
 
@@ -167,7 +164,7 @@ def translate(
     names: dict[str, str] = {}
     for name, value in options.items():
         field = ALIASES.get(name, name)
-        if value is None and field in _NONE_IS_NOT_GIVEN:
+        if value is None and ROWS[field].accepts:  # not given, as in ale-py
             continue
         if field in names:
             raise TypeError(f"{names[field]} and {name} are two names of one option; give one of them")

@@ -20,8 +20,7 @@ from atari.games.game import Game
 from atari.task import Task
 from atari.task.arguments import add_task, task_of
 from atari.task.checks import FrameSkip, Noops, OneOf, OrNone, Probability, Whole, check_actions, check_bool
-from atari.task.fields import CHECKS, DEFAULTS
-from atari.task.resolution import _NONE_IS_NOT_GIVEN
+from atari.task.fields import CHECKS, DEFAULTS, ROWS
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
@@ -160,7 +159,7 @@ def compare_doors(game: Game, fields: Mapping[str, Any]) -> None:
         "from_json": lambda: Task.from_json(text),
         "Task": lambda: Task(game.id, **fields),
     }
-    if not any(value is None and name in _NONE_IS_NOT_GIVEN for name, value in fields.items()):
+    if not any(value is None and ROWS[name].accepts for name, value in fields.items()):
         doors["Task.of"] = lambda: Task.of(game.id, **fields)
     if all(has_text(name, value) for name, value in fields.items()):
         doors["the command line"] = lambda: of_command_line(game.id, fields)
