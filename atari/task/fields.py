@@ -85,6 +85,7 @@ def row(default: _T, group: Group, says: str, *, compare: bool = True, **more: A
     return dataclasses.field(default=default, compare=compare, metadata={"row": Row(group, says, **more)})
 
 
+# The formatter would give each argument of a row a line of its own.
 # fmt: off
 @dataclass(frozen=True, repr=False)
 class TaskFields:

@@ -6,7 +6,7 @@ import pickle
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any, Literal, get_origin, get_type_hints
 
 import gymnasium
 import numpy as np
@@ -20,7 +20,7 @@ from atari.actions import Action
 from atari.games.catalog import games
 from atari.task import PRESETS, Task
 from atari.task.arguments import descriptions
-from atari.task.fields import DEFAULTS, FIELDS, GROUPS
+from atari.task.fields import DEFAULTS, FIELDS, GROUPS, ROWS, TYPES
 from atari.task.options import MakeOptions, TaskOptions, VectorTaskOptions
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.vector import ale_names
@@ -32,6 +32,8 @@ def test_fields_have_rows_and_cases() -> None:
     assert sorted(FIELDS) == sorted(one.name for one in dataclasses.fields(Task) if one.name != "definition")
     assert sorted(FIELDS) == sorted(name for group in GROUPS.values() for name in group)
     assert {*CASES, "rules", "rom_md5"} == {*FIELDS}
+    unchecked = {name: kind for name, kind in TYPES.items() if ROWS[name].check is None}
+    assert all(kind is bool or get_origin(kind) is Literal for kind in unchecked.values())
 
 
 def test_the_docstring_describes_every_field() -> None:
