@@ -20,11 +20,9 @@ namespace {
 
 // Makes a setting a property. A limit accepts None.
 template <typename T>
-void bind_setting(nb::class_<EpisodeSettings>& settings, const char* name, T EpisodeSettings::*member) {
-    if constexpr (std::is_same_v<T, EpisodeSettings::Limit>)
-        settings.def_rw(name, member, nb::arg().none());
-    else
-        settings.def_rw(name, member);
+void bind_setting(nb::class_<EpisodeSettings>& settings, const char* name, T EpisodeSettings::* member) {
+    if constexpr (std::is_same_v<T, EpisodeSettings::Limit>) settings.def_rw(name, member, nb::arg().none());
+    else settings.def_rw(name, member);
 }
 
 }  // namespace
