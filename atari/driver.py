@@ -161,7 +161,7 @@ class Driver(AleGame):
             TypeError, ValueError: no ALE action (0..17), or a strength that is not finite.
         """
         if self.phase != "playing":
-            self.is_over()
+            self.check_phase()
         act = self._act_observed if self.observers else self.core.act
         reward = 0.0
         for _ in range(frames):
@@ -180,7 +180,7 @@ class Driver(AleGame):
             gymnasium.error.ResetNeeded, TypeError, ValueError: see `play_frames`.
         """
         if self.phase != "playing":
-            self.is_over()
+            self.check_phase()
         core: Any = self.core
         results: tuple[ByteArray, float, bool, bool, dict[str, Any]] = core.step(action, frames, strength, pixels)
         if results[1] or results[2] or results[3]:
@@ -198,7 +198,7 @@ class Driver(AleGame):
             gymnasium.error.ResetNeeded, TypeError, ValueError: see `play_frames`.
         """
         if self.phase != "playing":
-            self.is_over()
+            self.check_phase()
         core = self.core
         if self.observers or not isinstance(core, NativeCore):
             return self.play_frames(action, strength, frames=1), 1
@@ -256,7 +256,7 @@ class Driver(AleGame):
                 observer.frame_played(action, reward)
         return reward
 
-    def is_over(self) -> bool:
+    def check_phase(self) -> bool:
         """Refuse a step before the first reset, and warn once about a step after the end; whether the game is over."""
         if self.phase == "new":
             raise gymnasium.error.ResetNeeded("call env.reset() before the first env.step()")

@@ -113,7 +113,7 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
         if driver.restored:
             warn_of_restore(self.env, "EpisodeEnv")
         number, strength = driver.ale_action(action)
-        was_over = driver.phase != "playing" and driver.is_over()
+        was_over = driver.phase != "playing" and driver.check_phase()
         on_frame = self._frame_played if driver.observers or self._shows else None
         result: Result = self._episode.step(driver.core, number, strength, on_frame)
         game, info = driver.played, result[4]
@@ -192,7 +192,7 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
 
     @property
     def snapshot_arguments(self) -> dict[str, Any]:
-        """What a snapshot must have in common with this wrapper, beside the task's fields."""
+        """The arguments that a snapshot must have in common with this wrapper, beside the task's fields."""
         return {"images": {"dict": "grayscale", "rgb_dict": "rgb"}.get(self._task.obs_type, self._task.obs_type)}
 
     def _save_state(self) -> State:

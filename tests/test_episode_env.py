@@ -42,7 +42,7 @@ def shown(results: Any) -> Any:
 
 
 def play(env: Any, steps: int, seed: int = 0, each: Callable[[Any, int], Any] = lambda env, step: None) -> list[Any]:
-    """What an agent gets in random steps, with a reset after most ends, and what `each` returns after each step."""
+    """The results of random steps, with a reset after most ends, and what `each` returns after each step."""
     numbers = np.random.default_rng(seed)
     results = [shown(env.reset(seed=seed))]
     for step in range(steps):

@@ -11,7 +11,7 @@ RULES = frozenset((*GROUPS["begin"], *GROUPS["lives"])) - {"seeding"}
 """The fields of no-ops, FIRE and lives."""
 
 HOMES = ("atari/task/", "atari/wrappers/")
-"""What checks and prints the fields, and the wrappers. The C++ `Episode` gets all fields by name, in `make_episode`."""
+"""The modules that check and print the fields, and the wrappers. The C++ `Episode` gets all fields by name, in `make_episode`."""
 
 OTHERS = {
     "atari/episode_env.py": "whether a reset takes the options noops and fire, and what wrappers around it must know",

@@ -1,5 +1,6 @@
 """`_emulator.Episode`: callbacks, errors, cores of every kind, threads, forks and states."""
 
+import functools
 import gc
 import os
 import random
@@ -69,6 +70,12 @@ class Overriding(NativeCore):
         return super().act(action, strength)
 
 
+class Wrapping(Overriding):
+    """A native core whose `act` names the method that it replaces."""
+
+    act = functools.wraps(NativeCore.act)(lambda self, action, strength=1.0: Overriding.act(self, action, strength))
+
+
 def played(game: Game, steps: int, each: Any = None) -> list[Any]:
     """The results of steps, with a reset after each end."""
     shown = [_bytes(game.reset(on_frame=each))]
@@ -91,6 +98,7 @@ def _bytes(result: tuple[Any, ...]) -> Any:
     [
         (NativeCore, ByMethods),
         (Overriding, lambda core: core),
+        (Wrapping, lambda core: core),
         (atari.cores.PlainCore, lambda core: core),
         (AleCore, lambda core: core),
     ],
@@ -98,7 +106,7 @@ def _bytes(result: tuple[Any, ...]) -> Any:
 def test_every_core_gives_the_same_bytes(kind: Any, wrap: Any) -> None:
     Overriding.actions.clear()
     assert played(Game(kind=kind, wrap=wrap), 120) == played(Game(), 120)
-    assert bool(Overriding.actions) == (kind is Overriding)
+    assert bool(Overriding.actions) == (kind in (Overriding, Wrapping))
 
 
 def test_an_episode_with_its_own_generator_is_a_lane_of_a_vector() -> None:

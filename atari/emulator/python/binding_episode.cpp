@@ -130,7 +130,7 @@ class BoundEpisode {
         std::atomic<bool>& flag_;
     };
 
-    // What the last call has left: a copy, because another thread may read it while an episode is played.
+    // The values after the last call: a copy, because another thread may read it while an episode is played.
     struct Now {
         OfPlayers<int> lives;
         int frame, episode_frame, steps;

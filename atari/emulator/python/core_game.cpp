@@ -36,9 +36,11 @@ Emulator* CoreGame::emulator_of(nb::handle core) {
     const nb::handle type = core.type();
     if (type.is(native_type_)) return emulator;
     const nb::handle own = nb::type<Emulator>();
-    for (const char* name : {"act", "act_players", "lives", "game_over", "truncated", "screen", "ram"}) {
+    for (const char* name :
+         {players_ > 1 ? "act_players" : "act", "lives", "game_over", "truncated", "screen", "ram"}) {
         nb::object method = type.attr(name);
-        if (nb::hasattr(method, "__wrapped__")) method = method.attr("__wrapped__");
+        // `MultiplayerCore` checks the number of actions first.
+        if (players_ > 1 && nb::hasattr(method, "__wrapped__")) method = method.attr("__wrapped__");
         if (!method.is(own.attr(name))) return nullptr;
     }
     native_type_ = nb::borrow(type);
@@ -53,12 +55,12 @@ void CoreGame::begin(const uint32_t*) {
 
 OfPlayers<int> CoreGame::act(const OfPlayers<int>& actions, int players, float strength) {
     if (error_ && call_.begin) std::rethrow_exception(std::exchange(error_, nullptr));
-    const bool tells = !call_.on_frame.is_none() && !error_;
-    const int before = tells ? frame_number() : 0;
+    const bool reports = !call_.on_frame.is_none() && !error_;
+    const int before = reports ? frame_number() : 0;
     OfPlayers<int> rewards{};
     if (emulator_) rewards = environment_->act(actions, players, strength);
     else rewards = act_by_methods(actions, strength);
-    if (!tells || frame_number() == before) return rewards;  // After the end of a game no frame is played.
+    if (!reports || frame_number() == before) return rewards;  // After the end of a game no frame is played.
     with_python([&] {
         try {
             call_.on_frame(shown(actions), shown(rewards));

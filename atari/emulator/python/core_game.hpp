@@ -86,7 +86,7 @@ class CoreGame final : public PlayedGame {
     void show(ObservationStack& stack) override;
 
   private:
-    // What the methods of another core have returned since its last frame.
+    // The values that the methods of another core have returned since its last frame.
     struct Seen {
         OfPlayers<int> lives;
         int frame, episode_frame;

@@ -21,7 +21,7 @@ struct Seed {
     uint32_t own[8];    // for the episode's generator: the state of NumPy's PCG64; for ALE one word, a seed
 };
 
-// Draws the numbers that NumPy's generator draws, or those of ale-py's vector environment, or those of a function.
+// Draws the numbers that NumPy's generator draws, or ale-py's vector environment, or a function.
 class EpisodeRandom {
   public:
     // Returns a number within low .. high. The function's owner seeds and saves its generator.
