@@ -91,6 +91,8 @@ def preset() -> Iterator[Comparison]:
         sides += [Contestant(f"{name} {core}", ours(core, name)) for name in ("dqn2015", "gymnasium", "ale_vector")]
     if has_envpool():
         sides.append(Contestant("EnvPool x1", envpool_vector))
+    if find_spec("stable_baselines3") is not None:
+        sides.append(Contestant("SB3 wrapper", steps_of(sb3_preset, count_resets=True)))
     sides.append(Contestant("Gymnasium wrappers", steps_of(gymnasium_preset, count_resets=True)))
     yield Comparison("preset.step", [*sides, Contestant("ale-py vector x1", ale_py_vector)])
 
@@ -380,6 +382,13 @@ def gymnasium_preset(game: str) -> gymnasium.Env[Any, Any]:
     """Gymnasium's wrappers on ale-py's environment."""
     env = gymnasium.wrappers.AtariPreprocessing(ale_py.AtariEnv(game, frameskip=1))
     return gymnasium.wrappers.FrameStackObservation(env, 4)
+
+
+def sb3_preset(game: str) -> gymnasium.Env[Any, Any]:
+    """Stable-Baselines3's wrapper on ale-py's environment; it stacks no images."""
+    from stable_baselines3.common.atari_wrappers import AtariWrapper
+
+    return AtariWrapper(ale_py.AtariEnv(game, frameskip=1, repeat_action_probability=0.0))
 
 
 def ale_py_vector(game: str) -> Run:
