@@ -15,7 +15,6 @@ import numpy as np
 from gymnasium import spaces
 from typing_extensions import Unpack
 
-from atari import _emulator
 from atari._renamed import missing_attribute
 from atari.actions import PLAYER_ACTIONS, Action, make_action_space
 from atari.cores import CORES, NativeCore, PlainCore
@@ -26,10 +25,12 @@ from atari.driver import Driver
 from atari.env_state import EnvState
 from atari.games.interventions import Intervention
 from atari.notebook import picture, png
+from atari.observations.settings import pixel_format
 from atari.rendering import Window
 from atari.roms import find
 from atari.task import Task
 from atari.task.fields import UNSET
+from atari.task.kinds import KINDS
 from atari.task.options import AddedOptions, Interventions
 from atari.task.resolution import GameLike, resolve_task
 from atari.validation import check_action, check_name
@@ -221,14 +222,8 @@ class AtariEnv(EnvState):
 
     def observe(self) -> Any:
         """The observation of the present frame, a new array."""
-        core = self.core
-        if self._obs_type == "rgb":
-            image = core.screen_rgb()
-        elif self._obs_type == "ram":
-            image = core.ram()
-        else:
-            image = core.screen_grayscale()
-        return {"image": image, "sound": core.audio()} if self.sound_obs else image
+        image = getattr(self.core, KINDS[self._obs_type].method)()
+        return {"image": image, "sound": self.core.audio()} if self.sound_obs else image
 
     # ale-py's names, which programs read, set and override
 
@@ -394,12 +389,9 @@ class AtariEnv(EnvState):
         return Window(self.game, self._steps_per_second()) if self.render_mode == "human" else None
 
     def _make_observation_space(self) -> spaces.Space[Any]:
-        rows, columns = self.game.screen.shape
-        shape = {"rgb": (rows, columns, 3), "grayscale": (rows, columns), "ram": (128,)}[self._obs_type]
-        image = spaces.Box(0, 255, shape, np.uint8)
-        if not self.sound_obs:
-            return image
-        return spaces.Dict({"image": image, "sound": spaces.Box(0, 255, (512,), np.uint8)})
+        kind = KINDS[self._obs_type]
+        image = spaces.Box(0, 255, (*self.game.screen.shape, *kind.colours) if kind.image else (128,), np.uint8)
+        return spaces.Dict({"image": image, "sound": spaces.Box(0, 255, (512,), np.uint8)}) if self.sound_obs else image
 
     def _steps_per_second(self) -> float:
         """Steps in a second of play: the frame rate of a video with one frame for each step."""
@@ -418,11 +410,7 @@ class AtariEnv(EnvState):
             self._frames.append(self.core.screen_rgb())
 
 
-_PIXELS = {
-    "rgb": _emulator.PixelFormat.RGB,
-    "grayscale": _emulator.PixelFormat.GRAY,
-    "ram": _emulator.PixelFormat.RAM,
-}
+_PIXELS = {name: pixel_format(kind) for name, kind in KINDS.items() if kind.method}
 _IN_ONE_CALL = (NativeCore, PlainCore)
 """The cores that play a step by one call; a subclass may have methods of its own."""
 

@@ -40,7 +40,7 @@ class Family:
     prefix: str
     suffix: str
     version: int
-    obs_type: str
+    ram: bool
     frameskip: int | tuple[int, int]
     repeat_action_probability: float
 
@@ -57,25 +57,22 @@ class Family:
         frameskip = self.frameskip
         if game == "space_invaders" and self.suffix.endswith("Deterministic"):
             frameskip = 3  # with 4, the blinking shots would be invisible
-        options = {
+        return {
             "game": game,
-            "obs_type": self.obs_type,
+            **({"obs_type": "ram"} if self.ram else {}),  # ale-py's specs omit the default
             "repeat_action_probability": self.repeat_action_probability,
             "full_action_space": False,
             "frameskip": frameskip,
             "max_num_frames_per_episode": MAX_FRAMES,
         }
-        if self.obs_type == "rgb":
-            del options["obs_type"]  # the default; ale-py's specs omit it
-        return options
 
 
 def _families() -> Iterator[Family]:
-    for ram, obs_type in (("", "rgb"), ("-ram", "ram")):
+    for suffix, ram in (("", False), ("-ram", True)):
         for speed, frameskip in (("", (2, 5)), ("Deterministic", 4), ("NoFrameskip", 1)):
             for version, probability in ((0, 0.25), (4, 0.0)):
-                yield Family("", ram + speed, version, obs_type, frameskip, probability)
-        yield Family("ALE/", ram, 5, obs_type, 4, 0.25)
+                yield Family("", suffix + speed, version, ram, frameskip, probability)
+        yield Family("ALE/", suffix, 5, ram, 4, 0.25)
 
 
 FAMILIES: tuple[Family, ...] = tuple(_families())
@@ -95,7 +92,7 @@ def ids() -> dict[str, tuple[Family, str]]:
 def is_ale_py_vector(env_id: str) -> bool:
     """Whether ale-py has a vector environment for an ID: it has one for ALE's v5 IDs of pixels."""
     family, _ = ids().get(env_id, (None, ""))
-    return family is not None and family.version == 5 and family.obs_type == "rgb"
+    return family is not None and family.version == 5 and not family.ram
 
 
 def not_found(env_id: str, known: Iterable[str]) -> gymnasium.error.NameNotFound:

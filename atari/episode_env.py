@@ -8,7 +8,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium import logger, spaces
+from gymnasium import logger
 from gymnasium.utils import RecordConstructorArgs
 from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
@@ -16,7 +16,7 @@ from atari import _emulator
 from atari._gymnasium import adds_episode
 from atari.cores.ale_random import AleRandom
 from atari.env import AtariEnv, options_of_reset
-from atari.observations.settings import image_shape, make_episode
+from atari.observations.settings import make_episode, observation_space
 from atari.restorable import Environment, Restorable, State, layers, warn_of_restore
 from atari.task import Task
 from atari.validation import check_integer
@@ -59,7 +59,7 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
         if task.seeding == "ale":  # the AtariEnv keeps the generator, for its snapshots and copies
             self._atari.driver.ale_random = AleRandom()
         self._episode = self._make_episode()
-        self.observation_space = _space(task)
+        self.observation_space = observation_space(task)
         self._shows = self._atari.render_mode in ("human", "rgb_array_list")
         names = [] if self._atari.continuous else self._atari.get_action_meanings()
         self._fires = [index for index, name in enumerate(names) if "FIRE" in name]
@@ -193,7 +193,7 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
     @property
     def snapshot_arguments(self) -> dict[str, Any]:
         """The arguments that a snapshot must have in common with this wrapper, beside the task's fields."""
-        return {"images": {"dict": "grayscale", "rgb_dict": "rgb"}.get(self._task.obs_type, self._task.obs_type)}
+        return {"images": self._task.kind.image or self._task.obs_type}
 
     def _save_state(self) -> State:
         return {"episode": np.frombuffer(self._episode.save(), np.uint8)}
@@ -225,7 +225,7 @@ def can_play(env: Environment, task: Task) -> bool:
     checks = all(type(layer) in (OrderEnforcing, PassiveEnvChecker) for layer in layers(env) if layer is not atari)
     if task.episodic_life and task.frameskip == 1:
         return False  # a `DqnPreprocessing` around it needs the inner `EpisodicLife`
-    shows = not atari.sound_obs and (task.obs_type == "ram" or atari.task.obs_type != "ram")
+    shows = not atari.sound_obs and (task.kind.image is None or atari.task.kind.image is not None)
     return checks and shows and atari.task.frameskip == 1
 
 
@@ -244,15 +244,3 @@ def _recorded(task: Task) -> Task | str:
         return task.to_json()
     except ValueError:  # of a game that was made in memory
         return task
-
-
-def _space(task: Task) -> spaces.Space[Any]:
-    ram_shape = (128,) if task.stack_num is None else (task.stack_num, 128)
-    if task.obs_type == "ram":
-        return spaces.Box(0, 255, ram_shape, np.uint8)
-    stack = () if task.stack_num is None else (task.stack_num,)
-    colours = () if task.obs_type in ("grayscale", "dict") else (3,)
-    image = spaces.Box(0, 255, (*stack, *image_shape(task), *colours), np.uint8)
-    if task.obs_type not in ("dict", "rgb_dict"):
-        return image
-    return spaces.Dict({"image": image, "ram": spaces.Box(0, 255, (128,), np.uint8)})

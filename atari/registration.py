@@ -123,8 +123,8 @@ def explain(env_id: str) -> str:
 def _difference(family: Family, other: Family, game: str) -> str:
     """The options whose values in `other` differ, as text."""
     words = []
-    if other.obs_type != family.obs_type:
-        words.append("RAM" if other.obs_type == "ram" else "RGB screen")
+    if other.ram != family.ram:
+        words.append("RAM" if other.ram else "RGB screen")
     skip = other.options(game)["frameskip"]
     if skip != family.options(game)["frameskip"]:
         words.append(f"frame skip: {skip_text(skip)}")

@@ -248,7 +248,7 @@ def test_every_id_can_be_explained() -> None:
     for env_id, (family, game) in env_ids.ids().items():
         text = atari.explain(env_id)
         assert text.startswith(f"{env_id}: {atari.games[game].title}\n")
-        assert ("128 bytes of RAM" in text) == (family.obs_type == "ram")
+        assert ("128 bytes of RAM" in text) == (family.ram)
 
 
 # ATARI_REGISTER

@@ -23,8 +23,9 @@ from atari import _emulator
 from atari.cores import ByteArray
 from atari.env import AtariEnv
 from atari.games.game import Screen
-from atari.observations.settings import filled
+from atari.observations.settings import filled, pixel_format
 from atari.restorable import Restorable, State, layers, warn_of_restore
+from atari.task.kinds import KINDS
 from atari.validation import check_integer, check_name
 from atari.wrappers._checks import Environment, require_atari, require_pixels, require_single_frames
 from atari.wrappers.episodic_life import EpisodicLife
@@ -139,27 +140,27 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         self._resized: tuple[int, int] | None = None
         self._images: _emulator.ObservationStack | None = None
         screen = self._atari.game.screen
+        kind = KINDS[("grayscale" if grayscale else "rgb") if obs_type == "image" else obs_type]
         settings = {
-            "pixels": _pixels(grayscale, pool_rgb) if obs_type == "image" else _emulator.PixelFormat.RAM,
+            "pixels": pixel_format(kind, pool_rgb=pool_rgb),
             "stack_num": stack_size or 1,
             "maxpool": max_pool,
             "end_frames": _emulator.EndFrames[end_frames.upper()],
             "padding": _emulator.Padding[padding_type.upper()],
         }
-        self._pools = max_pool and obs_type == "image"
+        self._pools = max_pool and kind.image is not None
+        size = screen.shape
         shown: tuple[int, ...] = (128,)
-        if obs_type == "ram" and self._stacked:
-            self._images = _make_images(screen, *screen.shape, settings)
-            shown = (stack_size or 1, 128)
-        elif obs_type == "image":
+        if kind.image:
             width, height = _check_size(screen_size, screen.shape)
-            size = height, width
+            shown = (height, width, *kind.colours)
             if height > screen.shape[0] or width > screen.shape[1]:
                 self._resized = width, height  # by OpenCV, from images of the screen
-                size = screen.shape
+            else:
+                size = height, width
+        if kind.image or self._stacked:
             self._images = _make_images(screen, *size, settings)
-            shown = (stack_size or 1, height, width, 3)[not self._stacked : 3 if grayscale else 4]
-        self.observation_space = spaces.Box(0, 255, shown, np.uint8)
+        self.observation_space = spaces.Box(0, 255, (stack_size or 1, *shown)[not self._stacked :], np.uint8)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset; the observation is the screen after the resets of the inner wrappers.
@@ -302,12 +303,6 @@ def _check_size(screen_size: Any, screen: tuple[int, int]) -> tuple[int, int]:
 def _make_images(screen: Screen, height: int, width: int, settings: dict[str, Any]) -> _emulator.ObservationStack:
     made = filled(_emulator.ObservationSettings(), img_height=height, img_width=width, **settings)
     return _emulator.ObservationStack(made, screen.shape[0], screen.format)
-
-
-def _pixels(grayscale: bool, pool_rgb: bool) -> _emulator.PixelFormat:
-    if not grayscale:
-        return _emulator.PixelFormat.RGB
-    return _emulator.PixelFormat.GRAY_OF_RGB if pool_rgb else _emulator.PixelFormat.GRAY
 
 
 def _can_drive_directly(env: Environment, atari: AtariEnv) -> bool:

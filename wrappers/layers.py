@@ -65,7 +65,7 @@ def layers_of(task: Any) -> Iterator[Layer]:
     yield from outside
     if outside and task.stack_num is not None:
         yield FrameStack, {"stack_size": task.stack_num, "padding_type": task.padding}
-    if task.obs_type in ("dict", "rgb_dict"):
+    if task.kind.is_dict:
         yield RamObservation, {}
     yield from _reports(task)
 
@@ -99,16 +99,16 @@ def _preprocessing(task: Any, *, stacks: bool) -> dict[str, Any]:
     skip["stack_size"] = task.stack_num if stacks else None
     if stacks:
         skip["padding_type"] = task.padding
-    if task.obs_type == "ram":
+    if not task.kind.image:
         return {**skip, "obs_type": "ram"}
-    image = {
+    return {
+        **skip,
         "screen_size": (task.img_width, task.img_height),
-        "grayscale": task.obs_type in ("grayscale", "dict"),
+        "grayscale": task.kind.is_gray,
         "max_pool": task.maxpool,
         "pool_rgb": task.pool_rgb,
         "end_frames": task.end_frames,
     }
-    return {**skip, **image}
 
 
 def _reports(task: Any) -> Iterator[Layer]:

@@ -7,6 +7,7 @@ from typing import Any
 from atari import env_ids, registration
 from atari.cli.arguments import GAME_HELP, Commands, add_command
 from atari.cli.printing import print_json
+from atari.observations.settings import observation_space
 from atari.task import Task
 from atari.task.arguments import add_task, given_options, task_of
 
@@ -57,11 +58,6 @@ def _described(task: Task) -> dict[str, Any]:
 
 def _shape(task: Task) -> tuple[int, ...] | None:
     """The shape of observations; None for several arrays."""
-    if task.obs_type == "ram":
+    if not task.kind.image:
         return (128,)
-    if task.obs_type in ("dict", "rgb_dict") or task.sound_obs:
-        return None
-    rows, columns = task.definition.screen.shape
-    stack = () if task.stack_num is None else (task.stack_num,)
-    colours = (3,) if task.obs_type == "rgb" else ()
-    return (*stack, task.img_height or rows, task.img_width or columns, *colours)
+    return None if task.sound_obs else observation_space(task).shape

@@ -122,7 +122,7 @@ def _options(agent: type[Agent], args: argparse.Namespace) -> Any:
     if args.fast:
         if isinstance(game, Task):
             raise ValueError(f"--fast changes what is played, and {args.game} says it; leave one of them out")
-        ram = task_of(args, agent=True, default=agent.fast["preset"]).obs_type == "ram"
+        ram = not task_of(args, agent=True, default=agent.fast["preset"]).kind.image
         measured = {**agent.fast, **(FAST_RAM if ram else {})}
     named = {} if args.preset is None else {"preset": args.preset}
     return kind.of(game, **{**measured, **named, **fields_of_task, **own})

@@ -136,7 +136,7 @@ class TrainingOptions:
         resolve = partial(resolve_for_agent, game, preset, default=cls.default_preset, owner=cls.__name__)
         rest = {name: value for name, value in options.items() if name in own}
         unstacked = {name: value for name, value in given.items() if name not in ("stack_num", "padding")}
-        if resolve(unstacked).obs_type == "ram":
+        if not resolve(unstacked).kind.image:
             rest.setdefault("network", "mlp")
             if not (isinstance(game, Task) and preset is None):
                 given.setdefault("stack_num", 4)
@@ -243,7 +243,7 @@ class TrainingOptions:
     @property
     def from_ram(self) -> bool:
         """Whether the network sees RAM, not images."""
-        return self.task.obs_type == "ram"
+        return not self.task.kind.image
 
     def environment_seeds(self, first: int, count: int) -> npt.NDArray[np.int64]:
         """The seeds of `count` environments: `first`, `first + 1`, ..., if all are below 2**32.
@@ -286,7 +286,7 @@ def check_task(task: Task) -> None:
     Raises:
         ValueError: a field of the task is not supported.
     """
-    if task.obs_type not in ("grayscale", "ram"):
+    if task.kind.colours or task.kind.is_dict:
         raise ValueError(
             f"an agent learns from obs_type='grayscale' or 'ram', and the task has {task.obs_type!r}; "
             "add obs_type='grayscale', or a preset such as preset='baselines'"

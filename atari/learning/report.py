@@ -50,7 +50,7 @@ def finish(folder: RunFolder, episodes: int = 30, progress: Callable[[int, int],
 def write_report(folder: RunFolder, result: Result) -> Path:
     """Write `report.html`, which needs no server, and return its path."""
     rows, config, task = folder.rows(), folder.config, folder.task
-    game, kind = task.definition, "RAM" if task.obs_type == "ram" else "pixels"
+    game, kind = task.definition, "pixels" if task.kind.image else "RAM"
     played = result.games[0]
     if not rows:
         raise ValueError(f"{folder.path / 'log.csv'} has no rows: the training was stopped before its first update")

@@ -14,6 +14,7 @@ from atari.learning.agent_code import kept_agent
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.run import RunFolder
 from atari.learning.training import read_options
+from atari.observations.settings import image_shape
 from atari.policy import Accepted, ScoresPolicy
 
 
@@ -35,8 +36,7 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
     options = dataclasses.replace(read_options(folder), device="cpu")  # also if it was trained on a GPU
     weights = folder.load_weights()
     task = options.task
-    rows, columns = task.definition.screen.shape
-    size = (128,) if options.from_ram else (task.img_height or rows, task.img_width or columns)
+    size = image_shape(task) if task.kind.image else (128,)
     # Without memory before the weights are known to fit; a network of the user's may need some.
     with torch.device("meta" if isinstance(options.network, str) else "cpu"):
         shape = (task.stack_num or 1, *size)

@@ -122,7 +122,7 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
             "render_fps": 60,
             "is_parallelizable": True,
         }
-        channels_last = self._task.stack_num is not None and self._task.obs_type != "ram"
+        channels_last = self._task.stack_num is not None and self._task.kind.image is not None
         self._layout = Layout.check(self._task, channels_last, "uint8")
         seed = int(np.random.SeedSequence().generate_state(1)[0]) if seed is None else _checked(seed)
         emulated = {name: getattr(self._task, name) for name in OF_CORE if name not in ("game", "frameskip")}

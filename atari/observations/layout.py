@@ -38,14 +38,13 @@ class Layout:
             TypeError, ValueError: there is no such dtype, or the observations have no channels.
         """
         channels_last = check_bool("channels_last", channels_last)
-        if channels_last and task.obs_type == "ram":
+        if channels_last and not task.kind.image:
             raise ValueError("obs_type='ram' has no channels; leave channels_last=True out")
         if channels_last and task.stack_num is None:
             raise ValueError(
                 "channels_last=True puts the stack last, and stack_num=None has none; leave one of them out"
             )
-        rgb_stack = task.stack_num is not None and task.obs_type in ("rgb", "rgb_dict")
-        if task.agent_indicator and rgb_stack and not channels_last:
+        if task.agent_indicator and task.kind.colours and task.stack_num is not None and not channels_last:
             raise ValueError("agent_indicator adds channels, which RGB images have last; add channels_last=True")
         try:
             name = np.dtype(dtype).name
@@ -53,7 +52,7 @@ class Layout:
             raise TypeError(f"dtype must be 'uint8' or 'float32', got {dtype!r}") from None
         if dtype is None or name not in _DTYPES:
             raise ValueError(f"dtype must be 'uint8' or 'float32', got {dtype!r}")
-        stacked = task.obs_type == "ram" or task.stack_num is not None
+        stacked = not task.kind.image or task.stack_num is not None
         return cls(channels_last, name, task.players if task.agent_indicator else 0, stacked)
 
     @property

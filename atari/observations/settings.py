@@ -4,11 +4,15 @@ import enum
 from collections.abc import Iterable
 from typing import Any, TypeVar
 
+import numpy as np
+from gymnasium import spaces
+
 from atari import _emulator
 from atari.actions import Action
 from atari.cores.native import as_ale_reads
 from atari.cores.rewards import reward_formula
 from atari.task import Task
+from atari.task.kinds import Kind
 
 _Settings = TypeVar("_Settings")
 
@@ -45,7 +49,9 @@ def observation_settings(task: Task) -> _emulator.ObservationSettings:
     """The settings with which the engine pools, resizes and stacks frames, or stacks RAM."""
     height, width = image_shape(task)
     size = {"img_height": height, "img_width": width, "stack_num": task.stack_num or 1}
-    return filled_by_name(_emulator.ObservationSettings(), task, pixels=_pixels(task), **size)
+    stacked = task.kind.image is not None or task.stack_num is not None
+    pixels = pixel_format(task.kind, pool_rgb=task.pool_rgb) if stacked else _emulator.PixelFormat.NONE
+    return filled_by_name(_emulator.ObservationSettings(), task, pixels=pixels, **size)
 
 
 def episode_settings(task: Task, **changed: Any) -> _emulator.EpisodeSettings:
@@ -78,14 +84,14 @@ def make_episode(
     """
     game = task.definition
     blind = filled(_emulator.ObservationSettings(), pixels=_emulator.PixelFormat.NONE)
-    of_ram = task.obs_type in ("dict", "rgb_dict") or (task.obs_type == "ram" and task.stack_num is None)
+    seen = observation_settings(task) if observed else blind
     return _emulator.Episode(
         # The core has the sticky actions.
         episode_settings(task, repeat_action_probability=0.0) if settings is None else settings,
-        observation_settings(task) if observed else blind,
+        seen,
         rows=game.screen.shape[0],
         format=game.screen.format,
-        ram=observed and of_ram,
+        ram=observed and (task.kind.is_dict or seen.pixels == blind.pixels),
         begin_actions=list(map(int, task.begin_actions if begin_actions is None else begin_actions)),
         idle=list(idle),
         reward=reward_formula(game, task.reward) if observed and task.reward is not None else None,
@@ -99,9 +105,16 @@ def image_shape(task: Task) -> tuple[int, int]:
     return task.img_height or rows, task.img_width or columns
 
 
-def _pixels(task: Task) -> _emulator.PixelFormat:
-    if task.obs_type == "ram":
-        return _emulator.PixelFormat.NONE if task.stack_num is None else _emulator.PixelFormat.RAM
-    if task.pool_rgb:
-        return _emulator.PixelFormat.GRAY_OF_RGB
-    return _emulator.PixelFormat.GRAY if task.obs_type in ("grayscale", "dict") else _emulator.PixelFormat.RGB
+def pixel_format(kind: Kind, *, pool_rgb: bool = False) -> _emulator.PixelFormat:
+    """The format of a stack of observations."""
+    return _emulator.PixelFormat["GRAY_OF_RGB" if pool_rgb and kind.is_gray else kind.pixels.upper()]
+
+
+def observation_space(task: Task, *, engines: bool = False) -> spaces.Space[Any]:
+    """The space of one observation. With `engines`, images always have an axis for the stack."""
+    kind = task.kind
+    stack = (task.stack_num or 1,) if task.stack_num or (engines and kind.image) else ()
+    if not kind.image:
+        return spaces.Box(0, 255, (*stack, 128), np.uint8)
+    image = spaces.Box(0, 255, (*stack, *image_shape(task), *kind.colours), np.uint8)
+    return spaces.Dict({"image": image, "ram": spaces.Box(0, 255, (128,), np.uint8)}) if kind.ram else image

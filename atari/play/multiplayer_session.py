@@ -2,22 +2,20 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar, Literal, get_args
+from typing import Any, ClassVar, get_args
 
 import numpy as np
 
 from atari.actions import PLAYER_ACTIONS, Action
 from atari.cores import ByteArray
 from atari.cores.options import SEED_LIMIT
+from atari.env import ObsType
 from atari.multiplayer import MultiplayerCore
 from atari.play.base import BaseSession
 from atari.play.player_agent import PlayerAgent
 from atari.recording.replay.players import RecordMatch
 from atari.task.resolution import GameLike
 from atari.validation import check_name
-
-Observation = Literal["rgb", "grayscale", "ram"]
-OBSERVATIONS: tuple[Observation, ...] = get_args(Observation)
 
 
 class MultiplayerSession(BaseSession):
@@ -62,13 +60,13 @@ class MultiplayerSession(BaseSession):
         difficulty: int | None = None,
         seed: int | None = None,
         policies: Mapping[int, Any] | None = None,
-        obs_type: Observation = "rgb",
+        obs_type: ObsType = "rgb",
         state: Path = Path("game.state"),
         replay: Path | None = None,
         videos: Path = Path("videos"),
         scale: int = 2,
     ) -> None:
-        check_name("obs_type", obs_type, OBSERVATIONS)
+        check_name("obs_type", obs_type, get_args(ObsType))
         if seed is None:
             seed = int(np.random.default_rng().integers(SEED_LIMIT))
         self.core = MultiplayerCore(

@@ -10,7 +10,7 @@ from atari.learning.frame_agent import FrameAgent
 from atari.multiplayer import MultiplayerCore
 from atari.policy.needs import Needs
 from atari.task import Task
-from atari.task.fields import ObsType
+from atari.task.kinds import ObsType
 
 
 class PlayerAgent(FrameAgent):

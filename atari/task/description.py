@@ -78,26 +78,19 @@ def _words(task: Task, group: Group) -> list[str]:
 
 def _observation(task: Task) -> str:
     rows, columns = task.definition.screen.shape
-    shape: tuple[int, ...] = (task.img_height or rows, task.img_width or columns)
-    if task.obs_type == "ram":
-        stack = (
-            ""
-            if task.stack_num is None
-            else f"; a stack of {task.stack_num}, which begins with {_PADDING_OF_RAM[task.padding]}"
-        )
-        return f"the 128 bytes of RAM, uint8{stack}"
-    if task.obs_type in ("rgb", "rgb_dict"):
-        shape = (*shape, 3)
-    colours = "RGB" if len(shape) == 3 else "gray"
-    small = task.img_height is not None
-    words = [f"{colours} {'image' if small else 'screen'} {shape}, uint8"]
+    shape = (task.img_height or rows, task.img_width or columns, *task.kind.colours)
+    array = f"{task.kind.pixels} {'screen' if task.img_height is None else 'image'} {shape}"
+    words = [f"{array if task.kind.image else 'the 128 bytes of RAM'}, uint8"]
     if task.stack_num is not None:
-        words.append(f"a stack of {task.stack_num}, which begins with {_PADDING[task.padding]}")
+        padding = (_PADDING if task.kind.image else _PADDING_OF_RAM)[task.padding]
+        words.append(f"a stack of {task.stack_num}, which begins with {padding}")
+    if not task.kind.image:
+        return "; ".join(words)
     if task.maxpool:
         words.append("the maximum of two frames" + (", of their colours" if task.pool_rgb else ""))
     if task.end_frames != "last":
         words.append(f"ends inside a skip as in {task.end_frames}")
-    if task.obs_type in ("dict", "rgb_dict"):
+    if task.kind.is_dict:
         words.append("and the 128 bytes of RAM")
     return "; ".join([*words, *_words(task, "observation")])
 

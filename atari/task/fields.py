@@ -30,9 +30,9 @@ from atari.task.checks import (
     check_text,
     check_threshold,
 )
+from atari.task.kinds import IN_WORDS, ObsType
 from atari.validation import MOST_FRAMES_SKIPPED
 
-ObsType = Literal["rgb", "grayscale", "ram", "dict", "rgb_dict"]
 Fire = Literal["never", "before_noops", "after_noops"]
 OnReset = Literal["noop", "continue", "new_game"]
 Unit = Literal["frame", "skip"]
@@ -164,9 +164,7 @@ class TaskFields:
     max_episode_steps: int | None = row(
         None, "limits", "limit on the agent's steps of an episode; None means no limit",
         check=OrNone(Whole(1, NO_LIMIT)), words="{:,} steps")
-    obs_type: ObsType = row(
-        "rgb", "observation", "rgb, grayscale, ram (128 bytes), dict (gray image and RAM) or rgb_dict",
-        accepts="ObsType | None")
+    obs_type: ObsType = row("rgb", "observation", IN_WORDS, accepts="ObsType | None")
     img_height: int | None = row(
         None, "observation", "rows of the image, None means the screen's rows", check=OrNone(Whole(1, 256)))
     img_width: int | None = row(

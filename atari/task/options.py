@@ -5,7 +5,8 @@ from typing import Any, TypedDict
 
 from atari.actions import Action
 from atari.games.interventions import Intervention
-from atari.task.fields import EndFrames, Fire, ObsType, OnReset, Padding, Seeding, Unit
+from atari.task.fields import EndFrames, Fire, OnReset, Padding, Seeding, Unit
+from atari.task.kinds import ObsType
 
 Interventions = Sequence[str | Mapping[str, Any] | Intervention] | None
 

@@ -15,6 +15,7 @@ from atari.games.pettingzoo import find_environment
 from atari.games.players import options_of
 from atari.task.checks import check_bool
 from atari.task.fields import DEFAULTS, FIELDS, GROUPS, ROWS, check_field
+from atari.task.kinds import kind_of
 from atari.task.presets import Preset, find_preset
 from atari.task.rules import settle
 from atari.task.task import Task
@@ -55,13 +56,13 @@ def resolve_task(
         game, options = games[environment.game], options_of(environment, options)
     given, names = translate(options, owner, others)
     fields = {**DEFAULTS, **_start(game, {} if preset is not None or base is None else base, given)}
-    ram_stack = fields["stack_num"] if fields["obs_type"] == "ram" else None
+    ram_stack = None if kind_of(fields["obs_type"]).image else fields["stack_num"]
     if preset is not None:
         chosen = find_preset(preset)
         _require(preset, chosen, {"players": fields["players"], **given}, names, fields["game"])
         fields |= _fitting(chosen, fields)
     fields |= given
-    if fields["obs_type"] == "ram":  # other stacks contain images
+    if not kind_of(fields["obs_type"]).image:  # other stacks contain images
         fields["stack_num"] = given.get("stack_num", ram_stack)
     settle(fields, given)
     return Task(**fields)
@@ -266,6 +267,6 @@ def _within(game: Game, players: int, actions: Any, wanted: str) -> bool:
 def _fitting(preset: Preset, fields: Mapping[str, Any]) -> dict[str, Any]:
     """The fields of a preset for a game or task. RAM observations stay, because a preset only describes images."""
     chosen = dict(preset.fields)
-    if fields["obs_type"] == "ram":
+    if not kind_of(fields["obs_type"]).image:
         del chosen["obs_type"]
     return chosen

@@ -11,6 +11,7 @@ from typing import Any
 from atari.games.game import Game
 from atari.task.checks import NO_LIMIT
 from atari.task.fields import DEFAULTS
+from atari.task.kinds import kind_of
 
 Fields = Mapping[str, Any]
 
@@ -33,17 +34,6 @@ class _Clash:
 
     holds: Callable[[Fields], bool]
     text: str
-
-
-_IMAGE = ("img_height", "img_width", "maxpool", "pool_rgb", "end_frames")
-
-
-def _has_image(task: Fields) -> bool:
-    return bool(task["obs_type"] != "ram")
-
-
-def _is_gray(task: Fields) -> bool:
-    return task["obs_type"] in ("grayscale", "dict")
 
 
 def _has_several(task: Fields) -> bool:
@@ -76,12 +66,12 @@ _NEEDS = (
         lambda task: task["continuous"],
         "actions are not continuous; add continuous=True",
     ),
-    _Need(_IMAGE, _has_image, "obs_type='ram' has no image; use obs_type='dict' for both"),
     _Need(
-        ("padding",),
-        lambda task: task["stack_num"] is not None,
-        "there is no stack to fill; add stack_num=4",
+        ("img_height", "img_width", "maxpool", "pool_rgb", "end_frames"),
+        lambda task: kind_of(task["obs_type"]).image is not None,
+        "obs_type='ram' has no image; use obs_type='dict' for both",
     ),
+    _Need(("padding",), lambda task: task["stack_num"] is not None, "there is no stack to fill; add stack_num=4"),
     _Need(
         ("max_frames",),
         lambda task: (
@@ -91,14 +81,10 @@ _NEEDS = (
     ),
     _Need(
         ("pool_rgb",),
-        lambda task: _is_gray(task) and task["maxpool"],
+        lambda task: kind_of(task["obs_type"]).pixels == "gray" and task["maxpool"],
         "no colours are pooled for a gray image; use obs_type='grayscale' with maxpool=True",
     ),
-    _Need(
-        ("agent_indicator", "zero_sum"),
-        _has_several,
-        "one player plays; add players=2",
-    ),
+    _Need(("agent_indicator", "zero_sum"), _has_several, "one player plays; add players=2"),
 )
 """A rule may depend on fields of earlier rules."""
 
@@ -118,7 +104,7 @@ _CLASHES = (
         "got {repeat_action_probability}",
     ),
     _Clash(
-        lambda task: task["agent_indicator"] and _is_gray(task) and task["stack_num"] is None,
+        lambda task: task["agent_indicator"] and kind_of(task["obs_type"]).is_gray and task["stack_num"] is None,
         "agent_indicator=True adds channels, and a gray image without a stack has none; add stack_num=1",
     ),
     _Clash(
@@ -160,7 +146,7 @@ _CLASHES = (
     ),
     *map(_one_player, ("fire", "reward", "sound_obs", "continuous")),
     _Clash(
-        lambda task: task["sound_obs"] and task["obs_type"] in ("dict", "rgb_dict"),
+        lambda task: task["sound_obs"] and kind_of(task["obs_type"]).is_dict,
         "sound_obs=True makes a dict of image and sound, and obs_type={obs_type!r} one of image and RAM; "
         "leave one of them out",
     ),

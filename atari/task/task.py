@@ -20,6 +20,7 @@ from atari.games.game import Game
 from atari.games.interventions import resolve
 from atari.games.players import choose_mode, rules_of
 from atari.task.fields import DEFAULTS, FIELDS, GROUPS, ROWS, TaskFields, check_field
+from atari.task.kinds import KINDS, Kind
 from atari.task.options import TaskOptions
 from atari.task.rules import check_together, settle
 from atari.validation import check_integer
@@ -220,6 +221,11 @@ class Task(TaskFields):
         return minimal if {*self.action_set} <= {*minimal} else full
 
     @property
+    def kind(self) -> Kind:
+        """What observations show."""
+        return KINDS[self.obs_type]
+
+    @property
     def new_stack_after_life(self) -> bool:
         """Whether the stack of images begins anew after each lost life that a step returns as a termination."""
         return not self.life_loss_info and (not self.seamless_lives or self.on_reset == "new_game")
@@ -236,14 +242,14 @@ class Task(TaskFields):
 
     def fields_of_wrappers(self) -> list[str]:
         """The fields that an `AtariEnv` alone does not honour."""
-        dicts = ["obs_type"] if self.obs_type in ("dict", "rgb_dict") else []
-        return [name for name in _OF_WRAPPERS if getattr(self, name) != DEFAULTS[name]] + dicts
+        composed = [] if self.kind.method else ["obs_type"]
+        return [name for name in _OF_WRAPPERS if getattr(self, name) != DEFAULTS[name]] + composed
 
     def of_emulator(self) -> "Task":
         """The part of this task that an `AtariEnv` plays inside the wrappers: single frames."""
         kept = (*GROUPS["game"], *GROUPS["play"], "max_num_frames_per_episode", "sound_obs")
         fields = {name: getattr(self, name) for name in kept if name not in ("game", "rom_md5", "frameskip")}
-        return Task(self.definition, frameskip=1, obs_type="ram" if self.obs_type == "ram" else "rgb", **fields)  # type: ignore[arg-type]
+        return Task(self.definition, frameskip=1, obs_type="rgb" if self.kind.image else "ram", **fields)  # type: ignore[arg-type]
 
     @property
     def set_mode(self) -> int | None:

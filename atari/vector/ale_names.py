@@ -5,6 +5,7 @@ from typing import Any
 
 from atari.games.frozen import FrozenDict
 from atari.task.checks import NO_LIMIT, check_bool
+from atari.task.kinds import KINDS, with_image
 from atari.validation import check_integer, check_name
 
 _PREPROCESSING = {
@@ -76,15 +77,12 @@ def _obs_type(obs_type: Any, grayscale: bool, given: bool) -> str:
     Raises:
         ValueError: they have other colours, or none.
     """
-    images = {"rgb": (False, "grayscale"), "grayscale": (True, "rgb")}
-    dicts = {"dict": (True, "rgb_dict"), "rgb_dict": (False, "dict")}
-    check_name("obs_type", obs_type, ("rgb", "grayscale", "ram", "dict", "rgb_dict"))
-    if obs_type == "ram":
-        raise ValueError(f"grayscale={grayscale} has no effect on obs_type='ram'; leave one of them out")
-    is_gray, other = {**images, **dicts}[obs_type]
-    if given and obs_type in images and is_gray != grayscale:
+    kind = KINDS[check_name("obs_type", obs_type, KINDS)]
+    if not kind.image:
+        raise ValueError(f"grayscale={grayscale} has no effect on obs_type={obs_type!r}; leave one of them out")
+    if given and not kind.ram and kind.is_gray != grayscale:
         raise ValueError(f"obs_type={obs_type!r} contradicts grayscale={grayscale}; leave one of them out")
-    return obs_type if is_gray == grayscale else other
+    return str(obs_type) if kind.is_gray == grayscale else with_image(gray=grayscale, ram=kind.ram)
 
 
 def _refuse_both(options: Mapping[str, Any], name: str, other: str) -> None:

@@ -356,7 +356,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
     @property
     def grayscale(self) -> bool:
         """Whether images are gray, not RGB."""
-        return self._options.grayscale
+        return self.task.kind.is_gray
 
     @property
     def lanes(self) -> tuple[Lane, ...]:

@@ -22,7 +22,7 @@ from atari.cores.rewards import reward_formula
 from atari.cores.writes import make_writes
 from atari.games.game import Game
 from atari.observations.layout import Layout
-from atari.observations.settings import episode_settings, filled, image_shape, observation_settings
+from atari.observations.settings import episode_settings, filled, observation_settings, observation_space
 from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
@@ -123,16 +123,6 @@ class VectorOptions:
         threshold: np.float32 = np.float32(self.task.continuous_action_threshold)
         return threshold
 
-    @property
-    def is_dict(self) -> bool:
-        """Whether observations are dicts of image and RAM."""
-        return self.task.obs_type in ("dict", "rgb_dict")
-
-    @property
-    def grayscale(self) -> bool:
-        """Whether images are gray."""
-        return self.task.obs_type in ("grayscale", "dict")
-
     def make_engine(self) -> _emulator.VectorEngine:
         """The engine, which has the environments and their threads."""
         writes = self._writes
@@ -214,20 +204,13 @@ class VectorOptions:
 
     def observation_space(self) -> spaces.Space[Any]:
         """The observation space of one environment, in the engine's form: with an axis for the stack."""
-        colours = () if self.grayscale else (3,)
-        image = spaces.Box(0, 255, (self.task.stack_num or 1, *image_shape(self.task), *colours), np.uint8)
-        ram = spaces.Box(0, 255, (128,), np.uint8)
-        if self.is_dict:
-            return spaces.Dict({"image": image, "ram": ram})
-        if self.task.obs_type != "ram":
-            return image
-        return ram if self.task.stack_num is None else batch_space(ram, self.task.stack_num)
+        return observation_space(self.task, engines=True)
 
     def part_names(self) -> tuple[str, str]:
         """The keys of stack and RAM in observations: "" if observations are no dicts, "none" for an absent part."""
-        if self.is_dict:
+        if self.task.kind.is_dict:
             return "image", "ram"
-        return ("none", "") if self.task.obs_type == "ram" and self.task.stack_num is None else ("", "none")
+        return ("none", "") if not (self.task.kind.image or self.task.stack_num) else ("", "none")
 
     def moves(
         self, actions: Any, rows: int | None = None

@@ -59,7 +59,7 @@ class PlayedScores:
 def make(side: str, task: Task, num_envs: int, threads: int) -> PlayedScores:
     """The environments of one side."""
     game = task.game
-    if task.obs_type == "ram":
+    if not task.kind.image:
         options: dict[str, Any] = {"repeat_action_probability": 0.0, "full_action_space": False}
         if side == "ale-py":
 

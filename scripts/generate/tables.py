@@ -39,7 +39,7 @@ def families() -> str:
 
 
 def _family(family: Family) -> str:
-    observation = "RAM, (128,)" if family.obs_type == "ram" else "RGB, (210, 160, 3)"
+    observation = "RAM, (128,)" if family.ram else "RGB, (210, 160, 3)"
     skip = family.frameskip
     frames = f"{skip[0]} to {skip[1] - 1}, random" if isinstance(skip, tuple) else str(skip)
     sticky = family.repeat_action_probability or "no"

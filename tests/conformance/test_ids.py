@@ -22,7 +22,7 @@ def test_each_id_of_a_game_makes_it(game: str) -> None:
         unwrapped = env.unwrapped
         assert isinstance(unwrapped, AtariEnv)
         observation, info = env.reset()
-        shape = (128,) if family.obs_type == "ram" else (*atari.games[game].screen.shape, 3)
+        shape = (128,) if family.ram else (*atari.games[game].screen.shape, 3)
         assert observation.shape == env.observation_space.shape == shape
         env.step(env.action_space.sample())
         played = unwrapped.core.frame_number - info["frame_number"]

@@ -1,6 +1,7 @@
 """`EnvPoolSpec`: EnvPool's options of a task, and the vector environment that they describe."""
 
 import difflib
+import math
 import sys
 from collections import namedtuple
 from collections.abc import Mapping, Sequence
@@ -15,8 +16,10 @@ from atari._extras import import_extra, pip_install
 from atari.env_ids import stem
 from atari.games.catalog import playable_ids
 from atari.integrations.envpool.arrays import ArraySpec, action_arrays, state_arrays
+from atari.observations.settings import image_shape
 from atari.task import Task
 from atari.task.checks import check_bool
+from atari.task.kinds import with_image
 from atari.task.resolution import GameLike, resolve_for_agent
 from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
@@ -161,10 +164,8 @@ class EnvPoolSpec:
 
     def _observation_space(self, spaces: Any) -> Any:
         task = self.played
-        height, width = task.definition.screen.shape
-        shape = (task.img_height or height, task.img_width or width)
-        channels = (task.stack_num or 1) * (1 if task.obs_type == "dict" else 3)
-        return spaces.Box(0, 255, (channels, *shape), np.uint8)
+        channels = (task.stack_num or 1) * math.prod(task.kind.colours)
+        return spaces.Box(0, 255, (channels, *image_shape(task)), np.uint8)
 
     def _action_space(self, spaces: Any) -> Any:
         return spaces.Discrete(len(self.played.action_set))
@@ -275,7 +276,7 @@ def _resolve(task_id: GameLike, fields: Mapping[str, Any]) -> Task:
     if isinstance(task_id, Task):
         if task_id.players > 1:
             raise ValueError(f"a game has one player, and the task has players={task_id.players}; use AtariVectorEnv")
-        if task_id.obs_type == "ram":
+        if not task_id.kind.image:
             raise ValueError("EnvPool's environments show images and RAM, and the task has obs_type='ram'; use 'dict'")
         return task_id.replace(**{"stack_num": task_id.stack_num or 1, **fields})
     return resolve_for_agent(task_ids().get(str(task_id), task_id), "envpool", fields, owner="make_spec")
@@ -307,7 +308,7 @@ def _of_task(base: Task, task_id: GameLike) -> dict[str, Any]:
         **own,
         "noop_max": base.noops[1],
         "use_fire_reset": base.fire != "never",
-        "gray_scale": base.obs_type in ("grayscale", "dict"),
+        "gray_scale": base.kind.is_gray,
         "max_episode_steps": None if base.max_frames is None else base.max_frames // base.frames[0],
     }
 
@@ -321,7 +322,7 @@ def _as_fields(config: Any, options: Mapping[str, Any]) -> dict[str, Any]:
     fields = {
         field: None if options[name] == -1 else options[name] for name, field in _FIELDS.items() if name in options
     }
-    fields["obs_type"] = "dict" if check_bool("gray_scale", config.gray_scale) else "rgb_dict"
+    fields["obs_type"] = with_image(gray=check_bool("gray_scale", config.gray_scale), ram=True)
     if "noop_max" in options:
         fields["noops"] = (1, check_integer("noop_max", config.noop_max, 1, 1_000_000))
     if {"frame_skip", "max_episode_steps"} & options.keys():

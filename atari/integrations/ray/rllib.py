@@ -211,7 +211,7 @@ def config(
     games = list(game) if isinstance(game, Sequence) and not isinstance(game, str) else [game]
     running = {name: options.pop(name) for name in list(options) if name in _RUN_OPTIONS}
     tasks = [resolve_for_agent(one, preset, options, owner="config") for one in games]
-    obs = "ram" if tasks[0].obs_type == "ram" else "pixels"
+    obs = "pixels" if tasks[0].kind.image else "ram"
     layout = {} if obs == "ram" else {"channels_last": True}
     env_config = {"game": tasks, **layout, **running}
     made = _with_network(algorithm, obs)

@@ -49,7 +49,7 @@ class WorkerSettings:
         envs = AtariVectorEnv(self.game, self.num_envs, **{"num_threads": 1, "game_info": True, **self.options})
         refused = {
             "channels_last=True, dtype='float32' or stack_num=None": not envs.options.layout.is_engines,
-            "obs_type='dict'": envs.options.is_dict,
+            "obs_type='dict'": envs.task.kind.is_dict,
             f"autoreset_mode={envs.autoreset_mode.value!r}": envs.autoreset_mode != AutoresetMode.NEXT_STEP,
             f"batch_size={envs.batch_size}": envs.batch_size != envs.num_envs,
             f"players={envs.options.players}": envs.options.players > 1,

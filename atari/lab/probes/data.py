@@ -13,6 +13,7 @@ from atari.games.catalog import games
 from atari.lab import atari_ari
 from atari.lab.labels import byte_index
 from atari.task import Task
+from atari.task.kinds import KINDS, with_image
 from atari.task.resolution import GameLike, is_id
 from atari.validation import check_integer, check_probability
 from atari.vector import AtariVectorEnv
@@ -101,14 +102,15 @@ def play_episodes(
     check_probability("epsilon", epsilon)
     if policy is not None and not callable(policy):
         raise TypeError(f"policy must be a function; atari.learning.load_policy returns one, got {policy!r:.80}")
-    kind = "dict"
+    kind = with_image(gray=True, ram=True)
     if isinstance(game, Task) or (isinstance(game, str) and is_id(game)):
-        kind = "rgb_dict" if Task.of(game).obs_type in ("rgb", "rgb_dict") else "dict"
+        kind = with_image(gray=not Task.of(game).kind.colours, ram=True)
     elif not options:
         options = {"img_height": None, "img_width": None, "stack_num": 1}
     envs = AtariVectorEnv(game, num_envs, **{"num_threads": 1, "game_info": True, "obs_type": kind, **options})
-    if envs.task.obs_type not in ("dict", "rgb_dict"):
-        raise ValueError(f"the states of a probe are images and RAM, 'dict' or 'rgb_dict', not {envs.task.obs_type!r}")
+    if not envs.task.kind.is_dict:
+        dicts = " or ".join(repr(name) for name in KINDS if KINDS[name].is_dict)
+        raise ValueError(f"the states of a probe are images and RAM, {dicts}, not {envs.task.obs_type!r}")
     generator = np.random.default_rng(seed)
     lanes = np.arange(num_envs)
     parts: list[list[tuple[ByteArray, ByteArray]]] = [[] for _ in lanes]

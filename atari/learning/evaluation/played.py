@@ -39,11 +39,6 @@ class Entry:
         """The environment ID, if the user gave one."""
         return self.given if isinstance(self.given, str) and is_id(self.given) else None
 
-    @property
-    def ram(self) -> bool:
-        """Whether the user gave an ID or a `Task` of RAM."""
-        return self.task.obs_type == "ram"
-
 
 def find_entries(games: Any, options: Mapping[str, Any] = FrozenDict()) -> tuple[Entry, ...]:
     """The games of an argument: a game, an ID, a `Task`, a name of `GAME_SETS`, or a sequence of these; each game once.
@@ -113,7 +108,7 @@ def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Tas
     if needs.task is not None:
         _check_policy(entry, protocol, needs.task)
     _check_id(entry, protocol, needs.task)
-    seen = needs.task or (entry.task if entry.ram else None)
+    seen = needs.task or (None if entry.task.kind.image else entry.task)
     if protocol.task is not None:
         _check_same_game(entry, protocol.task)
         played = _whole_games(protocol, protocol.task, seen)
@@ -189,9 +184,10 @@ def _check_policy(entry: Entry, protocol: EvaluationProtocol, policy: Task) -> N
 
 def _check_id(entry: Entry, protocol: EvaluationProtocol, policy: Task | None) -> None:
     """Refuse an ID, or a task of RAM, whose observations or sticky actions the evaluation does not play."""
-    named = entry.ram or entry.env_id is not None
-    if named and policy is not None and (policy.obs_type == "ram") != entry.ram:
-        shown, name = "RAM" if entry.ram else "images", entry.env_id or f"the task of {entry.id}"
+    of_ram = not entry.task.kind.image
+    named = of_ram or entry.env_id is not None
+    if named and policy is not None and (not policy.kind.image) != of_ram:
+        shown, name = "RAM" if of_ram else "images", entry.env_id or f"the task of {entry.id}"
         raise ValueError(f"{name} shows {shown}, and the policy sees obs_type={policy.obs_type!r}; pass {entry.id!r}")
     sticky = entry.task.repeat_action_probability
     if entry.env_id is not None and sticky != protocol.repeat_action_probability:

@@ -19,7 +19,7 @@ def options_for(envs: Any, num_envs: int | None = None) -> dict[str, Any]:
     made = vector_of(envs, num_envs, {})
     stack_num, stacks_ram, padding = 4, False, {}
     if made is not envs:
-        stack_num, stacks_ram = made.task.stack_num or 1, made.task.obs_type == "ram"
+        stack_num, stacks_ram = made.task.stack_num or 1, not made.task.kind.image
         padding = {"padding": made.task.padding}
         made = made.task.replace(stack_num=None if stacks_ram else 1).make_vec(made.num_envs)
     envs = made
@@ -46,7 +46,7 @@ def options_for(envs: Any, num_envs: int | None = None) -> dict[str, Any]:
 
 def _atari_options(envs: AtariVectorEnv) -> dict[str, Any]:
     task = envs.task
-    single = None if task.obs_type == "ram" else 1
+    single = 1 if task.kind.image else None
     if task.stack_num != single:
         raise ValueError(
             f"a ReplayMemory makes the stacks: make the environments with stack_num={single}, not {task.stack_num}"

@@ -143,10 +143,10 @@ class AtariEnv(Adapted):
 
     def _get_obs(self) -> Any:
         """The observation. A subclass may replace it, `_get_image` or `_get_ram`."""
-        obs_type = self._env.task.obs_type
-        if obs_type == "ram":
+        kind = self._env.task.kind
+        if not kind.image:
             return self._get_ram()
-        return self._get_image() if obs_type == "rgb" else self._env.observe()
+        return self._get_image() if kind.colours else self._env.observe()
 
     def _get_image(self) -> npt.NDArray[np.uint8]:
         return self._env.core.screen_rgb()
