@@ -111,7 +111,8 @@ class SelfPlayGames:
 
     def __init__(self, games: int, opponents: int, seed: int) -> None:
         tasks = [TASK.replace(mode=mode) for mode in MODES]
-        self.envs = [task.make_vec(games // len(MODES), autoreset_mode="SameStep", num_threads=1) for task in tasks]
+        lanes = games // len(MODES)
+        self.envs = [atari.AtariVectorEnv(task, lanes, autoreset_mode="SameStep", num_threads=1) for task in tasks]
         numbers = np.arange(games)
         learns = np.ones((games, 2), np.bool_)
         shared = numbers[numbers % 4 >= 2]
@@ -339,7 +340,7 @@ def clocks() -> npt.NDArray[np.float64]:
 def score_built_in(network: ActorCritic, games: int = 32, max_frames: int = 18_000) -> float:
     """The mean score, -21 .. 21, in the one-player game, in which the cartridge plays the other side."""
     task = ALONE.replace(max_num_frames_per_episode=max_frames)
-    envs = task.make_vec(games, autoreset_mode="Disabled", num_threads=1)
+    envs = atari.AtariVectorEnv(task, games, autoreset_mode="Disabled", num_threads=1)
     sight, scores, over = Sight(envs.reset(seed=1_000_000)[0]), np.zeros(games), np.zeros(games, np.bool_)
     while not over.all():
         actions = INDICES[choose(network, sight.seen[:, 0]).numpy()]
@@ -360,7 +361,7 @@ def round_robin(networks: list[ActorCritic], games: int = 8, max_frames: int = 1
     count = len(networks)
     seats = np.array([(i, j) for i in range(count) for j in range(count) if i != j for _ in range(games)])
     task = TASK.replace(max_num_frames_per_episode=max_frames)
-    envs = task.make_vec(len(seats), autoreset_mode="Disabled", num_threads=1)
+    envs = atari.AtariVectorEnv(task, len(seats), autoreset_mode="Disabled", num_threads=1)
     sight, points = Sight(envs.reset(seed=2_000_000)[0]), np.zeros(len(seats))
     over, actions = np.zeros(len(seats), np.bool_), np.zeros(seats.shape, np.int64)
     while not over.all():

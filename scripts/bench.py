@@ -21,7 +21,7 @@ Suites:
             PettingZoo's names
     ray     one step of one environment of RLlib's env runner, in CPU time, by parts: `AtariVectorEnv` beside RLlib's
             own wrappers of ale-py; needs the extra `ray`
-    jax     one step of one environment of a vector of 8, resets counted: `envs.xla()` in a compiled scan, by callback
+    jax     one step of one environment of a vector of 8, resets counted: `xla(envs)` in a compiled scan, by callback
             and without, beside a Python loop, and both of ale-py's vector; needs the extra `jax`
 
 Each number is the median over the rounds; in each round every contestant runs once, in turn, so that a slow phase of

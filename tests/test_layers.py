@@ -37,14 +37,6 @@ ORDER = """
 """
 
 UPWARD = {
-    "atari.task.task": {
-        "atari.making": "`Task.make` makes an environment",
-        "atari.vector": "`Task.make_vec` makes a vector environment",
-    },
-    "atari.vector.views": {
-        "atari.integrations.jax": "`AtariVectorEnv.xla` is a door to it",
-        "atari.integrations.torch": "`AtariVectorEnv.torch` is a door to it",
-    },
     "atari": {
         "atari.classic": "a lazy attribute",
         "atari.integrations": "a lazy attribute",

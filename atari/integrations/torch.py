@@ -13,11 +13,11 @@ from atari.vector.env import vector_of
 try:
     import torch
 except ImportError:
-    raise gymnasium.error.DependencyNotInstalled(f"envs.torch() needs PyTorch: {pip_install('torch')}") from None
+    raise gymnasium.error.DependencyNotInstalled(f"TorchEnvs needs PyTorch: {pip_install('torch')}") from None
 
 
 class TorchEnvs:
-    """A vector environment with tensors; `envs.torch(device)` makes it from an `AtariVectorEnv`.
+    """A vector environment with tensors.
 
     On the CPU, tensors share the memory of the arrays, without a copy. On another device, observations, rewards,
     terminations, truncations and `final_obs` are copied to the device; the rest of `info` stays on the CPU. The

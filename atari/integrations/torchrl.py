@@ -64,7 +64,7 @@ class AtariTorchRLEnv(EnvBase):
         if isinstance(envs.single_action_space, spaces.MultiDiscrete):
             raise ValueError("TorchRL's specs here are for one player: leave players out")
         super().__init__(device=torch.device("cpu" if device is None else device), batch_size=[envs.num_envs])
-        self._view: TorchEnvs = envs.torch(device)
+        self._view = TorchEnvs(envs, device)
         self.task = self._view.task
         self._seed_of_reset: int | None = None
         self._make_specs(envs)

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 from atari.actions import Action
 from atari.cores import ByteArray
 from atari.games.game import Game
+from atari.making import make_env
 from atari.play.base import BaseSession
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.recording import RecordReplay
@@ -76,7 +77,7 @@ class Session(BaseSession):
         **options: Any,
     ) -> None:
         self.task = _task(game, options)
-        inner: Any = self.task.make(rom=rom)
+        inner: Any = make_env(self.task, rom=rom)
         inner.unwrapped.driver.make_sound()
         self._inner, self._atari = inner, inner.unwrapped
         super().__init__(self._atari.game, 1, state, videos, scale)

@@ -6,7 +6,7 @@ import operator
 import textwrap
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from typing_extensions import Unpack
 
@@ -24,11 +24,6 @@ from atari.task.kinds import KINDS, Kind
 from atari.task.options import TaskOptions
 from atari.task.rules import check_together, settle
 from atari.validation import check_integer
-
-if TYPE_CHECKING:
-    import gymnasium
-
-    from atari.vector import AtariVectorEnv
 
 
 @dataclass(frozen=True, repr=False)
@@ -51,7 +46,7 @@ class Task(TaskFields):
         (3, (1, 30), True)
         >>> task == atari.Task.from_json(task.to_json())
         True
-        >>> env = task.make()
+        >>> env = atari.make(task)
         >>> env.reset(seed=0)[0].shape
         (4, 84, 84)
         >>> task.differences(atari.Task.of("breakout", preset="dqn2015"))
@@ -178,30 +173,6 @@ class Task(TaskFields):
         if None in pairs["rom_md5"]:
             del pairs["rom_md5"]
         return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
-
-    def make(
-        self, *, render_mode: str | None = None, core: str = "native", rom: str | PathLike[str] | None = None
-    ) -> "gymnasium.Env[Any, Any]":
-        """One environment of this task; the options are those of `AtariEnv`.
-
-        Raises:
-            FileNotFoundError: no ROM file of the game was found.
-            ValueError: the task is for several players, which `atari.multiplayer` plays.
-        """
-        from atari.making import make_env
-
-        return make_env(self, render_mode, core, rom)
-
-    def make_vec(self, num_envs: int, **options: Any) -> "AtariVectorEnv":
-        """A vector of environments of this task, played in C++; the options are those of `AtariVectorEnv`.
-
-        Raises:
-            FileNotFoundError: no ROM file of the game was found.
-            TypeError, ValueError: an option is wrong.
-        """
-        from atari.vector import AtariVectorEnv
-
-        return AtariVectorEnv(self, num_envs, **options)
 
     @property
     def action_set(self) -> tuple[Action, ...]:

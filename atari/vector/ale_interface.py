@@ -24,7 +24,7 @@ class AleVectorInterface:
         return int(self._envs.num_envs)
 
     def handle(self) -> Any:
-        """The handle of the environments for functions compiled by XLA, (8,) uint8, as in `AtariVectorEnv.xla`."""
+        """The handle of the environments for functions compiled by XLA, (8,) uint8; see `atari.integrations.jax`."""
         return np.frombuffer(self._envs.xla_port().handle, np.uint8)
 
     def get_action_set(self) -> list[AleAction]:

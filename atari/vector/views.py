@@ -1,4 +1,4 @@
-"""`Views`: a vector environment as images, and in the forms of other libraries."""
+"""`Views`: a vector environment as images, and for other libraries."""
 
 import math
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ _MOST_SHOWN = 36  # screens in a notebook
 
 
 class Views:
-    """Methods of `AtariVectorEnv` that show it as images, to JAX, PyTorch and users of ale-py's interface."""
+    """Methods of `AtariVectorEnv` that show it as images, and to users of its engine and of ale-py's interface."""
 
     num_envs: int
     render_mode: Any
@@ -59,7 +59,7 @@ class Views:
 
     @property
     def is_xla_registered(self) -> bool:
-        """Whether `xla` was called."""
+        """Whether `atari.integrations.jax.xla` was called."""
         return self._port is not None
 
     def _repr_html_(self) -> str | None:
@@ -97,15 +97,3 @@ class Views:
                 image, ram = (name != "none" for name in self._options.part_names())
                 self._port = _emulator.XlaPort(engine, image, ram)
             return self._port
-
-    def xla(self, *, callback: bool | None = None) -> Any:
-        """`(handle, recv, send, step)` for functions compiled by JAX: see `atari.integrations.jax.xla` (added)."""
-        from atari.integrations.jax import xla
-
-        return xla(self, callback=callback)
-
-    def torch(self, device: Any = None) -> Any:
-        """The environments with PyTorch tensors: see `atari.integrations.torch.TorchEnvs` (added)."""
-        from atari.integrations.torch import TorchEnvs
-
-        return TorchEnvs(self, device)

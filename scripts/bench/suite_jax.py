@@ -9,6 +9,7 @@ import ale_py.vector_env
 import numpy as np
 
 import atari
+from atari.integrations.jax import xla
 
 COUNT = 8
 
@@ -17,10 +18,10 @@ Run = Callable[[int], float]
 
 def contestants() -> Iterator[tuple[str, Callable[[str], Run]]]:
     """By name, a function that prepares a game; all have 8 environments of 84x84 and one thread for each core."""
-    yield "xla() in a scan", partial(scan, native, callback=False)
-    yield "callback in a scan", partial(scan, native, callback=True)
+    yield "xla() in a scan", partial(scan, native, partial(xla, callback=False))
+    yield "callback in a scan", partial(scan, native, partial(xla, callback=True))
     yield "loop", partial(loop, native)
-    yield "ale-py's xla()", partial(scan, ale)
+    yield "ale-py's xla()", partial(scan, ale, lambda envs: envs.xla())
     yield "ale-py's loop", partial(loop, ale)
 
 
@@ -56,13 +57,13 @@ def loop(make: Callable[[str], Any], game: str) -> Run:
     return run
 
 
-def scan(make: Callable[[str], Any], game: str, **options: Any) -> Run:
+def scan(make: Callable[[str], Any], functions: Callable[[Any], Any], game: str) -> Run:
     """Steps in one compiled function, which is compiled before the time is taken."""
     import jax
 
     envs = make(game)
     envs.reset(seed=0)
-    handle, *_, step = envs.xla(**options)
+    handle, *_, step = functions(envs)
     compiled: dict[int, Any] = {}
 
     def one(carry: Any, batch: Any) -> Any:

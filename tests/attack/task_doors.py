@@ -208,7 +208,7 @@ def outcome(door: Callable[[], Task]) -> Task | Exception:
 def play(task: Task, shown: str) -> None:
     """Make a task that a door accepts, in an environment and in a vector; play it if this takes few seconds."""
     try:
-        env, envs = task.make(), task.make_vec(1, num_threads=1)
+        env, envs = atari.make(task), atari.AtariVectorEnv(task, 1, num_threads=1)
     except (TypeError, ValueError) as error:
         raise AssertionError(f"{shown}: accepted as a task, and refused when it is made: {error}") from None
     if seconds_of_step(task) < MOST_SECONDS and seconds_of_noop(task) * task.noops[1] < MOST_SECONDS:

@@ -1,4 +1,4 @@
-"""`AtariVectorEnv.xla`: inside compiled functions environments play as `step` does, to the byte."""
+"""`atari.integrations.jax.xla`: inside compiled functions environments play as `step` does, to the byte."""
 
 import gc
 import os
@@ -12,6 +12,7 @@ import pytest
 
 import atari
 import atari.integrations.envpool as envpool
+from atari.integrations.jax import xla
 
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
 jax = pytest.importorskip("jax", reason="needs JAX, which scripts/test --jax installs")
@@ -62,7 +63,7 @@ def assert_rows_equal(twin: Any, actions: Any, results: Any) -> int:
 )
 def test_a_scan_is_as_many_steps(obs_type: Any, num_envs: int, steps: int, mode: str, callback: bool) -> None:
     envs, twin = (make(num_envs=num_envs, obs_type=obs_type, autoreset_mode=mode) for _ in range(2))
-    handle, _, _, step = envs.xla(callback=callback)
+    handle, _, _, step = xla(envs, callback=callback)
     actions = np.random.default_rng(0).integers(4, size=(steps, num_envs))
     for env in (envs, twin):
         env.reset(seed=3)
@@ -92,7 +93,7 @@ CASES: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("case", CASES)
 def test_options(case: str, callback: bool) -> None:
     envs, twin = (make(**CASES[case]) for _ in range(2))
-    handle, _, _, step = envs.xla(callback=callback)
+    handle, _, _, step = xla(envs, callback=callback)
     actions = np.random.default_rng(1).integers(3, size=(80, *envs.action_space.shape))
     for env in (envs, twin):
         env.reset(seed=5)
@@ -105,7 +106,7 @@ def test_options(case: str, callback: bool) -> None:
 def test_send_and_recv(batch_size: int, callback: bool) -> None:
     envs = make(num_envs=4, batch_size=batch_size, num_threads=1, obs_type="ram")
     twin = make(num_envs=4, batch_size=batch_size, num_threads=1, obs_type="ram")
-    handle, recv, send, step = envs.xla(callback=callback)
+    handle, recv, send, step = xla(envs, callback=callback)
     for env in (envs, twin):
         env.reset_async(seed=0)
     handle, results = jax.jit(recv)(handle)
@@ -125,7 +126,7 @@ def test_send_and_recv(batch_size: int, callback: bool) -> None:
 
 def test_what_one_begins_the_other_does_not_disturb() -> None:
     envs = make(obs_type="ram")
-    handle, recv, send, step = envs.xla(callback=False)
+    handle, recv, send, step = xla(envs, callback=False)
     envs.reset(seed=0)
     handle = send(handle, np.zeros(2, int))
     jax.block_until_ready(handle)
@@ -149,7 +150,7 @@ def test_what_one_begins_the_other_does_not_disturb() -> None:
 class TestRefusals:
     def test_a_handle_of_a_closed_environment(self) -> None:
         envs = make(obs_type="ram")
-        handle, _, _, step = envs.xla(callback=False)
+        handle, _, _, step = xla(envs, callback=False)
         step = jax.jit(step)
         envs.reset(seed=0)
         step(handle, np.zeros(2, int))
@@ -157,7 +158,7 @@ class TestRefusals:
         with pytest.raises(Failure, match="no environment of this handle"):
             jax.block_until_ready(step(handle, np.zeros(2, int)))
         envs.reset(seed=0)
-        handle, *_ = envs.xla(callback=False)
+        handle, *_ = xla(envs, callback=False)
         jax.block_until_ready(step(handle, np.zeros(2, int)))
         del envs
         gc.collect()
@@ -166,7 +167,7 @@ class TestRefusals:
 
     @pytest.mark.parametrize("handle", [np.zeros(8, np.uint8), np.full(8, 255, np.uint8)])
     def test_an_unknown_handle(self, handle: Any) -> None:
-        _, recv, send, step = make().xla(callback=False)
+        _, recv, send, step = xla(make(), callback=False)
         for call in (
             lambda: step(handle, np.zeros(2, int)),
             lambda: send(handle, np.zeros(2, int)),
@@ -177,18 +178,18 @@ class TestRefusals:
 
     @pytest.mark.parametrize("handle", [np.zeros(8, np.int32), np.zeros(7, np.uint8), 3])
     def test_no_handle(self, handle: Any) -> None:
-        _, recv, _, _ = make().xla(callback=False)
+        _, recv, _, _ = xla(make(), callback=False)
         with pytest.raises((TypeError, ValueError, Failure)):
             jax.block_until_ready(recv(handle))
 
     def test_a_handle_of_another_kind_of_environment(self) -> None:
-        _, _, _, step = make(obs_type="ram").xla(callback=False)
+        _, _, _, step = xla(make(obs_type="ram"), callback=False)
         others = [make(num_envs=3, obs_type="ram"), make(), make(obs_type="ram", autoreset_mode="SameStep")]
         for other in others:
             other.reset(seed=0)
             before = other.ram()
             with pytest.raises(Failure, match=r"result|action"):
-                jax.block_until_ready(step(other.xla(callback=False).handle, np.zeros(2, int)))
+                jax.block_until_ready(step(xla(other, callback=False).handle, np.zeros(2, int)))
             np.testing.assert_array_equal(other.ram(), before)
 
     @pytest.mark.parametrize("callback", [False, True])
@@ -203,7 +204,7 @@ class TestRefusals:
     )
     def test_actions_of_another_kind(self, actions: Any, error: type[Exception], callback: bool) -> None:
         envs = make(obs_type="ram")
-        handle, _, send, step = envs.xla(callback=callback)
+        handle, _, send, step = xla(envs, callback=callback)
         envs.reset(seed=0)
         before = envs.ram()
         for function in (send, step, jax.jit(step)):
@@ -214,7 +215,7 @@ class TestRefusals:
     @pytest.mark.parametrize("dtype", [np.int8, np.uint8, np.int16, np.uint16, np.int32, np.uint32])
     def test_actions_out_of_range_of_every_integer_dtype(self, dtype: Any) -> None:
         envs = make(obs_type="ram")
-        handle, _, _, step = envs.xla(callback=False)
+        handle, _, _, step = xla(envs, callback=False)
         envs.reset(seed=0)
         before = envs.ram()
         for wrong in (4, np.iinfo(dtype).max, np.iinfo(dtype).min or 100):
@@ -225,7 +226,7 @@ class TestRefusals:
 
     def test_env_id(self) -> None:
         envs = make(num_envs=3, obs_type="ram")
-        handle, _, send, _ = envs.xla(callback=False)
+        handle, _, send, _ = xla(envs, callback=False)
         envs.reset(seed=0)
         for env_id in ([0, 1, 3], [0, 1, 1], [0, 1, -1]):
             with pytest.raises(Failure, match=r"does not exist|given twice"):
@@ -234,21 +235,21 @@ class TestRefusals:
 
     def test_before_the_first_reset(self) -> None:
         envs = make()
-        handle, _, _, step = envs.xla(callback=False)
+        handle, _, _, step = xla(envs, callback=False)
         with pytest.raises(Failure, match=r"call envs\.reset"):
             jax.block_until_ready(step(handle, np.zeros(2, int)))
 
     def test_options_that_compiled_functions_cannot_have(self) -> None:
         with pytest.raises(ValueError, match="continuous"):
-            make(continuous=True).xla()
+            xla(make(continuous=True))
         with pytest.raises(ValueError, match="agent_indicator"):
-            make("pong", players=2, agent_indicator=True).xla()
+            xla(make("pong", players=2, agent_indicator=True))
         with pytest.raises(TypeError, match="callback"):
-            make().xla(callback=1)  # type: ignore[arg-type]
+            xla(make(), callback=1)  # type: ignore[arg-type]
 
     def test_a_port_that_goes_with_a_step_in_flight(self) -> None:
         envs = make(num_envs=8, num_threads=2)
-        handle, _, send, _ = envs.xla(callback=False)
+        handle, _, send, _ = xla(envs, callback=False)
         envs.reset(seed=0)
         jax.block_until_ready(send(handle, np.zeros(8, int)))
         envs._port = None
@@ -265,7 +266,7 @@ class TestRefusals:
 
 def test_python_waits_for_a_function_that_runs() -> None:
     envs, twin = (make(num_envs=16, num_threads=1) for _ in range(2))
-    handle, _, _, step = envs.xla(callback=False)
+    handle, _, _, step = xla(envs, callback=False)
     actions = np.zeros((50, 16), int)
     for env in (envs, twin):
         env.reset(seed=0)
@@ -282,7 +283,7 @@ def test_python_waits_for_a_function_that_runs() -> None:
 
 def test_a_chain_runs_once_and_in_order_though_results_are_unused() -> None:
     envs, twin = (make(obs_type="ram") for _ in range(2))
-    handle, _, _, step = envs.xla(callback=False)
+    handle, _, _, step = xla(envs, callback=False)
 
     @jax.jit
     def play(handle: Any) -> Any:
@@ -334,7 +335,7 @@ def test_an_environment_closed_while_a_function_runs() -> None:
     actions = np.zeros((200, 8), int)
     for wait in range(6):
         envs = make(num_envs=8, num_threads=2)
-        handle, _, _, step = envs.xla(callback=False)
+        handle, _, _, step = xla(envs, callback=False)
         envs.reset(seed=0)
         compiled = jax.jit(
             lambda handle, step=step: jax.lax.scan(lambda h, a: (step(h, a)[0], None), handle, actions)[0]

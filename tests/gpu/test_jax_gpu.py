@@ -1,9 +1,10 @@
-"""`envs.xla()` on a GPU: compiled functions call back to the host."""
+"""`xla(envs)` on a GPU: compiled functions call back to the host."""
 
 import numpy as np
 import pytest
 
 import atari
+from atari.integrations.jax import xla
 
 jax = pytest.importorskip("jax", reason="needs JAX with CUDA")
 if jax.default_backend() != "gpu":
@@ -17,7 +18,7 @@ if jax.default_backend() != "gpu":
 def test_a_scan_is_as_many_steps(num_envs: int, apart: bool, mode: str, obs_type: str) -> None:
     options = {"obs_type": obs_type, "autoreset_mode": mode, "max_num_frames_per_episode": 60}
     envs, twin = (atari.AtariVectorEnv("breakout", num_envs, **options) for _ in range(2))
-    handle, recv, send, step = envs.xla()
+    handle, recv, send, step = xla(envs)
     if apart:
         step = lambda handle, action: recv(send(handle, action))  # noqa: E731
     actions = np.random.default_rng(0).integers(4, size=(100, num_envs))

@@ -1,4 +1,4 @@
-"""`envs.torch("cuda")`: what the CPU's tensors show, on a CUDA device, by asynchronous copies."""
+"""`TorchEnvs(envs, "cuda")`: what the CPU's tensors show, on a CUDA device, by asynchronous copies."""
 
 from typing import Any
 
@@ -10,6 +10,8 @@ torch = pytest.importorskip("torch", reason="needs PyTorch with CUDA")
 if not torch.cuda.is_available():
     pytest.skip("needs a CUDA device that PyTorch can use", allow_module_level=True)
 
+from atari.integrations.torch import TorchEnvs  # noqa: E402
+
 
 def make(**options: Any) -> atari.AtariVectorEnv:
     return atari.AtariVectorEnv("breakout", 8, max_num_frames_per_episode=60, **options)
@@ -18,7 +20,7 @@ def make(**options: Any) -> atari.AtariVectorEnv:
 @pytest.mark.parametrize("options", [{}, {"obs_type": "ram"}, {"obs_type": "dict"}, {"dtype": "float32"}], ids=str)
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
 def test_steps_are_those_of_the_cpu(mode: str, options: Any) -> None:
-    envs, twin = make(autoreset_mode=mode, **options).torch("cuda"), make(autoreset_mode=mode, **options).torch()
+    envs, twin = (TorchEnvs(make(autoreset_mode=mode, **options), device) for device in ("cuda", None))
     kept = [(envs.reset(seed=0), twin.reset(seed=0))]
     for step in range(200):
         action = torch.full((8,), step % 4, device="cuda")
@@ -37,7 +39,7 @@ def test_steps_are_those_of_the_cpu(mode: str, options: Any) -> None:
 
 
 def test_the_memory_is_page_locked() -> None:
-    envs = make().torch("cuda")
+    envs = TorchEnvs(make(), "cuda")
     envs.reset(seed=0)
     envs.step(torch.zeros(8, dtype=torch.int64, device="cuda"))
     buffers = [buffer for pair in envs._copies._buffers.values() for buffer in pair]

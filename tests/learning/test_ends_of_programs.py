@@ -45,7 +45,8 @@ def test_nothing_is_printed_of_tensors() -> None:
     """PyTorch does not release the memory of tensors that exist when the interpreter ends: what is left is no fault here."""
     program = """
         import torch, atari
-        envs = atari.AtariVectorEnv("pong", 2).torch()
+        from atari.integrations.torch import TorchEnvs
+        envs = TorchEnvs(atari.AtariVectorEnv("pong", 2))
         observations, info = envs.reset(seed=0)
     """
     assert "nanobind" not in printed_at_end(program)

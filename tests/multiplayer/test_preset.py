@@ -206,7 +206,7 @@ def test_probabilities_by_player_are_in_the_task() -> None:
     assert "of each player repeats with probability 0.25, 0.5" in str(game.task)
     assert Task.of("boxing", players=2, repeat_action_probability=(0.5, 0.5)).repeat_action_probability == 0.5
     with pytest.raises(ValueError, match="a vector has one for all players"):
-        game.task.make_vec(1)
+        atari.AtariVectorEnv(game.task, 1)
 
 
 def test_interventions_are_played_and_recorded(tmp_path: Path) -> None:

@@ -36,7 +36,7 @@ def tasks(draw: st.DrawFn) -> Task:
 def vector(task: Task) -> atari.AtariVectorEnv:
     """A vector of one lane, with the layout of `MultiplayerEnv`."""
     last = task.stack_num is not None and task.obs_type != "ram"
-    return task.make_vec(1, num_threads=1, autoreset_mode="Disabled", channels_last=last)
+    return atari.AtariVectorEnv(task, 1, num_threads=1, autoreset_mode="Disabled", channels_last=last)
 
 
 def same(observation: Any, expected: Any) -> None:

@@ -1,4 +1,4 @@
-"""`envs.torch()`: the same steps with tensors."""
+"""`TorchEnvs`: the same steps with tensors."""
 
 from typing import Any
 
@@ -9,6 +9,8 @@ import atari
 
 pytestmark = pytest.mark.peers
 torch = pytest.importorskip("torch", reason="needs PyTorch, which scripts/test --peers installs")
+
+from atari.integrations.torch import TorchEnvs  # noqa: E402
 
 CASES: dict[str, dict[str, Any]] = {
     "pixels": {},
@@ -39,15 +41,13 @@ def staged(envs: atari.AtariVectorEnv) -> Any:
     """The view as for another device, with copies through two buffers, to the CPU."""
     from atari.integrations import torch as module
 
-    view = envs.torch()
+    view = TorchEnvs(envs)
     view._copies = module._Copies(torch.device("cpu"))
     view._takes_out = envs._options.layout.is_engines
     return view
 
 
 def test_a_game_instead_of_environments() -> None:
-    from atari.integrations.torch import TorchEnvs
-
     task = atari.Task.of("ALE/Pong-v5", obs_type="ram")
     for made in (TorchEnvs(task, num_envs=2), TorchEnvs("ALE/Pong-v5", num_envs=2, obs_type="ram")):
         assert made.task == task == made.envs.task
@@ -56,7 +56,7 @@ def test_a_game_instead_of_environments() -> None:
         TorchEnvs(made.envs, num_envs=2)
 
 
-@pytest.mark.parametrize("view", [lambda envs: envs.torch(), staged], ids=["shared", "staged"])
+@pytest.mark.parametrize("view", [TorchEnvs, staged], ids=["shared", "staged"])
 @pytest.mark.parametrize("case", CASES)
 def test_steps_are_the_same(case: str, view: Any) -> None:
     envs, twin = view(make(**CASES[case])), make(**CASES[case])
@@ -71,7 +71,7 @@ def test_steps_are_the_same(case: str, view: Any) -> None:
 
 def test_on_the_cpu_the_memory_is_shared() -> None:
     envs = make()
-    view = envs.torch()
+    view = TorchEnvs(envs)
     view.reset(seed=0)
     view.send(torch.zeros(3, dtype=torch.int64))
     observation, *_ = view.recv()
@@ -81,7 +81,7 @@ def test_on_the_cpu_the_memory_is_shared() -> None:
 
 @pytest.mark.parametrize("dtype", [torch.uint8, torch.int32, torch.int64])
 def test_actions_of_every_integer_dtype(dtype: Any) -> None:
-    view = make(obs_type="ram").torch()
+    view = TorchEnvs(make(obs_type="ram"))
     view.reset(seed=0)
     view.step(torch.ones(3, dtype=dtype))
     with pytest.raises(TypeError, match="must be integers"):
@@ -92,7 +92,7 @@ def test_actions_of_every_integer_dtype(dtype: Any) -> None:
 
 def test_a_mask_of_resets_may_be_a_tensor() -> None:
     envs = make(obs_type="ram", autoreset_mode="Disabled")
-    view = envs.torch()
+    view = TorchEnvs(envs)
     view.reset(seed=0)
     for _ in range(5):
         _, _, _, _, info = view.step(torch.zeros(3, dtype=torch.int64))

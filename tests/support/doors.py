@@ -80,14 +80,6 @@ def _vector(game: Any, **options: Any) -> Task:
     return _closed(atari.AtariVectorEnv(game, 1, **options))
 
 
-def _task_make(game: Any, **options: Any) -> Task:
-    return _closed(Task.of(game, **options).make())
-
-
-def _task_make_vec(game: Any, **options: Any) -> Task:
-    return _closed(Task.of(game, **options).make_vec(1))
-
-
 def _stable_baselines(game: Any, **options: Any) -> Task:
     from atari.integrations.sb3 import AtariVecEnv
 
@@ -145,7 +137,7 @@ def all_but(names: tuple[str, ...], reason: str) -> dict[str, str]:
     return of_fields(tuple(name for name in OPTIONS if name not in names), reason)
 
 
-_NO_WRAPPERS = "an AtariEnv has no wrappers; atari.make and Task.make put them around"
+_NO_WRAPPERS = "an AtariEnv has no wrappers; atari.make puts them around"
 _ONE_PLAYER = "Gymnasium's environments have one player; atari.multiplayer and vectors have several"
 _NO_SOUND = of_fields(lacking("vector"), "a vector's engine has no sound")
 _SINGLE = of_fields(lacking("one"), _ONE_PLAYER)
@@ -200,8 +192,6 @@ _OF_DEMO = _NO_CHOICE | of_fields(
 
 DOORS: tuple[Door, ...] = (
     Door("Task.of", Task.of),
-    Door("Task.make", _task_make, _SINGLE),
-    Door("Task.make_vec", _task_make_vec, _NO_SOUND),
     Door("atari.make", _make, _SINGLE),
     Door(
         "gymnasium.make",

@@ -113,7 +113,7 @@ class Lanes:
     ) -> None:
         self.mode = mode
         self.envs = atari.AtariVectorEnv(list(tasks), num_threads=num_threads, autoreset_mode=mode)
-        made = [task.make() for task in tasks] if singles is None else singles
+        made = [atari.make(task) for task in tasks] if singles is None else singles
         self.lanes = [Lane(task, single) for task, single in zip(tasks, made, strict=True)]
         self.ends = 0
         self._saved: Any = None

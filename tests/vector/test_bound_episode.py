@@ -111,7 +111,7 @@ def test_every_core_gives_the_same_bytes(kind: Any, wrap: Any) -> None:
 
 def test_an_episode_with_its_own_generator_is_a_lane_of_a_vector() -> None:
     task = Task.of("breakout", preset="envpool", frameskip=(2, 5), noops=(1, 30))
-    envs = task.make_vec(1, num_threads=1)
+    envs = atari.AtariVectorEnv(task, 1, num_threads=1)
     episode, core = episode_of(task), core_of(task)
     words = seed_words(7, [True], ale=False)[1][0]
 

@@ -188,7 +188,7 @@ class TestTask:
     def test_lanes_differ_in_games_modes_and_interventions(self) -> None:
         treated = self.TASK.replace(interventions=["strong_ball"], mode=8)
         envs = atari.AtariVectorEnv([self.TASK, treated, atari.Task.of("pong", preset="envpool")])
-        singles = [task.make() for task in envs.tasks]
+        singles = [atari.make(task) for task in envs.tasks]
         observation, _ = envs.reset(seed=3)
         for step in range(60):
             for row, single in enumerate(singles):

@@ -39,7 +39,7 @@ of_every_nesting = pytest.mark.parametrize("nesting", NESTINGS.values(), ids=NES
 
 def make(game: str = "breakout", **fields: Any) -> atari.AtariVectorEnv:
     """One environment whose engine has these fields, and otherwise those of `BASE`."""
-    return resolve_task(game, None, {}, base={**BASE, **fields}).make_vec(1, num_threads=1)
+    return atari.AtariVectorEnv(resolve_task(game, None, {}, base={**BASE, **fields}), 1, num_threads=1)
 
 
 class Player:

@@ -163,7 +163,7 @@ def test_a_truncated_game_and_a_lost_life() -> None:
 def short_games(mode: str, num_envs: int = 1) -> atari.AtariVectorEnv:
     """Games of at most 33 frames, with no-ops in which a second one may end; steps of four frames."""
     task = atari.Task.of("pong", noops=(40, 40), max_num_frames_per_episode=33, max_episode_steps=2, obs_type="ram")
-    return task.make_vec(num_envs, num_threads=1, autoreset_mode=mode)
+    return atari.AtariVectorEnv(task, num_envs, num_threads=1, autoreset_mode=mode)
 
 
 @needs_autoreset_modes
@@ -195,7 +195,7 @@ def test_a_masked_reset_shows_its_games_and_no_end() -> None:
 
 def test_modes_that_begin_with_the_end_of_a_game_say_so() -> None:
     task = atari.Task("demon_attack", mode=3, obs_type="ram", reward_clipping=True)
-    envs, env = task.make_vec(1, num_threads=1), task.make()
+    envs, env = atari.AtariVectorEnv(task, 1, num_threads=1), atari.make(task)
     assert envs.reset(seed=0)[1]["terminated"].tolist() == [env.reset(seed=0)[1]["terminated"]] == [True]
     terminated = envs.step(np.zeros(1, int))[2]
     assert terminated[0]

@@ -41,8 +41,8 @@ class Twins:
 
     def __init__(self, played: atari.Task, seed: int = 3) -> None:
         self.task = played
-        self.env = played.make()
-        self.envs = played.make_vec(1, num_threads=1, autoreset_mode="NextStep")
+        self.env = atari.make(played)
+        self.envs = atari.AtariVectorEnv(played, 1, num_threads=1, autoreset_mode="NextStep")
         self.env.reset(seed=seed)
         self.envs.reset(seed=seed)
         self.source = np.random.default_rng(seed)
@@ -108,7 +108,7 @@ def test_random_expressions(data: st.DataObject) -> None:
 @pytest.mark.parametrize("batch_size", [0, 2])
 def test_modes_and_batches_pay_the_same(autoreset_mode: str, batch_size: int) -> None:
     played = task("reported lives")
-    envs = played.make_vec(3, autoreset_mode=autoreset_mode, batch_size=batch_size)
+    envs = atari.AtariVectorEnv(played, 3, autoreset_mode=autoreset_mode, batch_size=batch_size)
     twins = [Twins(played, seed) for seed in range(3)]
     envs.reset_async(seed=0)
     _, rewards, *_, info = envs.recv()
@@ -123,11 +123,11 @@ def test_modes_and_batches_pay_the_same(autoreset_mode: str, batch_size: int) ->
 
 
 def test_the_copies_continue() -> None:
-    envs = task("lives go on").make_vec(2, num_threads=1)
+    envs = atari.AtariVectorEnv(task("lives go on"), 2, num_threads=1)
     envs.reset(seed=1)
     for _ in range(40):
         envs.step(np.array([1, 2]))
-    single = task("lives go on").make()
+    single = atari.make(task("lives go on"))
     single.reset(seed=1)
     for _ in range(40):
         single.step(1)
@@ -139,7 +139,7 @@ def test_the_copies_continue() -> None:
 
 
 def test_a_closed_vector_continues() -> None:
-    first, second = (task("skip").make_vec(1, num_threads=1) for _ in range(2))
+    first, second = (atari.AtariVectorEnv(task("skip"), 1, num_threads=1) for _ in range(2))
     for envs in (first, second):
         envs.reset(seed=1)
         envs.step(np.array([1]))
@@ -200,7 +200,9 @@ def test_a_reward_is_a_text(wrong: Any) -> None:
 
 def test_torch_and_float32() -> None:
     torch = pytest.importorskip("torch")
-    envs = atari.AtariVectorEnv("pong", 2, reward="0.1").torch()
+    from atari.integrations.torch import TorchEnvs
+
+    envs = TorchEnvs(atari.AtariVectorEnv("pong", 2, reward="0.1"))
     envs.reset(seed=0)
     _, rewards, *_ = envs.step(torch.zeros(2, dtype=torch.int64))
     assert rewards.tolist() == [0.1, 0.1]

@@ -98,7 +98,7 @@ def test_a_snapshot_of_one_continues_in_another() -> None:
 
 def test_what_is_no_snapshot_of_a_lane() -> None:
     task = atari.Task.of("pong", preset="dqn2015")
-    envs, single = task.make_vec(2), task.make()
+    envs, single = atari.AtariVectorEnv(task, 2), atari.make(task)
     envs.reset(seed=0)
     single.reset(seed=0)
     for given in ([single.snapshot()], envs.snapshot()[0], single.snapshot(), 5):  # type: ignore[attr-defined]

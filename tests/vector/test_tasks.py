@@ -17,6 +17,7 @@ from lane_oracle import Lanes, random_action
 from task_strategies import tasks
 from tasks import nested
 
+import atari
 from atari import wrappers
 from atari.env import AtariEnv
 from atari.task import Task
@@ -31,7 +32,7 @@ def play(task: Task, mode: str, seed: int, steps: int, singles: Sequence[Any] | 
 
     Without `singles`, a lane plays beside nested wrappers, and another beside the environment that `atari.make` returns.
     """
-    singles = [nested(task), task.make()] if singles is None else singles
+    singles = [nested(task), atari.make(task)] if singles is None else singles
     lanes = Lanes([task] * len(singles), mode, singles)
     generator = np.random.default_rng(seed)
     try:
@@ -71,7 +72,7 @@ def test_episodes_begin_alike_for_agents_with_some_of_the_actions(actions: tuple
     every = Task.of("breakout", preset="baselines", actions=preset)
     shown = []
     for task in (some, every):
-        for envs in (task.make_vec(1, num_threads=1), task.make()):
+        for envs in (atari.AtariVectorEnv(task, 1, num_threads=1), atari.make(task)):
             observation, info = envs.reset(seed=7)
             shown.append((np.squeeze(observation).tobytes(), int(np.max(info["frame_number"]))))
     assert len({*shown}) == 1
@@ -125,7 +126,7 @@ STEPS = {"frogger": 1000}
 
 def trace(task: Task, vector: bool) -> list[Any]:
     """All that an agent gets in some steps of actions that depend on the task's action space alone."""
-    env: Any = task.make_vec(1, num_threads=1, autoreset_mode="NextStep") if vector else task.make()
+    env: Any = atari.AtariVectorEnv(task, 1, num_threads=1, autoreset_mode="NextStep") if vector else atari.make(task)
     space = env.single_action_space if vector else env.action_space
     generator = np.random.default_rng(3)
     observation, info = env.reset(seed=5)

@@ -29,7 +29,7 @@ def test_fire_is_pressed_at_every_threshold_of_continuous_actions(threshold):
         env.reset(seed=0)
     first, second = (env.step(np.zeros(3, np.float32))[0] for env in envs)
     assert (first != second).any()
-    vector = envs[0].unwrapped.whole_task.make_vec(1, num_threads=1)
+    vector = atari.AtariVectorEnv(envs[0].unwrapped.whole_task, 1, num_threads=1)
     vector.reset(seed=0)
     assert (vector.step(np.zeros((1, 3), np.float32))[0] == first).all()
 

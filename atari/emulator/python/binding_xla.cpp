@@ -176,7 +176,7 @@ void execute(const CallFrame& call) {
     const std::shared_ptr<Port> port = ports().find(handle);
     const XlaError closed(xla::kNotFound,
                           "there is no environment of this handle: it was closed, or is of another "
-                          "process; call envs.xla() for a new one");
+                          "process; call xla(envs) for a new one");
     if (!port) throw closed;
     const std::lock_guard guard(port->lock);
     if (!port->engine) throw closed;

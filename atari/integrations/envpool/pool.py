@@ -13,6 +13,7 @@ from atari._gymnasium import AutoresetMode, VectorEnv
 from atari.cores.options import SEED_LIMIT
 from atari.integrations.envpool.spec import EnvPoolSpec, import_dm, make_spec, task_ids
 from atari.integrations.envpool.xla import xla
+from atari.integrations.jax import xla as vector_xla
 from atari.rendering import Window
 from atari.task import Task
 from atari.task.resolution import GameLike
@@ -187,14 +188,14 @@ class EnvPool:
         return None
 
     def xla(self) -> Any:
-        """`handle`, `recv`, `send` and `step` for functions compiled by JAX, see `AtariVectorEnv.xla`.
+        """`handle`, `recv`, `send` and `step` for functions compiled by JAX, see `atari.integrations.jax.xla`.
 
         `recv` and `step` return a handle and the results of the methods of these names.
 
         Raises:
             gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0.
         """
-        return xla(self.vector.xla(), partial(shown, returns_done=self.returns_done))
+        return xla(vector_xla(self.vector), partial(shown, returns_done=self.returns_done))
 
     def close(self, **_: Any) -> None:
         """Join the threads and release the environments."""

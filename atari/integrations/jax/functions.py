@@ -35,7 +35,7 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
     the rows of episodes that continue, and their masks.
 
     Args:
-        envs: the environments; `envs.xla()` is the same call.
+        envs: the environments.
         callback: False plays by calls from XLA to the emulator without Python, on the CPU. True plays by
             callbacks in Python, on any device. None means False if JAX's default device is a CPU, otherwise True.
 
@@ -50,8 +50,9 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
 
     Example:
         >>> import atari
+        >>> from atari.integrations.jax import xla
         >>> envs = atari.AtariVectorEnv("pong", 2)
-        >>> handle, recv, send, step = envs.xla()
+        >>> handle, recv, send, step = xla(envs)
         >>> handle.shape
         (8,)
     """

@@ -21,7 +21,7 @@ def options_for(envs: Any, num_envs: int | None = None) -> dict[str, Any]:
     if made is not envs:
         stack_num, stacks_ram = made.task.stack_num or 1, not made.task.kind.image
         padding = {"padding": made.task.padding}
-        made = made.task.replace(stack_num=None if stacks_ram else 1).make_vec(made.num_envs)
+        made = AtariVectorEnv(made.task.replace(stack_num=None if stacks_ram else 1), made.num_envs)
     envs = made
     observation, action = envs.single_observation_space, envs.single_action_space
     parts = observation.spaces if isinstance(observation, spaces.Dict) else {"": observation}

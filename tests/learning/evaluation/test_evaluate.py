@@ -34,7 +34,7 @@ def single_game(game, protocol, seed, policy=sums):
         env = preset(atari.AtariEnv(game, **options), protocol.preset, clip_reward=False, **lives)
     else:  # as the preset, after other no-ops
         own = {"noops": noops, "max_num_frames_per_episode": protocol.max_frames, "reward_clipping": False}
-        env = Task.of(game, preset=protocol.preset, **own, **lives).make()
+        env = atari.make(Task.of(game, preset=protocol.preset, **own, **lives))
     observation, info = env.reset(seed=seed)
     while True:
         observation, _, terminated, truncated, info = env.step(int(policy(observation[None])[0]))
@@ -381,7 +381,7 @@ def test_the_games_of_a_task():
     task = Task.of("ms_pacman", preset="baselines", frameskip=3, mode=1, max_frames=1500)
     protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=0.0, episodes=3)
     result = evaluate(sums, task, protocol, seed=2)["ms_pacman"]
-    env = task.replace(reward_clipping=False).make()
+    env = atari.make(task.replace(reward_clipping=False))
     for seed, score, frames in zip(result.seeds, result.scores, result.frames, strict=True):
         observation, info = env.reset(seed=seed, options={"new_game": True})
         while "episode" not in info:

@@ -127,13 +127,13 @@ def test_a_dict_of_image_and_ram() -> None:
 def test_a_game_instead_of_environments(game: Any) -> None:
     memory = ReplayMemory.for_env(game, 200, num_envs=2, seed=0)
     task = atari.AtariVectorEnv(game, 2).task
-    envs = task.replace(stack_num=None if task.obs_type == "ram" else 1).make_vec(2)
+    envs = atari.AtariVectorEnv(task.replace(stack_num=None if task.obs_type == "ram" else 1), 2)
     memory.reset(envs.reset(seed=0)[0])
     for _ in range(30):
         actions = np.zeros(2, np.int64)
         _, rewards, terminations, truncations, info = envs.step(actions, out=memory.frames())
         memory.add(actions, rewards, terminations, truncations, info)
-    stacks = task.make_vec(2)
+    stacks = atari.AtariVectorEnv(task, 2)
     stacks.reset(seed=0)
     for _ in range(30):
         expected = stacks.step(np.zeros(2, np.int64))[0]

@@ -484,7 +484,7 @@ def test_it_knows_its_seeds(tmp_path: Path) -> None:
 
 def test_the_task_is_kept_with_its_wrappers(tmp_path: Path) -> None:
     task = atari.Task.of("breakout", preset="dqn2015", frameskip=3, interventions=["strong_ball"])
-    with RecordReplay(task.make(), tmp_path / "a.a26r") as env:
+    with RecordReplay(atari.make(task), tmp_path / "a.a26r") as env:
         env.reset(seed=0)
         for step in range(20):
             env.step(step % 4)

@@ -32,7 +32,7 @@ def comment(path: Path) -> Any:
 @pytest.mark.parametrize("ending", ["mp4", "mkv", "webm"])
 def test_a_rendered_replay(ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     task = Task.of("pong", preset="dqn2015", frameskip=3)
-    play(RecordReplay(task.make(), tmp_path / "a.a26r"))
+    play(RecordReplay(atari.make(task), tmp_path / "a.a26r"))
     replay = Replay.load(tmp_path / "a.a26r")
     path = replay.render(tmp_path / f"a.{ending}", scale=1)
     facts = comment(path)
