@@ -32,7 +32,7 @@ from atari.task import Task
 from atari.task.fields import UNSET
 from atari.task.kinds import KINDS
 from atari.task.options import AddedOptions, Interventions
-from atari.task.resolution import GameLike, resolve_task
+from atari.task.task import GameLike, resolve_task
 from atari.validation import check_action, check_name
 
 ObsType = Literal["rgb", "grayscale", "ram"]

@@ -14,7 +14,8 @@ from atari import env_ids
 from atari.env import AtariEnv
 from atari.task import Task
 from atari.task.options import MakeOptions
-from atari.task.resolution import ALIASES, ENTRY_POINT, OPTIONS, GameLike, is_id, is_ours, known_ids, resolve_task
+from atari.task.resolution import ALIASES, ENTRY_POINT, OPTIONS, is_id, is_ours, known_ids
+from atari.task.task import GameLike, resolve_task
 from atari.validation import check_known
 from atari.vector import AtariVectorEnv
 from atari.vector.options import OF_TASKS

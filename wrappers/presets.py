@@ -8,7 +8,7 @@ from typing import Any
 
 from atari.env import AtariEnv
 from atari.task.presets import find_preset
-from atari.task.resolution import resolve_task
+from atari.task.task import resolve_task
 from atari.wrappers._checks import Environment, require_atari
 from atari.wrappers.layers import wrap
 

@@ -11,7 +11,7 @@ from atari._progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
 from atari.cli.printing import print_json
 from atari.task.arguments import SCREEN, add_task, seed, show_task, task_of
-from atari.task.resolution import BY_FRAME
+from atari.task.task import BY_FRAME
 
 if TYPE_CHECKING:
     from atari.lab.causal.map import CausalMap

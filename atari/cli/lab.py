@@ -14,7 +14,7 @@ from atari._extras import install_extra
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, find_game, number
 from atari.roms.search import ENDINGS
 from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
-from atari.task.resolution import BY_FRAME
+from atari.task.task import BY_FRAME
 
 if TYPE_CHECKING:
     from atari.lab.inspector.session import Session

@@ -10,7 +10,7 @@ from atari.games.players import options_of, rules_of
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.task import Task
 from atari.task.arguments import game_of, given_options, task_of
-from atari.task.resolution import BY_FRAME
+from atari.task.task import BY_FRAME
 
 FORMER_FLAGS = {"--obs": "it is --obs-type, as in `{prog} GAME --players 2 --obs-type ram`"}
 """Flags of earlier releases, and the new calls."""

@@ -13,7 +13,7 @@ from atari.play import Session, play
 from atari.play.controls import HELP, HELP_SEVERAL
 from atari.play.window import start_pygame
 from atari.task.arguments import SCREEN, add_former, add_task, given_options, seed, show_task, task_of
-from atari.task.resolution import BY_FRAME
+from atari.task.task import BY_FRAME
 
 
 class _KeysFormatter(HelpFormatter, argparse.RawDescriptionHelpFormatter):

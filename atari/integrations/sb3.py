@@ -25,7 +25,7 @@ from atari.env import check_reset_options
 from atari.recording.replay.record_replay import RecordVectorReplay
 from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.task import Task
-from atari.task.resolution import GameLike
+from atari.task.task import GameLike
 from atari.vector.env import AtariVectorEnv
 
 try:

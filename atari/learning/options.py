@@ -16,7 +16,8 @@ import numpy.typing as npt
 from atari.learning.programs import is_program, module_of, named_in, program
 from atari.policy.needs import in_game
 from atari.task import Task
-from atari.task.resolution import ALIASES, OPTIONS, GameLike, resolve_for_agent
+from atari.task.resolution import ALIASES, OPTIONS
+from atari.task.task import GameLike, resolve_for_agent
 from atari.validation import check_integer, check_known
 
 NETWORKS = ("nature", "small", "mlp", "bits")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pettingzoo import AECEnv, ParallelEnv
 
     from atari.multiplayer.parallel import MultiplayerEnv
-    from atari.task.resolution import GameLike
+    from atari.task.task import GameLike
 
 __all__ = [
     "ENVIRONMENTS",

@@ -20,7 +20,7 @@ from atari.roms import image as rom_image
 from atari.task import Task
 from atari.task.checks import check_bool
 from atari.task.fields import DEFAULTS, FIELDS, GROUPS
-from atari.task.resolution import GameLike
+from atari.task.task import GameLike
 from atari.validation import check_integer, check_name
 
 Reference = Literal["multi_agent_ale", "ale_py"]

@@ -25,8 +25,8 @@ from atari.observations.layout import Layout
 from atari.observations.settings import make_episode
 from atari.task import Task
 from atari.task.checks import NO_LIMIT
-from atari.task.resolution import GameLike
 from atari.task.storage import identity, require_same
+from atari.task.task import GameLike
 from atari.validation import check_integer, check_known, check_name
 from atari.vector.results import zero_sum
 from atari.vector.seeds import words_of

@@ -8,7 +8,8 @@ from atari.games.game import Game
 from atari.games.pettingzoo import ENVIRONMENTS, Environment, find_environment, split_name
 from atari.games.players import choose_mode, options_of, rules_of
 from atari.task import Task
-from atari.task.resolution import GameLike, is_id, resolve_task, spelled
+from atari.task.resolution import is_id, spelled
+from atari.task.task import GameLike, resolve_task
 
 _NONE_IS_NOT_GIVEN = ("mode", "players", "difficulty")
 

@@ -14,7 +14,7 @@ from atari.multiplayer import MultiplayerCore
 from atari.play.base import BaseSession
 from atari.play.player_agent import PlayerAgent
 from atari.recording.replay.players import RecordMatch
-from atari.task.resolution import GameLike
+from atari.task.task import GameLike
 from atari.validation import check_name
 
 

@@ -15,7 +15,7 @@ from atari.recording import RecordReplay
 from atari.recording.video.facts import facts_of
 from atari.task import Task
 from atari.task.arguments import SCREEN
-from atari.task.resolution import BY_FRAME, resolve_task
+from atari.task.task import BY_FRAME, resolve_task
 
 
 class Session(BaseSession):

@@ -19,10 +19,9 @@ from atari.roms.search import ENDINGS
 from atari.task.description import summary
 from atari.task.fields import DEFAULTS, GROUPS, ROWS, TYPES, check_field
 from atari.task.presets import PRESETS, find_preset
-from atari.task.resolution import OPTIONS, GameLike, leave_out, resolve_for_agent, resolve_task
-from atari.task.storage import read_task
-from atari.task.task import Task
-from atari.validation import check_integer
+from atari.task.resolution import OPTIONS
+from atari.task.task import GameLike, Task, leave_out, resolve_for_agent, resolve_task
+from atari.validation import check_file, check_integer
 
 SEEDS = 2**32
 """The bound of the seeds of all commands."""
@@ -123,6 +122,21 @@ def advised(message: str, flags: Iterable[str]) -> str:
     begins = sorted((flag for flag in known if wanted.startswith(f"{flag}-")), key=len, reverse=True)
     near = [*nearest, *begins, *difflib.get_close_matches(wanted, known, n=1, cutoff=0.7)]
     return f"{message}; did you mean {near[0]!r}?" if near else message
+
+
+def read_task(path: Path) -> Task:
+    """The task of a file.
+
+    Raises:
+        FileNotFoundError, ValueError: there is no such file, or it contains no task.
+    """
+    check_file(path)
+    with path.open("rb") as file:
+        data = file.read((1 << 20) + 1)
+    try:
+        return Task.from_json(data.decode(errors="replace"))
+    except ValueError as error:
+        raise ValueError(f"{path} has no task: {error}") from None
 
 
 def field_of_flag(flag: str) -> str | None:

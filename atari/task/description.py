@@ -6,12 +6,13 @@ from typing import Any
 from atari import env_ids
 from atari.games.catalog import playable_ids
 from atari.games.players import rules_of
+from atari.task.data import TaskData
 from atari.task.fields import DEFAULTS, GROUPS, ROWS, Group
 from atari.task.presets import PRESETS
-from atari.task.task import Task
+from atari.task.resolution import fields_of
 
 
-def describe(task: Task) -> str:
+def describe(task: TaskData) -> str:
     """The nearest ID and preset in the first line, then a table of all that the task decides."""
     rows = [
         ("observation", _observation(task)),
@@ -31,7 +32,7 @@ def describe(task: Task) -> str:
     return "\n".join([summary(task), *(f"  {name:<13} {text}" for name, text in rows)])
 
 
-def summary(task: Task) -> str:
+def summary(task: TaskData) -> str:
     """The task in a line: the game, the nearest ID or preset, and what differs from it.
 
     Example:
@@ -49,34 +50,34 @@ def summary(task: Task) -> str:
     return f"{title}, as {name}" + (f", but {but}" if but else "")
 
 
-def _changed(task: Task, other: Task) -> dict[str, Any]:
+def _changed(task: TaskData, other: TaskData) -> dict[str, Any]:
     """The fields that differ from another task of the game, with this task's values as a user would give them."""
     fields = task.plain()
     return {name: fields[name] for name in fields if getattr(task, name) != getattr(other, name)}
 
 
-def _named(task: Task) -> dict[str, Task]:
+def _named(task: TaskData) -> dict[str, TaskData]:
     """The tasks of the game that have a name: by its IDs, and by presets."""
     if task.definition.file is not None or task.game not in playable_ids():
-        return {f"{task.game!r}": Task.of(task.definition)}
+        return {f"{task.game!r}": TaskData(**fields_of(task.definition, None, {}))}
     families = sorted(env_ids.FAMILIES, key=lambda family: -family.version)  # the newest first
     known = [family.id(task.game) for family in families if task.game in family.games()]
-    named = {env_id: Task.of(env_id) for env_id in known}
+    named = {env_id: TaskData(**fields_of(env_id, None, {})) for env_id in known}
     for preset in PRESETS:
         try:
-            named[f"{task.game!r} with preset={preset!r}"] = Task.of(task.game, preset=preset)
+            named[f"{task.game!r} with preset={preset!r}"] = TaskData(**fields_of(task.game, preset, {}))
         except ValueError:  # the game has too few actions
             continue
     return named
 
 
-def _words(task: Task, group: Group) -> list[str]:
+def _words(task: TaskData, group: Group) -> list[str]:
     """The words of the fields of a group that have words of their own and do not have their default."""
     values = {name: getattr(task, name) for name in GROUPS[group] if ROWS[name].words}
     return [ROWS[name].words.format(value) for name, value in values.items() if value != DEFAULTS[name]]
 
 
-def _observation(task: Task) -> str:
+def _observation(task: TaskData) -> str:
     rows, columns = task.definition.screen.shape
     shape = (task.img_height or rows, task.img_width or columns, *task.kind.colours)
     array = f"{task.kind.pixels} {'screen' if task.img_height is None else 'image'} {shape}"
@@ -114,7 +115,7 @@ def sticky_text(probability: float | tuple[float, ...]) -> str:
     return f"the previous action repeats with probability {probability} each frame" if probability else "no"
 
 
-def _actions(task: Task) -> str:
+def _actions(task: TaskData) -> str:
     if task.continuous:
         words = f"continuous: radius, angle, fire; threshold {task.continuous_action_threshold}"
     else:
@@ -124,7 +125,7 @@ def _actions(task: Task) -> str:
     return "; ".join([words, *_words(task, "play")])
 
 
-def _begin(task: Task) -> str:
+def _begin(task: TaskData) -> str:
     low, high = task.noops
     noops = f"{low} to {high} no-ops" + (", FIRE among them" if task.fire_counts else "") if high else ""
     unit = " for a whole step" if task.fire_unit == "skip" else ""
@@ -141,7 +142,7 @@ _ON_RESET: Mapping[str, str] = {
 }
 
 
-def _lives(task: Task) -> str:
+def _lives(task: TaskData) -> str:
     if task.life_loss_info:
         return "a lost life is reported as a termination; the episode goes on"
     if not task.episodic_life:
@@ -150,18 +151,18 @@ def _lives(task: Task) -> str:
     return "; ".join([end, *_words(task, "lives")])
 
 
-def _limit(task: Task) -> str:
+def _limit(task: TaskData) -> str:
     limits = {name: getattr(task, name) for name in GROUPS["limits"]}
     words = [ROWS[name].words.format(number) for name, number in limits.items() if number is not None]
     return "truncated after " + " or ".join(words) if words else "none"
 
 
-def _reward(task: Task) -> str:
+def _reward(task: TaskData) -> str:
     score = [] if task.reward is not None or task.reward_clipping else ["the change of the score"]
     return ", ".join([*score, *_words(task, "reward")])
 
 
-def _mode(task: Task) -> str:
+def _mode(task: TaskData) -> str:
     game = task.definition
     modes, difficulties = game.modes, game.difficulties
     if task.players > 1:

@@ -1,7 +1,7 @@
-"""`resolve_task`: the only way from a user's arguments to a `Task`."""
+"""`fields_of`: the only way from a user's arguments to the fields of a `Task`."""
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from os import PathLike
 from typing import Any
 
@@ -9,16 +9,15 @@ import gymnasium
 
 from atari import env_ids
 from atari.games.catalog import games
-from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.games.pettingzoo import find_environment
 from atari.games.players import options_of
 from atari.task.checks import check_bool
-from atari.task.fields import DEFAULTS, FIELDS, GROUPS, ROWS, check_field
+from atari.task.data import TaskData
+from atari.task.fields import DEFAULTS, FIELDS, ROWS, check_field
 from atari.task.kinds import kind_of
 from atari.task.presets import Preset, find_preset
 from atari.task.rules import settle
-from atari.task.task import Task
 from atari.validation import check_known
 
 OPTIONS: tuple[str, ...] = tuple(name for name in FIELDS if name not in ("game", "rules", "rom_md5"))
@@ -27,19 +26,17 @@ OPTIONS: tuple[str, ...] = tuple(name for name in FIELDS if name not in ("game",
 ALIASES: Mapping[str, str] = {"full_action_space": "actions", "clip_reward": "reward_clipping"}
 """Gymnasium's and ale-py's names of options, and ours."""
 
-GameLike = str | PathLike[str] | Game | Task
 
-
-def resolve_task(
-    game: GameLike,
+def fields_of(
+    game: str | PathLike[str] | Game | TaskData,
     preset: str | None,
     options: Mapping[str, Any],
     *,
     base: Mapping[str, Any] | None = None,
     owner: str = "Task.of",
     others: Iterable[str] = ("preset",),
-) -> Task:
-    """The task of a game and options, see `Task.of`.
+) -> dict[str, Any]:
+    """The fields of the task of a game and options, see `Task.of`.
 
     Args:
         game: an ID, a game or a task.
@@ -65,89 +62,7 @@ def resolve_task(
     if not kind_of(fields["obs_type"]).image:  # other stacks contain images
         fields["stack_num"] = given.get("stack_num", ram_stack)
     settle(fields, given)
-    return Task(**fields)
-
-
-def resolve_for_agent(
-    game: GameLike, preset: str | None, options: Mapping[str, Any], *, default: str = "baselines", owner: str
-) -> Task:
-    """The task of an agent, which needs preprocessing: like `resolve_task`, but an ID decides only part of it.
-
-    An ID decides the sticky actions, the actions and RAM; the preset decides the rest. A `Task` is played unchanged
-    unless a preset is named.
-
-    Args:
-        game, options, owner: see `resolve_task`.
-        preset: name of a preset; None means `default`.
-        default: the preset of a game or an ID.
-
-    Raises:
-        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: see `Task.of`; ValueError also if the
-            preset requires an option that the ID does not have.
-    """
-    if isinstance(game, Task) and preset is None:
-        return resolve_task(game, None, options, owner=owner)
-    name = preset or default
-    if not (isinstance(game, str) and is_id(game)):
-        return resolve_task(game, name, options, owner=owner)
-    given, _ = translate(options, owner)
-    of_id = resolve_task(game, None, {}, owner=owner)
-    kept = {field: getattr(of_id, field) for field in ("repeat_action_probability", "actions") if field not in given}
-    chosen = find_preset(name)
-    for field in chosen.required:
-        if field in kept and of_id.differences(of_id.replace(**{field: chosen.fields[field]})):
-            raise ValueError(
-                f"preset {name!r} needs {field}={chosen.fields[field]!r}, and {game} has {kept[field]!r}; "
-                f"use the game's name, {of_id.game!r}, or another preset"
-            )
-    return resolve_task(game, name, {**kept, **options}, owner=owner)
-
-
-def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, owner: str) -> Task:
-    """The task of a function that plays single frames with its own actions, without sticky actions and limits.
-
-    The fields of `game` for observations, actions and rewards are left out.
-
-    Args:
-        game, owner: see `resolve_task`.
-        mode, difficulty: None means the value of `game`.
-
-    Raises:
-        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: see `Task.of`; ValueError also if `game`
-            has another field that such a function cannot honour.
-    """
-    given = {name: value for name, value in (("mode", mode), ("difficulty", difficulty)) if value is not None}
-    fixed = {**BY_FRAME, **{name: DEFAULTS[name] for name in (*GROUPS["observation"], *GROUPS["reward"])}}
-    return leave_out(resolve_task(game, None, given, owner=owner), ("mode", "difficulty"), fixed, owner)[0]
-
-
-BY_FRAME: Mapping[str, Any] = FrozenDict(
-    {"frameskip": 1, "actions": "full", "repeat_action_probability": 0.0, "max_num_frames_per_episode": None}
-)
-"""The fields of play frame by frame, with all legal actions, none of them sticky, without a limit."""
-
-
-def leave_out(task: Task, obeyed: Collection[str], fixed: Mapping[str, Any], owner: str) -> tuple[Task, dict[str, Any]]:
-    """A task with the values of `fixed`, and its former values of the changed fields.
-
-    Args:
-        task: the whole task.
-        obeyed: options that the caller obeys.
-        fixed: options that do not matter for the caller, with the values that it plays.
-        owner: the caller, for the error.
-
-    Raises:
-        ValueError: another option of the task differs from its default.
-    """
-    played = {name: {**DEFAULTS, **fixed}[name] for name in OPTIONS if name in fixed or name not in obeyed}
-    fields = task.plain()  # here the game's default mode is None
-    changed = {name: fields[name] for name, value in played.items() if fields[name] != value}
-    for name, value in changed.items():
-        if name not in fixed:
-            raise ValueError(
-                f"{owner} has no place for {name}={value!r}; give the game alone, {task.game!r}, or a task without it"
-            )
-    return Task.of(task, **{name: played[name] for name in changed}) if changed else task, changed
+    return fields
 
 
 def translate(
@@ -175,9 +90,9 @@ def translate(
     return fields, names
 
 
-def _start(game: GameLike, base: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+def _start(game: Any, base: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
     """The fields that the game decides."""
-    if isinstance(game, Task):
+    if isinstance(game, TaskData):
         fields = {name: getattr(game, name) for name in FIELDS}
         if given.get("players", game.players) != game.players:
             fields["mode"] = None  # each number of players has modes of its own
@@ -259,7 +174,7 @@ def _require(name: str, preset: Preset, given: Mapping[str, Any], names: Mapping
 
 def _within(game: Game, players: int, actions: Any, wanted: str) -> bool:
     """Whether an agent that has these actions plays the game of a preset that requires a set of them."""
-    tasks = (resolve_task(game, None, {"players": players, "actions": chosen}) for chosen in (actions, wanted))
+    tasks = (TaskData(**fields_of(game, None, {"players": players, "actions": chosen})) for chosen in (actions, wanted))
     own, allowed = (task.action_set for task in tasks)
     return own == allowed or (not isinstance(actions, str) and {*own} <= {*allowed})
 

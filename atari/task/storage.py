@@ -4,15 +4,16 @@ import json
 from collections.abc import Collection, Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from atari.cores.writes import fact
 from atari.files import json_text
 from atari.games.catalog import games
 from atari.games.game import Game
+from atari.task.data import TaskData
 from atari.task.fields import DEFAULTS, FIELDS
-from atari.task.task import Task
-from atari.validation import check_file
+
+_Kind = TypeVar("_Kind", bound=TaskData)
 
 FORMAT = 1
 """The version of the format. A newer version is an error; for an older one, `_DEFAULTS` fills in the missing keys."""
@@ -21,7 +22,7 @@ _DEFAULTS: Mapping[int, Mapping[str, Any]] = {1: {**DEFAULTS, "file": None}}
 """The values of missing keys, by version of the format."""
 
 
-def to_json(task: Task) -> str:
+def to_json(task: TaskData) -> str:
     """All fields of a task, sorted by name, with the path of its game file.
 
     Raises:
@@ -34,7 +35,7 @@ def to_json(task: Task) -> str:
     return json.dumps({"format": FORMAT, **_table(task), "file": file}, sort_keys=True)
 
 
-def to_short_json(task: Task) -> str:
+def to_short_json(task: TaskData) -> str:
     """The fields of a task that do not have their default, for a file that names the game elsewhere."""
     table, defaults = _table(task), _DEFAULTS[FORMAT]
     changed = {name: value for name, value in table.items() if name == "game" or value != _plain(defaults[name])}
@@ -42,12 +43,12 @@ def to_short_json(task: Task) -> str:
 
 
 @lru_cache(maxsize=256)
-def identity(task: Task) -> str:
+def identity(task: TaskData) -> str:
     """The text of a task in a snapshot: `to_short_json` without the ROM, which the snapshot of the core has."""
     return to_short_json(task.with_set(rom_md5=None))
 
 
-def require_same(stored: Any, own: Task, leave_out: Collection[str] = ()) -> None:
+def require_same(stored: Any, own: TaskData, leave_out: Collection[str] = ()) -> None:
     """Check that the task of a snapshot plays like another task.
 
     Args:
@@ -63,7 +64,9 @@ def require_same(stored: Any, own: Task, leave_out: Collection[str] = ()) -> Non
     if not isinstance(stored, str):
         raise ValueError(f"the snapshot is damaged: its task is {stored!r:.80}")
     game = _read(stored).get("game")
-    pairs = {"game": (game, own.game)} if game != own.game else from_json(stored, own.definition).differences(own)
+    pairs = (
+        {"game": (game, own.game)} if game != own.game else from_json(TaskData, stored, own.definition).differences(own)
+    )
     kept = {name: pair for name, pair in pairs.items() if name not in leave_out}
     texts = [[f"{name} = {_shown(name, one)}", _shown(name, other)] for name, (one, other) in kept.items()]
     if texts:
@@ -76,7 +79,7 @@ def _shown(name: str, value: Any) -> str:
     return repr(fact(value) if name == "interventions" else value)[:200]
 
 
-def _table(task: Task) -> dict[str, Any]:
+def _table(task: TaskData) -> dict[str, Any]:
     fields = {name: getattr(task, name) for name in FIELDS}
     return {**fields, "interventions": [one.definition() for one in task.interventions]}
 
@@ -85,17 +88,8 @@ def _plain(value: Any) -> Any:
     return list(value) if value == () else value
 
 
-def from_json(text: str, game: Game | None = None) -> Task:
-    """The task of a text of `to_json`.
-
-    Args:
-        text: the JSON.
-        game: the game of the task; no file is read then. None: the text decides.
-
-    Raises:
-        TypeError: `text` is no string.
-        ValueError: the text is no task, or one of another game; the message names the key.
-    """
+def from_json(kind: type[_Kind], text: str, game: Game | None = None) -> _Kind:
+    """The task of a text of `to_json`, of a class; see `Task.from_json`."""
     table = _read(text)
     number = table.pop("format", None)
     if isinstance(number, bool) or not isinstance(number, int) or number < 1:
@@ -116,24 +110,9 @@ def from_json(text: str, game: Game | None = None) -> Task:
         raise ValueError(f"'interventions' must be a list of definitions, got {changes!r:.80}")
     fields["game"] = _game(fields["game"], fields.pop("file"), game)
     try:
-        return Task(**fields)
+        return kind(**fields)
     except TypeError as error:
         raise ValueError(str(error)) from None
-
-
-def read_task(path: Path) -> Task:
-    """The task of a file.
-
-    Raises:
-        FileNotFoundError, ValueError: there is no such file, or it contains no task.
-    """
-    check_file(path)
-    with path.open("rb") as file:
-        data = file.read((1 << 20) + 1)
-    try:
-        return from_json(data.decode(errors="replace"))
-    except ValueError as error:
-        raise ValueError(f"{path} has no task: {error}") from None
 
 
 def _game(name: Any, file: Any, game: Game | None) -> Any:

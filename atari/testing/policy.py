@@ -14,7 +14,7 @@ from atari.policy import LoadedPolicy, makes_policy, show
 from atari.policy.needs import in_game, needs_of
 from atari.task import Task
 from atari.task.options import VectorTaskOptions
-from atari.task.resolution import GameLike
+from atari.task.task import GameLike
 from atari.testing.contract import ContractError, broken_by, require, require_same
 from atari.vector import AtariVectorEnv
 from atari.vector.options import resolve_one

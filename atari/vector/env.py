@@ -25,7 +25,7 @@ from atari._renamed import missing_attribute
 from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.task.options import VectorTaskOptions
-from atari.task.resolution import GameLike
+from atari.task.task import GameLike
 from atari.validation import FirstResetNeeded, check_known, check_name
 from atari.vector.lanes import AddedWrites, Lane
 from atari.vector.options import VectorOptions

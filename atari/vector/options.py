@@ -27,8 +27,9 @@ from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
 from atari.task.checks import NO_LIMIT, check_bool
-from atari.task.resolution import ALIASES, OPTIONS, is_id, is_versioned, resolve_task
+from atari.task.resolution import ALIASES, OPTIONS, is_id, is_versioned
 from atari.task.storage import identity
+from atari.task.task import resolve_task
 from atari.validation import check_integer, check_known, check_no_name
 from atari.vector import ale_names
 

@@ -26,7 +26,7 @@ from atari.learning.evaluation.results import GameResult
 from atari.policy.needs import needs_of
 from atari.recording import RecordReplay, Replay, VideoWriter, video_facts
 from atari.recording.replay import file_format
-from atari.task.storage import read_task
+from atari.task.arguments import read_task
 
 GENERAL: tuple[bytes, ...] = (
     b"",

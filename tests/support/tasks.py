@@ -5,7 +5,7 @@ from typing import Any
 from atari import Task
 from atari.env import AtariEnv
 from atari.making import make_env
-from atari.task.resolution import resolve_task
+from atari.task.task import resolve_task
 from atari.wrappers.layers import wrap
 
 

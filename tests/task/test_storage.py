@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from atari.task import Task
 from atari.task.fields import FIELDS
-from atari.task.storage import from_json, to_short_json
+from atari.task.storage import to_short_json
 
 TEXT = Task.of("breakout", preset="envpool", interventions=[]).to_json()
 
@@ -39,9 +39,9 @@ def test_the_short_form_leaves_defaults_out() -> None:
     task = Task.of("breakout", preset="envpool")
     text = to_short_json(task)
     assert len(text) < len(task.to_json()) * 2 / 3
-    assert from_json(text, task.definition) == task
+    assert Task.from_json(text, task.definition) == task
     with pytest.raises(ValueError, match="of the game 'breakout', not of 'pong'"):
-        from_json(text, Task("pong").definition)
+        Task.from_json(text, Task("pong").definition)
 
 
 def test_a_missing_key_has_the_default_of_the_format() -> None:

@@ -11,7 +11,7 @@ from atari import _emulator
 from atari.observations.settings import episode_settings, filled_by_name
 from atari.task import Task
 from atari.task.fields import FIELDS
-from atari.task.resolution import resolve_task
+from atari.task.task import resolve_task
 
 BASE: dict[str, Any] = {
     "repeat_action_probability": 0.0,

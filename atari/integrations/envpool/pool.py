@@ -16,7 +16,7 @@ from atari.integrations.envpool.xla import xla
 from atari.integrations.jax import xla as vector_xla
 from atari.rendering import Window
 from atari.task import Task
-from atari.task.resolution import GameLike
+from atari.task.task import GameLike
 from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 from atari.vector.results import pick_rows

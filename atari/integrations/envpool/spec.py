@@ -20,7 +20,7 @@ from atari.observations.settings import image_shape
 from atari.task import Task
 from atari.task.checks import check_bool
 from atari.task.kinds import with_image
-from atari.task.resolution import GameLike, resolve_for_agent
+from atari.task.task import GameLike, resolve_for_agent
 from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 

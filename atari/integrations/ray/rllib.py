@@ -16,7 +16,7 @@ from ray.tune.registry import register_env
 
 from atari._gymnasium import AutoresetMode, VectorWrapper, autoreset_mode
 from atari.cores.options import SEED_LIMIT
-from atari.task.resolution import resolve_for_agent
+from atari.task.task import resolve_for_agent
 from atari.validation import check_name
 from atari.vector.env import AtariVectorEnv
 

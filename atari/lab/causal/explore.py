@@ -13,7 +13,7 @@ from atari.lab.causal.fit import suggest
 from atari.lab.causal.map import ByteCauses, CausalMap
 from atari.roms import find
 from atari.roms import image as rom_image
-from atari.task.resolution import GameLike, resolve_frames
+from atari.task.task import GameLike, resolve_frames
 from atari.validation import check_integer
 
 _LONGEST_EPISODE = 3000  # frames

@@ -10,7 +10,7 @@ from atari.lab.inspector.session import Agent, Session
 from atari.lab.inspector.timeline import MOST_FRAMES, NEW_GAME, Frame, Timeline
 from atari.recording import Replay
 from atari.recording.replay.events import Kind
-from atari.task.storage import from_json
+from atari.task import Task
 from atari.validation import check_file
 
 _MOST_BYTES = 64 << 20
@@ -82,7 +82,7 @@ def session_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent | N
         names = ("repeat_action_probability", "mode", "difficulty")
         options = {name: facts[name] for name in names if name in facts}
         if text is not None:
-            options["interventions"] = from_json(text, games[facts["game"]]).interventions
+            options["interventions"] = Task.from_json(text, games[facts["game"]]).interventions
         limit = facts.get("max_num_frames_per_episode") or None
         env = AtariEnv(facts["game"], frameskip=1, max_num_frames_per_episode=limit, rom=rom, **options)
         env.reset(seed=0)

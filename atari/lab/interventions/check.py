@@ -16,7 +16,7 @@ from atari.games.interventions.file import CHECK_NAMES, split_calls
 from atari.games.interventions.writes import parse_expression
 from atari.lab.interventions.series import Series, evaluate_series
 from atari.task import Task
-from atari.task.resolution import GameLike, resolve_frames
+from atari.task.task import GameLike, resolve_frames
 
 _FRAMES_PER_ACTION = 4
 """Frames that a random action is held."""

@@ -14,7 +14,8 @@ from atari.lab import atari_ari
 from atari.lab.labels import byte_index
 from atari.task import Task
 from atari.task.kinds import KINDS, with_image
-from atari.task.resolution import GameLike, is_id
+from atari.task.resolution import is_id
+from atari.task.task import GameLike
 from atari.validation import check_integer, check_probability
 from atari.vector import AtariVectorEnv
 from atari.vector.results import ends_of_stacks

@@ -15,7 +15,6 @@ from atari.task import Task
 from atari.task.fields import DEFAULTS
 from atari.task.resolution import translate
 from atari.task.rules import settle
-from atari.task.storage import from_json
 from atari.validation import check_name
 
 _MAY_BE_NONE = ("mode", "difficulty", "max_num_frames_per_episode", "interventions")
@@ -71,7 +70,7 @@ def _check_options(header: Mapping[str, Any], game: Game) -> None:
         resolve(game, interventions)
         emulator_task(options, game)
         if header.get("task") is not None:
-            from_json(header["task"], game)
+            Task.from_json(header["task"], game)
     except (TypeError, ValueError, OverflowError) as error:
         raise Corrupt(f"the replay is damaged: its header is wrong ({error})") from None
 

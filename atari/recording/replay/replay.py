@@ -36,7 +36,6 @@ from atari.recording.video.formats import has_sound, is_picture
 from atari.recording.video.overlay import Overlay
 from atari.recording.video.writer import VideoWriter, frame_rate, shown_rate
 from atari.task import Task
-from atari.task.storage import from_json
 from atari.validation import check_integer, check_name
 
 _CHUNKS_PER_CHECKPOINT = 4
@@ -451,7 +450,7 @@ class Replay:
         if self.players > 1:
             raise ValueError(f"{self.path} has {self.players} players, and no task; `options` has what was played")
         text = self.header.get("task")
-        return emulator_task(self.options, self.game) if text is None else from_json(text, self.game)
+        return emulator_task(self.options, self.game) if text is None else Task.from_json(text, self.game)
 
     @property
     def facts(self) -> dict[str, Any]:
