@@ -53,6 +53,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/games": ("tests/games", "tests/conformance/test_ale_goldens.py"),
     "atari/learning/frame_episode.py": ("tests/learning/test_frame_agent.py", "tests/play/test_player_agent.py"),
     "atari/learning/programs.py": ("tests/learning/test_agent_code.py",),
+    "atari/learning/training.py": ("tests/learning/test_agent_code.py", "tests/learning/test_agents.py"),
     "atari/learning/trust.py": ("tests/learning/test_agent_code.py",),
     "atari/cli/sweep.py": ("tests/learning/sweep/test_sweeps.py",),
     "atari/policy/__init__.py": ("tests/learning/test_policies.py", "tests/testing/test_policy.py"),

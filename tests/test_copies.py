@@ -26,7 +26,7 @@ from atari.recording import RecordReplay, VideoWriter
 
 ABSTRACT = {
     "atari.cores.core.Core": "atari.cores.native.NativeCore",
-    "atari.learning.agent.Agent": None,
+    "atari.learning.training.Agent": None,
     "atari.policy.Policy": None,
     "atari.policy.ScoresPolicy": None,
     "atari.algorithmic.environment.AlgorithmicEnv": "atari.algorithmic.tasks.CopyEnv",

@@ -1,7 +1,7 @@
 """The order of the parts of the package: each imports only parts that stand before it in the list below.
 
 A part is a module or a package directly in `atari`. Every import counts, those in functions and for type checkers too,
-but for the few of `UPWARD`. No module imports itself through others.
+but for the lazy attributes of `atari`. No module imports itself through others.
 """
 
 import ast
@@ -36,29 +36,11 @@ ORDER = """
 - `atari` is the module `atari/__init__.py`; the parts after it are its lazy attributes, or no attributes.
 """
 
-UPWARD = {
-    "atari": {
-        "atari.classic": "a lazy attribute",
-        "atari.integrations": "a lazy attribute",
-        "atari.integrations.arrays": "the home of the lazy attributes `to_jax` and `to_torch`",
-        "atari.lab": "a lazy attribute",
-        "atari.learning": "a lazy attribute",
-        "atari.recording": "a lazy attribute",
-        "atari.testing": "a lazy attribute",
-    },
+LAZY = {
+    *("atari.classic", "atari.integrations", "atari.lab", "atari.learning", "atari.recording", "atari.testing"),
+    "atari.integrations.arrays",  # the home of `to_jax` and `to_torch`
 }
-"""By module, the modules of later parts that it imports, and why. These imports are in functions or for type checkers."""
-
-LATER = {
-    "atari.task.task": {
-        "atari.task.resolution": "`Task.of` makes tasks",
-        "atari.task.storage": "`Task.from_json` makes tasks",
-        "atari.task.description": "`str(task)` describes tasks",
-    },
-    "atari.learning.programs": {"atari.learning.run": "the type of what `kept_program` reads"},
-    "atari.learning.agent": {"atari.learning.training": "the type of what `Agent.train` is given"},
-}
-"""By module, the modules of its own part that its methods import: these import the module itself."""
+"""The modules of later parts that `atari` has as lazy attributes."""
 
 
 def sources() -> dict[str, Path]:
@@ -98,8 +80,8 @@ def tree_of(module: str) -> ast.Module:
 
 @cache
 def imported_by(module: str) -> set[str]:
-    """The modules that a module imports, without the exceptions of the tables."""
-    return {*imports(tree_of(module), module)} - {module, *UPWARD.get(module, {}), *LATER.get(module, {})}
+    """The modules that a module imports, without the lazy attributes of `atari`."""
+    return {*imports(tree_of(module), module)} - {module, *(LAZY if module == "atari" else ())}
 
 
 def part(module: str) -> str:
@@ -137,20 +119,27 @@ def test_an_import_against_the_order_is_found(module: str, line: str) -> None:
     assert against_the_order(module, {*imports(ast.parse(line), module)})
 
 
-def test_no_module_imports_itself_through_others() -> None:
+def circle(module: str = "atari", line: str = "") -> list[str]:
+    """A circle of imports, each module imported by the next, with a line added to a module; [] if there is none."""
+    graph = {name: imported_by(name) for name in SOURCES}
     try:
-        TopologicalSorter({module: imported_by(module) for module in SOURCES}).prepare()
+        TopologicalSorter({**graph, module: graph[module] | {*imports(ast.parse(line), module)}}).prepare()
     except CycleError as error:
-        pytest.fail(f"a circle of imports, each by the next: {', '.join(error.args[1])}")
+        return list(error.args[1])
+    return []
 
 
-@pytest.mark.parametrize("module", [*UPWARD, *LATER])
-def test_imports_of_later_modules_are_made_when_a_function_is_called(module: str) -> None:
-    later = (ast.FunctionDef, ast.ClassDef, ast.If)  # a method, or `if TYPE_CHECKING`
-    at_once = {name for node in tree_of(module).body if not isinstance(node, later) for name in imports(node, module)}
-    named = {*UPWARD.get(module, {}), *LATER.get(module, {})}
-    assert not named & at_once
-    assert named <= {*imports(tree_of(module), module)}, "take what is not imported any more out of the table"
+def test_no_module_imports_itself_through_others() -> None:
+    assert not circle()
+    assert circle("atari.task.data", "def late():\n    from atari.task import Task")
+    assert circle("atari.learning.run", "if TYPE_CHECKING:\n    from atari.learning.training import Training")
+
+
+def test_lazy_attributes_are_imported_when_they_are_used() -> None:
+    later = (ast.FunctionDef, ast.If)  # `__getattr__`, or `if TYPE_CHECKING`
+    at_once = {name for node in tree_of("atari").body if not isinstance(node, later) for name in imports(node, "atari")}
+    assert not LAZY & at_once
+    assert {*imports(tree_of("atari"), "atari")} >= LAZY, "take what is not imported any more out of LAZY"
 
 
 def _private(name: str) -> bool:

@@ -22,7 +22,7 @@ from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol
 from atari.learning.evaluation.published import Published
 
 if TYPE_CHECKING:
-    from atari.learning.agent_code import AgentCode
+    from atari.learning.training import AgentCode
 
 FLAGS = ("--seeds", "--jobs")
 """Flags that make a training a sweep."""

@@ -21,12 +21,11 @@ from atari.learning.policies import load_policy
 from atari.policy import Policy, ScoresPolicy
 
 if TYPE_CHECKING:
-    from atari.learning.agent import Agent
     from atari.learning.command import main
     from atari.learning.networks import Encoder
     from atari.learning.replicas import Replicas
     from atari.learning.run import RunFolder
-    from atari.learning.training import Training
+    from atari.learning.training import Agent, Training
 
 __all__ = [
     "GAME_SETS",
@@ -52,7 +51,7 @@ __all__ = [
 ]
 
 _WITH_TORCH = {
-    "Agent": "agent",
+    "Agent": "training",
     "Encoder": "networks",
     "Replicas": "replicas",
     "RunFolder": "run",

@@ -11,13 +11,10 @@ from importlib.machinery import SourceFileLoader
 from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from atari.learning.trust import check_trusted, sha256, trust
+from atari.learning.trust import sha256, trust
 from atari.validation import check_file
-
-if TYPE_CHECKING:
-    from atari.learning.run import RunFolder  # imports PyTorch, which options do not need
 
 
 @dataclass(frozen=True)
@@ -75,14 +72,14 @@ def _has_guard(source: bytes) -> bool:
 
 
 def module_of(file: Path) -> ModuleType:
-    """The module of a file, which is executed once in a process. The user is then taken to trust it.
+    """The module of a file, see `executed`. The user is then taken to trust it.
 
     Raises:
         FileNotFoundError: there is no such file.
         ValueError: it cannot be executed.
     """
     source = check_file(file).read_bytes()
-    module = _executed(file, source)
+    module = executed(file, source)
     trust(sha256(source))
     return module
 
@@ -100,22 +97,12 @@ def named_in(module: ModuleType, named: Program) -> Any:
     return found
 
 
-def kept_program(run: "RunFolder", kind: str) -> tuple[ModuleType, Program] | None:
-    """The module of a program that a run folder keeps, and the program; None if the run has none of this kind.
+def executed(file: Path, source: bytes) -> ModuleType:
+    """The module of a source, which is executed once in a process.
 
     Raises:
-        PermissionError: the user does not trust the program.
-        ValueError, FileNotFoundError: the copy is missing or changed, or cannot be executed.
+        ValueError: it cannot be executed.
     """
-    entry = run.config.get("programs", {}).get(kind)
-    if entry is None:
-        return None
-    file, source = run.program(kind), run.read_program(kind)
-    check_trusted(file, entry["sha256"], str(Program(Path(entry["file"]), entry["name"])))
-    return _executed(file, source), Program(file, entry["name"])
-
-
-def _executed(file: Path, source: bytes) -> ModuleType:
     name = f"atari_program_{sha256(source)[:16]}"
     if name in sys.modules:
         return sys.modules[name]

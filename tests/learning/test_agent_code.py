@@ -20,9 +20,12 @@ from small_trainings import make_options  # noqa: E402
 import atari.learning.agents.ppo  # noqa: E402
 from atari.cli import main  # noqa: E402
 from atari.learning import RunFolder, load_policy  # noqa: E402
-from atari.learning.agent_code import agent_code, kept_agent  # noqa: E402
 from atari.learning.agents import AGENTS, find_agent  # noqa: E402
-from atari.learning.training import Training  # noqa: E402
+from atari.learning.training import (  # noqa: E402
+    Training,
+    agent_code,
+    kept_agent,
+)
 from atari.learning.trust import trusted_file  # noqa: E402
 
 SMALL = "--fast --num-envs 4 --horizon 16 --minibatch 32 --total-steps 128".split()
@@ -172,7 +175,7 @@ def test_a_changed_copy_is_refused(script: Path, tmp_path: Path) -> None:
 def test_a_script_that_trains_when_it_is_loaded_is_refused(guard: str, tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
-        "from atari.learning.agent_code import agent_code\nfrom atari.learning.agents.ppo import PPO\n"
+        "from atari.learning.training import agent_code\nfrom atari.learning.agents.ppo import PPO\n"
         f"class Mine(PPO): pass\n{guard}agent_code(Mine)\n"
     )
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
@@ -204,7 +207,7 @@ def test_a_class_is_taken(tmp_path: Path) -> None:
 
 
 NO_AGENT = "import atari\n"
-ABSTRACT = "from atari.learning.agent import Agent\nclass Mine(Agent):\n    def update(self): ...\n"
+ABSTRACT = "from atari.learning.training import Agent\nclass Mine(Agent):\n    def update(self): ...\n"
 TWO = "from atari.learning.agents.ppo import PPO\nclass One(PPO): ...\nclass Two(PPO): ...\n"
 
 

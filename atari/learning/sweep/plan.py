@@ -9,13 +9,12 @@ from types import SimpleNamespace
 from typing import Any
 
 from atari.files import durable
-from atari.learning.agent_code import AgentCode
 from atari.learning.evaluation.played import find_entries, game_of, played_task
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol
 from atari.learning.options import SEEDS, TrainingOptions
 from atari.learning.programs import Program, is_program, program
 from atari.learning.run import RunFolder
-from atari.learning.training import read_options
+from atari.learning.training import AgentCode, read_options
 from atari.learning.trust import sha256
 from atari.policy.needs import needs_of
 from atari.validation import check_file

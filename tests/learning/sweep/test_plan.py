@@ -10,10 +10,9 @@ import pytest
 pytest.importorskip("torch")
 
 from atari.learning import GAME_SETS, PROTOCOLS
-from atari.learning.agent_code import agent_code
 from atari.learning.agents.ppo import PPO
 from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, keep_programs, plan
-from atari.learning.training import Training
+from atari.learning.training import Training, agent_code
 
 
 def resolve(game: str, seed: int, **options: Any) -> Any:

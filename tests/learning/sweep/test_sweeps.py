@@ -16,12 +16,11 @@ torch = pytest.importorskip("torch")
 
 from atari.cli import main  # noqa: E402
 from atari.learning import PROTOCOLS, RunFolder  # noqa: E402
-from atari.learning.agent_code import agent_code  # noqa: E402
 from atari.learning.command import options_of  # noqa: E402
 from atari.learning.run_log import read_last_row  # noqa: E402
 from atari.learning.sweep.plan import plan  # noqa: E402
 from atari.learning.sweep.processes import Settings, do_runs  # noqa: E402
-from atari.learning.training import Training  # noqa: E402
+from atari.learning.training import Training, agent_code  # noqa: E402
 
 TINY = (
     "--total-steps 1024 --num-envs 8 --horizon 32 --minibatch 256 --checkpoint-minutes 0 "
