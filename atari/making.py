@@ -12,6 +12,7 @@ from typing_extensions import Unpack
 
 from atari import env_ids
 from atari.env import AtariEnv
+from atari.games.catalog import games
 from atari.task import Task
 from atari.task.options import MakeOptions
 from atari.task.resolution import ALIASES, ENTRY_POINT, OPTIONS, is_id, is_ours, known_ids
@@ -110,9 +111,10 @@ def spec_of_id(env_id: str) -> EnvSpec:
 
 
 def spec_of(task: Task) -> EnvSpec:
-    """A spec that contains a task."""
+    """A spec that contains a task, as JSON unless its game was made in memory."""
+    in_memory = task.definition.file is None and games.get(task.game) != task.definition
     env_id = f"atari/{env_ids.stem(task.game)}-v0"
-    return EnvSpec(id=env_id, entry_point=ENTRY_POINT, kwargs={"task": task.to_json()})
+    return EnvSpec(id=env_id, entry_point=ENTRY_POINT, kwargs={"task": task if in_memory else task.to_json()})
 
 
 def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str | PathLike[str] | None = None) -> Env:

@@ -76,6 +76,11 @@ class TestGame:
         assert Task.from_json(task.to_json()) == task
         assert eval(repr(task)) == task
 
+    def test_made_in_memory_is_played(self) -> None:
+        own = dataclasses.replace(games["pong"], title="Mine")
+        for options in ({}, {"preset": "dqn2015"}):
+            assert atari.make(Task.of(own, **options)).unwrapped.task.definition is own
+
     def test_rules_that_have_changed_are_a_difference(self) -> None:
         text = Task("pong").to_json().replace(Task("pong").rules, "0" * 16)
         assert Task.from_json(text).differences(Task("pong")) == {"rules": ("0" * 16, Task("pong").rules)}
