@@ -66,7 +66,7 @@ def _collect(args: argparse.Namespace) -> int:
     seeds = range(args.seed, args.seed + args.episodes)
     if seeds[-1] >= SEEDS:
         raise ValueError(f"seeds are below {SEEDS}; {args.episodes} games from --seed {args.seed} on are too many")
-    replay, entry, record = None, None, None
+    replay, game, record = None, None, None
     if is_replay(args.policy):
         if args.ray is not None:
             raise ValueError(f"--ray plays games of a policy, and {args.policy} is a replay; leave out --ray")
@@ -74,8 +74,8 @@ def _collect(args: argparse.Namespace) -> int:
         task = replay.task
     else:
         policy = load_policy(args.policy)
-        (entry,) = find_played(args, [args.game], policy)
-        task, record = games_of(policy, entry)
+        (game,) = find_played(args, [args.game], policy)
+        task, record = games_of(policy, game)
     try:
         Labels(task.definition, labels)  # before the games are played
     except UnknownLabelError as error:
@@ -83,7 +83,7 @@ def _collect(args: argparse.Namespace) -> int:
     if show_task(args, task):
         return 0
     if args.ray is not None:
-        result = _collect_by_workers(args, entry, seeds, options)
+        result = _collect_by_workers(args, game, seeds, options)
     else:
         check_output(args.output, args.format)  # before the games are played
         with tempfile.TemporaryDirectory() as folder, ProgressBar(unit=" steps", disable=None) as bar:
@@ -99,7 +99,7 @@ def _collect(args: argparse.Namespace) -> int:
     return 0
 
 
-def _collect_by_workers(args: argparse.Namespace, entry: Any, seeds: range, options: dict[str, Any]) -> dict[str, Any]:
+def _collect_by_workers(args: argparse.Namespace, game: Any, seeds: range, options: dict[str, Any]) -> dict[str, Any]:
     import ray
 
     from atari.integrations.ray import collect
@@ -107,7 +107,7 @@ def _collect_by_workers(args: argparse.Namespace, entry: Any, seeds: range, opti
     if not ray.is_initialized():
         ray.init(args.ray, log_to_driver=False)
     with ProgressBar(unit=" games", total=len(seeds), disable=None) as bar:
-        return collect(entry, args.output, policy=args.policy, seeds=seeds, progress=bar.update, **options)
+        return collect(game, args.output, policy=args.policy, seeds=seeds, progress=bar.update, **options)
 
 
 def _summary(result: dict[str, Any]) -> str:

@@ -21,7 +21,7 @@ from atari.learning import (
     load_policy,
 )
 from atari.learning.evaluation.compare import Comparison, budget_faults
-from atari.learning.evaluation.played import Entry
+from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol, refusal
 from atari.task.arguments import add_task, seed, show_task
 
@@ -120,7 +120,7 @@ def _check_comparable(args: argparse.Namespace, faults_of: Callable[[Published],
             raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
 
 
-def _policies(args: argparse.Namespace, games: tuple[Entry, ...]) -> dict[str, Policy]:
+def _policies(args: argparse.Namespace, games: tuple[EvaluatedGame, ...]) -> dict[str, Policy]:
     """The policy of each game."""
     policies: dict[str, Policy] = {}
     loaded: dict[str, Policy] = {}
@@ -132,7 +132,7 @@ def _policies(args: argparse.Namespace, games: tuple[Entry, ...]) -> dict[str, P
     return policies
 
 
-def _play(args: argparse.Namespace, games: tuple[Entry, ...], policies: dict[str, Policy]) -> Result:
+def _play(args: argparse.Namespace, games: tuple[EvaluatedGame, ...], policies: dict[str, Policy]) -> Result:
     with ProgressBar(unit=" games", disable=None) as bar:
 
         def progress(done: int, total: int) -> None:

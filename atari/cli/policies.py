@@ -11,10 +11,9 @@ import numpy as np
 
 from atari.cli.arguments import find_game
 from atari.cores.options import SEED_LIMIT
-from atari.learning import record_games
-from atari.learning.evaluation.played import Entry, find_entries, says_nothing, usual_protocol
-from atari.learning.evaluation.played import game_of as game_of_policy
-from atari.learning.evaluation.player import Player
+from atari.learning.evaluation.evaluate import record_task
+from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
+from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games, says_nothing, usual_protocol
 from atari.learning.evaluation.protocols import find_protocol
 from atari.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay
@@ -89,7 +88,7 @@ class PolicySession:
         self._env.close()
 
 
-def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = None) -> tuple[Entry, ...]:
+def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = None) -> tuple[EvaluatedGame, ...]:
     """The games of a command line with `add_task`, or without names the game of the policy's training.
 
     Args:
@@ -102,7 +101,7 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
             flag contradicts the policy.
     """
     trained = getattr(policy, "task", None)
-    alone = getattr(policy, "game", None) if trained is None else game_of_policy(trained)
+    alone = getattr(policy, "game", None) if trained is None else EvaluatedGame.of_policy(trained)
     games: list[Any] = [game_of(name) for name in names] or [alone]
     if games == [None]:
         raise ValueError(f"{args.source} does not say which game it plays; name games or a set, such as atari26")
@@ -110,35 +109,37 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
     others = [name for name in given if name not in OF_GAME] + ["preset"] * (getattr(args, "preset", None) is not None)
     try:
         if not others:
-            return find_entries(games, given)
+            return resolve_games(games, given)
         if not says_nothing(policy):
             raise ValueError(f"the policy says how games are played; leave --{others[0].replace('_', '-')} out")
         if args.preset is None and not any(is_id(name) or name.endswith(".json") for name in names):
             args.preset = "baselines"  # as without fields, see `usual_protocol`
-        entries = find_entries([task_of(args, game=name) for name in names])
+        found = resolve_games([task_of(args, game=name) for name in names])
         args.without = {}  # of `UNCLIPPED`; the task shows it
-        return entries
+        return found
     except TypeError as error:
         raise ValueError(str(error)) from None
 
 
-def games_of(policy: Any, entry: Entry, protocol: str | None = None) -> tuple[Task, RecordGames]:
+def games_of(policy: Any, game: EvaluatedGame, protocol: str | None = None) -> tuple[Task, RecordGames]:
     """The task that a policy plays in a game, and the function that records games of it.
 
     A note on stderr says if the policy was trained on other games.
 
     Args:
-        policy, entry: see `record_games`.
+        policy, game: see `record_games`.
         protocol: name of a protocol; None means the policy's usual one.
 
     Raises:
         TypeError, ValueError: see `record_games`.
     """
-    found = find_protocol(protocol) if protocol else usual_protocol(policy, entry)
-    trained = getattr(policy, "games", None) or (entry.id,)
-    if entry.id not in trained:
-        print(f"note: {policy.name} was trained on {', '.join(trained)}, and plays {entry.id}", file=sys.stderr)
-    return Player(policy, found, entry).task, partial(record_games, policy, entry, found)
+    found = find_protocol(protocol) if protocol else usual_protocol(policy, game)
+    trained = getattr(policy, "games", None) or (game.id,)
+    if game.id not in trained:
+        print(f"note: {policy.name} was trained on {', '.join(trained)}, and plays {game.id}", file=sys.stderr)
+    task = played_task(game, found, policy)
+    EvaluatedPolicy(policy, task, found.epsilon)  # raises its errors before a game is played
+    return task, partial(record_task, policy, task, found.epsilon)
 
 
 def replay_of(args: argparse.Namespace, path: str) -> Replay:

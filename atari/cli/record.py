@@ -159,8 +159,8 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
     for option in ("seconds", "steps", "rom"):
         if getattr(args, option) is not None:
             raise ValueError(f"{policy} plays whole games, with the ROM that is found; leave --{option} out")
-    (entry,) = find_played(args, [args.game], loaded)
-    task, record = games_of(loaded, entry)
+    (game,) = find_played(args, [args.game], loaded)
+    task, record = games_of(loaded, game)
     seeds = range(args.seed, args.seed + args.episodes)
     return task, lambda path: bool(record(seeds, path))
 

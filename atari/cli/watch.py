@@ -48,8 +48,8 @@ def _watch(args: argparse.Namespace) -> int:
         show_replay(replay, scale=args.scale, sound=not args.no_sound)
         return 0
     policy = load_policy(args.source)
-    (entry,) = find_played(args, [] if args.game is None else [args.game], policy)
-    task, record = games_of(policy, entry, args.protocol)
+    (game,) = find_played(args, [] if args.game is None else [args.game], policy)
+    task, record = games_of(policy, game, args.protocol)
     if show_task(args, task):
         return 0
     start_pygame()  # raises without pygame or a display, before a game is played

@@ -9,7 +9,7 @@ import atari
 import atari.roms
 from atari.cli import main
 from atari.cli.arguments import find_game
-from atari.learning.evaluation.played import find_entries
+from atari.learning.evaluation.played import resolve_games
 from atari.learning.options import TrainingOptions
 from atari.recording.replay.file_format import is_replay
 from atari.task.arguments import game_of
@@ -47,9 +47,9 @@ def test_a_command_takes_every_kind_of_name(
 
 @pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file", "rom"])
 def test_the_other_commands_resolve_names_alike(name: str) -> None:
-    """`play` and `lab` call `find_game`, and `watch` and `collect` `find_entries`."""
+    """`play` and `lab` call `find_game`, and `watch` and `collect` `resolve_games`."""
     assert find_game(name).id == NAMES[name]
-    assert find_entries(game_of(name))[0].id == NAMES[name]
+    assert resolve_games(game_of(name))[0].id == NAMES[name]
 
 
 @pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file", "rom"])

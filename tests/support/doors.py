@@ -17,8 +17,7 @@ import atari
 from atari.cli import main
 from atari.integrations import envpool
 from atari.learning import load_policy
-from atari.learning.evaluation.played import find_entries
-from atari.learning.evaluation.player import Player
+from atari.learning.evaluation.played import played_task, resolve_games
 from atari.learning.evaluation.protocols import find_protocol
 from atari.multiplayer import MultiplayerCore, parallel_env
 from atari.task import Task
@@ -99,9 +98,8 @@ def _parallel(game: Any, **options: Any) -> Task:
 
 
 def _evaluation(game: Any) -> Task:
-    """The task that `evaluate` plays under the evaluation protocol machado2018; it makes a `Player` of each game."""
-    (entry,) = find_entries(game)
-    return Player(load_policy("noop"), find_protocol("machado2018"), entry).task
+    """The task that `evaluate` plays under the evaluation protocol machado2018."""
+    return played_task(*resolve_games(game), find_protocol("machado2018"), load_policy("noop"))
 
 
 def _command(*words: str) -> Callable[..., Task]:

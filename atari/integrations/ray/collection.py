@@ -15,9 +15,12 @@ import ray
 from atari.files import durable, json_text
 from atari.lab.collect import Format, check_output, output_format, write_dataset
 from atari.lab.labels import Labels
-from atari.learning import load_policy, record_games
-from atari.learning.evaluation.played import Entry, find_entries, usual_protocol
-from atari.learning.evaluation.player import Player
+from atari.learning import load_policy
+from atari.learning.evaluation.evaluate import record_task
+from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
+from atari.learning.evaluation.played import played_task, resolve_games, usual_protocol
+from atari.task import Task
+from atari.task.resolution import GameLike
 from atari.validation import check_integer, check_name
 
 _MANIFEST = "_manifest.jsonl"
@@ -30,13 +33,14 @@ _OF_FORMATS = {"steps": int, "frames": int}
 
 
 @dataclass(frozen=True)
-class _Task:
+class _Work:
     """A game that a worker plays, and the format of its output."""
 
     seed: int
-    entry: Entry
+    task: Task
+    epsilon: float
     policy: Any
-    played: dict[str, Any]
+    facts: dict[str, Any]
     format: Format
     frames: Literal["rgb", "grayscale"]
     labels: tuple[str, ...]
@@ -53,7 +57,7 @@ class _Part:
 
 
 def collect(
-    game: Any,
+    game: GameLike,
     output: str | os.PathLike[str],
     *,
     policy: Any = "random",
@@ -103,7 +107,7 @@ def collect(
     Example:
         >>> collect("pong", "pong.parquet", seeds=range(1000), frames="grayscale")  # doctest: +SKIP
     """
-    (entry,) = find_entries(game)
+    (chosen,) = resolve_games(game)
     check_name("frames", frames, ("rgb", "grayscale"))
     wanted = sorted({check_integer("a seed", seed, 0, _SEEDS - 1) for seed in seeds})
     if not wanted:
@@ -111,22 +115,24 @@ def collect(
     format = output_format(output, format)
     if format != "parquet":
         check_output(output, format)
-    names = Labels(entry.task.definition, labels).names
+    names = Labels(chosen.task.definition, labels).names
     loaded = load_policy(policy)  # raises its errors before anything is written
     name = str(policy) if isinstance(policy, (str, Path)) else loaded.name
-    task = json.loads(Player(loaded, usual_protocol(loaded, entry), entry).task.to_json())
+    protocol = usual_protocol(loaded, chosen)
+    played = played_task(chosen, protocol, loaded)
+    EvaluatedPolicy(loaded, played, protocol.epsilon)  # raises its errors, too
+    task = json.loads(played.to_json())
     facts = {
-        "game": entry.id, "task": task, "policy": name, "format": format, "frames": frames, "labels": list(names)
+        "game": played.game, "task": task, "policy": name, "format": format, "frames": frames, "labels": list(names)
     }  # fmt: skip
     folder = Path(output) if format == "parquet" else Path(os.fspath(output).replace("/", "-") + ".parts")
     manifest = _Manifest(folder, {**facts, "version": version("atari-envs")})
     missing = [seed for seed in wanted if seed not in manifest.finished]
     if progress is not None:
         progress(len(wanted) - len(missing))
-    played = {"task": task, "policy": name}
-    own = version("atari-envs")
-    tasks = [_Task(seed, entry, policy, played, format, frames, names, own) for seed in missing]
-    for part in _played(tasks):
+    stored = {"task": task, "policy": name}
+    given = (played, protocol.epsilon, policy, stored, format, frames, names, version("atari-envs"))
+    for part in _played([_Work(seed, *given) for seed in missing]):
         manifest.add(part)
         if progress is not None:
             progress(1)
@@ -139,49 +145,48 @@ def collect(
             "played": len(missing), "task": task,
         }  # fmt: skip
     replays = [folder / line["file"] for line in lines]
-    given = {**played, "seeds": wanted}
-    result = write_dataset(replays, output, format=format, frames=frames, labels=labels, facts=given)
+    stored = {**stored, "seeds": wanted}
+    result = write_dataset(replays, output, format=format, frames=frames, labels=labels, facts=stored)
     shutil.rmtree(folder)
     return {**result, "played": len(missing), "task": task}
 
 
-def _played(tasks: Sequence[_Task]) -> Iterator[_Part]:
+def _played(work: Sequence[_Work]) -> Iterator[_Part]:
     """Yield the workers' parts, in any order. An error cancels the games in progress."""
     if not ray.is_initialized():
         ray.init()
     cluster: Any = ray  # Ray's functions have no types
     limit = max(2, 2 * int(cluster.cluster_resources().get("CPU", 1)))
     play = ray.remote(_play).options(num_cpus=1)
-    waiting = iter(tasks)
-    pending: list[Any] = [play.remote(task) for task, _ in zip(waiting, range(limit), strict=False)]
+    waiting = iter(work)
+    pending: list[Any] = [play.remote(one) for one, _ in zip(waiting, range(limit), strict=False)]
     try:
         while pending:
             (done,), pending = ray.wait(pending, num_returns=1)
             yield ray.get(done)
-            pending.extend(play.remote(task) for task, _ in zip(waiting, range(1), strict=False))
+            pending.extend(play.remote(one) for one, _ in zip(waiting, range(1), strict=False))
     finally:
         for result in pending:
             ray.cancel(result)
 
 
-def _play(task: _Task) -> _Part:
+def _play(work: _Work) -> _Part:
     """Play the game of a seed, in a worker.
 
     Raises:
         RuntimeError: the worker has another version of this package.
     """
-    if (own := version("atari-envs")) != task.version:
-        raise RuntimeError(f"a worker has atari-envs {own}, and the collection was begun with {task.version}")
-    policy = load_policy(task.policy)
+    if (own := version("atari-envs")) != work.version:
+        raise RuntimeError(f"a worker has atari-envs {own}, and the collection was begun with {work.version}")
     with TemporaryDirectory() as folder:
         replay = Path(folder, "game.a26r")
-        ((score, length),) = record_games(policy, task.entry, usual_protocol(policy, task.entry), [task.seed], replay)
-        if task.format != "parquet":
-            return _Part(task.seed, replay.read_bytes(), {"score": score, "frames": length})
+        ((score, length),) = record_task(load_policy(work.policy), work.task, work.epsilon, [work.seed], replay)
+        if work.format != "parquet":
+            return _Part(work.seed, replay.read_bytes(), {"score": score, "frames": length})
         rows = Path(folder, "rows.parquet")
-        options: dict[str, Any] = {"frames": task.frames, "labels": task.labels, "first_episode": task.seed}
-        result = write_dataset(replay, rows, facts=task.played, **options)
-        return _Part(task.seed, rows.read_bytes(), {"score": score, "steps": result["steps"]})
+        options: dict[str, Any] = {"frames": work.frames, "labels": work.labels, "first_episode": work.seed}
+        result = write_dataset(replay, rows, facts=work.facts, **options)
+        return _Part(work.seed, rows.read_bytes(), {"score": score, "steps": result["steps"]})
 
 
 class _Manifest:

@@ -12,14 +12,16 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.evaluation.played import Entry, find_entries
-from atari.learning.evaluation.player import IntArray, Player
+from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy, IntArray
+from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games
 from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_protocol
 from atari.learning.evaluation.results import GameResult, Result, versions
 from atari.learning.evaluation.workers import Workers, find_workers
 from atari.learning.policies import load_policy
 from atari.policy import LoadedPolicy
 from atari.recording.replay.record_replay import RecordVectorReplay
+from atari.task import Task
+from atari.task.resolution import GameLike
 from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 
@@ -30,7 +32,7 @@ Progress = Callable[[int, int], Any]
 
 def evaluate(
     policy: Any,
-    games: Any,
+    games: GameLike | EvaluatedGame | Sequence[GameLike | EvaluatedGame],
     protocol: str | EvaluationProtocol = "machado2018",
     *,
     episodes: int | None = None,
@@ -95,36 +97,37 @@ def evaluate(
         (-21.0, -21.0)
     """
     protocol = find_protocol(protocol)
-    chosen = find_entries(games)
+    chosen = resolve_games(games)
     episodes = check_integer("episodes", protocol.episodes if episodes is None else episodes, 1, MAX_EPISODES)
     seed = check_integer("seed", seed, 0, 2**32 - 1)
     parts = check_integer("parts", parts, 1, episodes)
     lanes = _lanes(num_envs, -(-episodes // parts))
     elsewhere = None if workers is None else find_workers(workers)
     loaded: dict[Any, LoadedPolicy] = {}
-    policies = [_policy(policy, game, loaded) for game in chosen]
-    players = [Player(one, protocol, game) for one, game in zip(policies, chosen, strict=True)]
-    seeds = [tuple(episode_seed(seed, game.id, episode) for episode in range(episodes)) for game in chosen]
-    tasks = [
-        _Task(_at_game(policy, game), game, protocol, own[part::parts], lanes, num_threads)
-        for game, own in zip(chosen, seeds, strict=True)
+    policies = [_policy(policy, game.id, loaded) for game in chosen]
+    played = [played_task(game, protocol, own) for game, own in zip(chosen, policies, strict=True)]
+    players = [EvaluatedPolicy(own, task, protocol.epsilon) for own, task in zip(policies, played, strict=True)]
+    seeds = [tuple(episode_seed(seed, task.game, episode) for episode in range(episodes)) for task in played]
+    work = [
+        _Work(_source(policy, task.game), task, protocol.epsilon, own[part::parts], lanes, num_threads)
+        for task, own in zip(played, seeds, strict=True)
         for part in range(parts)
     ]
-    done = _play_all(tasks, [player for player in players for _ in range(parts)], elsewhere, progress)
-    played = [_joined(done[start : start + parts]) for start in range(0, len(done), parts)]
+    done = _play_all(work, [player for player in players for _ in range(parts)], elsewhere, progress)
+    results = [_joined(done[start : start + parts]) for start in range(0, len(done), parts)]
     frames = {getattr(one, "training_frames", None) for one in policies}
     return Result(
         policy=_name(policy, policies),
         protocol=protocol,
         seed=seed,
-        games=tuple(played),
+        games=tuple(results),
         training_frames=frames.pop() if len(frames) == 1 else None,
         versions=versions(),
     )
 
 
 def record_games(
-    policy: Any, game: Any, protocol: str | EvaluationProtocol, seeds: Sequence[int], path: str | Path
+    policy: Any, game: GameLike, protocol: str | EvaluationProtocol, seeds: Sequence[int], path: str | Path
 ) -> list[tuple[float, int]]:
     """Record whole games of an evaluation in a replay (.a26r), and return the score and the length in frames of each.
 
@@ -145,8 +148,16 @@ def record_games(
         >>> played == list(zip(result.scores, result.frames))
         True
     """
-    (found,) = find_entries(game)
-    player = Player(_policy(policy, found, {}), find_protocol(protocol), found)
+    (found,), protocol = resolve_games(game), find_protocol(protocol)
+    loaded = _policy(policy, found.id, {})
+    return record_task(loaded, played_task(found, protocol, loaded), protocol.epsilon, seeds, path)
+
+
+def record_task(
+    policy: LoadedPolicy, task: Task, epsilon: float, seeds: Sequence[int], path: str | Path
+) -> list[tuple[float, int]]:
+    """Record whole games of the task that an evaluation plays, see `record_games`."""
+    player = EvaluatedPolicy(policy, task, epsilon)
     with closing(RecordVectorReplay(player.make(1), path)) as envs:
         played = _Games(envs, player, np.array(seeds, np.int64), lambda done: None)
         while played.active.any():
@@ -160,22 +171,22 @@ def episode_seed(seed: int, game: str, episode: int) -> int:
     return int(words[0]) >> 1
 
 
-def _policy(policy: Any, game: Entry, loaded: dict[Any, LoadedPolicy]) -> LoadedPolicy:
+def _policy(policy: Any, game_id: str, loaded: dict[Any, LoadedPolicy]) -> LoadedPolicy:
     """The policy of a game; `loaded` keeps policies that several games share."""
-    source = _at_game(policy, game)
+    source = _source(policy, game_id)
     key = source if isinstance(source, str) else id(source)
     if key not in loaded:
         loaded[key] = load_policy(source)
     return loaded[key]
 
 
-def _at_game(policy: Any, game: Entry) -> Any:
+def _source(policy: Any, game_id: str) -> Any:
     """The policy of a game, or its source, from which workers make it."""
     if isinstance(policy, Mapping):
-        if game.id not in policy:
-            raise ValueError(f"there is no policy for {game.id}; there are some for {', '.join(map(str, policy))}")
-        policy = policy[game.id]
-    return str(policy).replace("{game}", game.id) if isinstance(policy, (str, Path)) else policy
+        if game_id not in policy:
+            raise ValueError(f"there is no policy for {game_id}; there are some for {', '.join(map(str, policy))}")
+        policy = policy[game_id]
+    return str(policy).replace("{game}", game_id) if isinstance(policy, (str, Path)) else policy
 
 
 def _name(policy: Any, policies: Sequence[LoadedPolicy]) -> str:
@@ -198,12 +209,12 @@ def _lanes(num_envs: int | None, episodes: int) -> int:
 
 
 @dataclass(frozen=True)
-class _Task:
-    """Episodes of one game, which one worker plays. `policy` is a policy or its source; it can be pickled."""
+class _Work:
+    """Episodes of one task, which one worker plays. `policy` is a policy or its source; it can be pickled."""
 
     policy: Any
-    game: Entry
-    protocol: EvaluationProtocol
+    task: Task
+    epsilon: float
     seeds: tuple[int, ...]
     lanes: int
     num_threads: int
@@ -211,33 +222,33 @@ class _Task:
 
 
 def _play_all(
-    tasks: Sequence[_Task], players: Sequence[Player], workers: Workers | None, progress: Progress | None
+    work: Sequence[_Work], players: Sequence[EvaluatedPolicy], workers: Workers | None, progress: Progress | None
 ) -> list[GameResult]:
-    """Do the tasks: in this process with the players, or by workers."""
+    """Do the work: in this process with the players, or by workers."""
     results: list[GameResult] = []
-    elsewhere = None if workers is None else iter(workers.map(_play_task, tasks))
-    total, before = sum(len(task.seeds) for task in tasks), 0
-    for task, player in zip(tasks, players, strict=True):
+    elsewhere = None if workers is None else iter(workers.map(_play_elsewhere, work))
+    total, before = sum(len(part.seeds) for part in work), 0
+    for part, player in zip(work, players, strict=True):
         report = _report(progress, before, total)
         if elsewhere is None:
-            results.append(_play(task, player, task.num_threads, report))
+            results.append(_play(part, player, part.num_threads, report))
         else:
             results.append(next(elsewhere))
-            report(len(task.seeds))
-        before += len(task.seeds)
+            report(len(part.seeds))
+        before += len(part.seeds)
     return results
 
 
-def _play_task(task: _Task) -> GameResult:
-    """Do a task, in a worker.
+def _play_elsewhere(work: _Work) -> GameResult:
+    """Do the work of a worker.
 
     Raises:
         RuntimeError: the worker has another version of this package.
     """
-    if (own := version("atari-envs")) != task.version:
-        raise RuntimeError(f"a worker has atari-envs {own}, and the evaluation was begun with {task.version}")
-    player = Player(_policy(task.policy, task.game, {}), task.protocol, task.game)
-    return _play(task, player, task.num_threads or 1, lambda done: None)
+    if (own := version("atari-envs")) != work.version:
+        raise RuntimeError(f"a worker has atari-envs {own}, and the evaluation was begun with {work.version}")
+    player = EvaluatedPolicy(load_policy(work.policy), work.task, work.epsilon)
+    return _play(work, player, work.num_threads or 1, lambda done: None)
 
 
 def _joined(parts: Sequence[GameResult]) -> GameResult:
@@ -251,18 +262,18 @@ def _joined(parts: Sequence[GameResult]) -> GameResult:
     return replace(parts[0], scores=scores, frames=frames, truncated=truncated, seeds=seeds)
 
 
-def _play(task: _Task, player: Player, num_threads: int, report: Callable[[int], Any]) -> GameResult:
+def _play(work: _Work, player: EvaluatedPolicy, num_threads: int, report: Callable[[int], Any]) -> GameResult:
     """Play a game for each seed and return the results in the order of the seeds."""
-    lanes = min(task.lanes, len(task.seeds))
+    lanes = min(work.lanes, len(work.seeds))
     with closing(player.make(lanes, num_threads)) as envs:
-        games = _Games(envs, player, np.array(task.seeds, np.int64), report)
+        games = _Games(envs, player, np.array(work.seeds, np.int64), report)
         while games.active.any():
             games.step()
     scores, frames, truncated = zip(*filter(None, games.ended), strict=True)
     played: Mapping[str, Any] = {}
     with suppress(ValueError):  # a game without a file has no JSON
-        played = json.loads(player.task.to_json())
-    return GameResult(task.game.id, scores, frames, truncated, task.seeds, player.facts(), played)
+        played = json.loads(work.task.to_json())
+    return GameResult(work.task.game, scores, frames, truncated, work.seeds, player.facts(), played)
 
 
 class _Games:
@@ -273,7 +284,11 @@ class _Games:
     """
 
     def __init__(
-        self, envs: AtariVectorEnv | RecordVectorReplay, player: Player, seeds: IntArray, report: Callable[[int], Any]
+        self,
+        envs: AtariVectorEnv | RecordVectorReplay,
+        player: EvaluatedPolicy,
+        seeds: IntArray,
+        report: Callable[[int], Any],
     ) -> None:
         self._envs, self._player, self._seeds, self._report = envs, player, seeds, report
         self._limit = player.max_frames

@@ -1,4 +1,4 @@
-"""The task that an evaluation plays, from a game, a protocol and a policy."""
+"""The task that an evaluation plays, from a game, a protocol and a policy. `resolve_games` is its door for games."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,26 +8,28 @@ from typing import Any
 from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol, in_words
-from atari.policy.needs import Needs, composed, in_game
+from atari.policy.needs import composed, in_game, needs_of
 from atari.task import PRESETS, Task
 from atari.task.fields import GROUPS
-from atari.task.resolution import is_id
+from atari.task.resolution import GameLike, is_id
 
 _GAME_FIELDS = ("mode", "difficulty", "interventions")
 """Fields that the game of an evaluation decides. Where a game says nothing, the policy must not say something else."""
 
 
 @dataclass(frozen=True)
-class Entry:
-    """A game of an evaluation.
+class EvaluatedGame:
+    """A game of an evaluation, and how the user named it: an ID and a `Task` say more than the name of a game.
 
     Attributes:
         task: a task whose game, mode, difficulty and interventions are played.
-        given: the user's argument: an ID, a `Task`, or the name or the definition of a game.
+        env_id: the environment ID, if the user gave one.
+        is_task: whether the user gave a `Task`, all of whose fields must then be played.
     """
 
     task: Task
-    given: Any
+    env_id: str | None = None
+    is_task: bool = False
 
     @property
     def id(self) -> str:
@@ -35,16 +37,23 @@ class Entry:
         return self.task.game
 
     @property
-    def env_id(self) -> str | None:
-        """The environment ID, if the user gave one."""
-        return self.given if isinstance(self.given, str) and is_id(self.given) else None
+    def ram(self) -> bool:
+        """Whether the user gave an ID or a `Task` of RAM."""
+        return not self.task.kind.image
+
+    @classmethod
+    def of_policy(cls, task: Task) -> "EvaluatedGame":
+        """The game of a policy's task: its game, mode, difficulty and interventions alone."""
+        return cls(Task.of(task.definition, **{name: getattr(task, name) for name in _GAME_FIELDS}))
 
 
-def find_entries(games: Any, options: Mapping[str, Any] = FrozenDict()) -> tuple[Entry, ...]:
+def resolve_games(
+    games: "GameLike | EvaluatedGame | Sequence[GameLike | EvaluatedGame]", options: Mapping[str, Any] = FrozenDict()
+) -> tuple[EvaluatedGame, ...]:
     """The games of an argument: a game, an ID, a `Task`, a name of `GAME_SETS`, or a sequence of these; each game once.
 
     Args:
-        games: the argument. An `Entry` is not changed.
+        games: the argument. An `EvaluatedGame` is not changed.
         options: options of `Task.of` for all games.
 
     Raises:
@@ -53,22 +62,25 @@ def find_entries(games: Any, options: Mapping[str, Any] = FrozenDict()) -> tuple
         gymnasium.error.NameNotFound: an ID is not known.
         FileNotFoundError: the file of a game of your own does not exist.
     """
-    listed = [games] if isinstance(games, (str, PathLike, Game, Task, Entry)) else games
+    listed = [games] if isinstance(games, (str, PathLike, Game, Task, EvaluatedGame)) else games
     if not isinstance(listed, Sequence) or not listed:
         raise TypeError(f"games must be a game, a set such as 'atari26', or a sequence of these, got {games!r}")
-    found: dict[str, Entry] = {}
+    found: dict[str, tuple[EvaluatedGame, Any]] = {}
     for given in listed:
         for one in GAME_SETS.get(given, (given,)) if isinstance(given, str) else (given,):
-            entry = one if isinstance(one, Entry) else Entry(Task.of(one, **options), one)
-            other = found.setdefault(entry.id, entry)
-            if (other.task, other.env_id) != (entry.task, entry.env_id):
-                raise ValueError(
-                    f"{entry.id} is given twice, as {other.given!r} and {entry.given!r}; leave one of them out"
-                )
-    return tuple(found.values())
+            game = one if isinstance(one, EvaluatedGame) else _resolved(one, options)
+            other, first = found.setdefault(game.id, (game, one))
+            if (other.task, other.env_id) != (game.task, game.env_id):
+                raise ValueError(f"{game.id} is given twice, as {first!r} and {one!r}; leave one of them out")
+    return tuple(game for game, _ in found.values())
 
 
-def usual_protocol(policy: Any, entry: Entry) -> EvaluationProtocol:
+def _resolved(game: GameLike, options: Mapping[str, Any]) -> EvaluatedGame:
+    env_id = game if isinstance(game, str) and is_id(game) else None
+    return EvaluatedGame(Task.of(game, **options), env_id, isinstance(game, Task))
+
+
+def usual_protocol(policy: Any, game: EvaluatedGame) -> EvaluationProtocol:
     """The protocol that commands play unless a user names one.
 
     It is the protocol of the policy's training, else the whole games of the policy's `task`. A policy without `task`,
@@ -78,9 +90,9 @@ def usual_protocol(policy: Any, entry: Entry) -> EvaluationProtocol:
     if own is not None:
         return find_protocol(own)
     if isinstance(task, Task):
-        return _of_whole_games(in_game(task, entry.task), "task")
-    if says_nothing(policy) and (entry.env_id is not None or isinstance(entry.given, Task)):
-        return _of_whole_games(entry.task, entry.env_id or "task")
+        return _of_whole_games(in_game(task, game.task), "task")
+    if says_nothing(policy) and (game.env_id is not None or game.is_task):
+        return _of_whole_games(game.task, game.env_id or "task")
     return PROTOCOLS["baselines"]
 
 
@@ -93,7 +105,7 @@ def says_nothing(policy: Any) -> bool:
     return not any(getattr(policy, name, None) for name in ("task", "environment", "protocol"))
 
 
-def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Task:
+def played_task(game: EvaluatedGame, protocol: EvaluationProtocol, policy: Any) -> Task:
     """The task that an evaluation plays.
 
     The game decides mode, difficulty and interventions. The protocol decides the actions, sticky actions, frame skip,
@@ -101,21 +113,22 @@ def played_task(entry: Entry, protocol: EvaluationProtocol, needs: Needs) -> Tas
     if the game is an ID or a `Task` of RAM, else the images of the protocol's preset or task.
 
     Raises:
-        ValueError: game, protocol and policy contradict each other, or the game is a `Task` with another field that is
-            not played; the message says what to pass.
+        ValueError: game, protocol and policy contradict each other, the policy's options are wrong, or the game is a
+            `Task` with another field that is not played; the message says what to pass.
     """
-    _check_alone(entry.task, entry.id)
-    if needs.task is not None:
-        _check_policy(entry, protocol, needs.task)
-    _check_id(entry, protocol, needs.task)
-    seen = needs.task or (None if entry.task.kind.image else entry.task)
+    own = needs_of(policy, game.task.definition).task
+    _check_alone(game.task, game.id)
+    if own is not None:
+        _check_policy(game.task, protocol, own)
+    _check_id(game, protocol, own)
+    seen = own or (game.task if game.ram else None)
     if protocol.task is not None:
-        _check_same_game(entry, protocol.task)
+        _check_same_game(game.task, protocol.task)
         played = _whole_games(protocol, protocol.task, seen)
     else:
-        played = composed(entry.task, **_observation(seen, protocol.preset), **_play(protocol), **_lives(protocol))
-    if isinstance(entry.given, Task) and entry.given != protocol.task:
-        _check_given(entry.given, played, protocol)
+        played = composed(game.task, **_observation(seen, protocol.preset), **_play(protocol), **_lives(protocol))
+    if game.is_task and game.task != protocol.task:
+        _check_given(game.task, played, protocol)
     return played
 
 
@@ -172,28 +185,27 @@ def _check_alone(task: Task, owner: str) -> None:
             )
 
 
-def _check_policy(entry: Entry, protocol: EvaluationProtocol, policy: Task) -> None:
+def _check_policy(game: Task, protocol: EvaluationProtocol, policy: Task) -> None:
     """Refuse a policy of another game than the one that is played, unless the user asks for this other game."""
     _check_alone(policy, "the policy")
-    said, default = entry.task.plain(), Task.of(entry.task.definition).plain()
-    _check_alike(entry.task, policy, "policy", [name for name in _GAME_FIELDS if said[name] == default[name]])
+    said, default = game.plain(), Task.of(game.definition).plain()
+    _check_alike(game, policy, "policy", [name for name in _GAME_FIELDS if said[name] == default[name]])
     if policy.frames != protocol.frames:
         ours, theirs = in_words(protocol.frames), in_words(policy.frames)
         raise ValueError(f"protocol {protocol.name!r} plays {ours} frames an action, the policy {theirs}")
 
 
-def _check_id(entry: Entry, protocol: EvaluationProtocol, policy: Task | None) -> None:
+def _check_id(game: EvaluatedGame, protocol: EvaluationProtocol, policy: Task | None) -> None:
     """Refuse an ID, or a task of RAM, whose observations or sticky actions the evaluation does not play."""
-    of_ram = not entry.task.kind.image
-    named = of_ram or entry.env_id is not None
-    if named and policy is not None and (not policy.kind.image) != of_ram:
-        shown, name = "RAM" if of_ram else "images", entry.env_id or f"the task of {entry.id}"
-        raise ValueError(f"{name} shows {shown}, and the policy sees obs_type={policy.obs_type!r}; pass {entry.id!r}")
-    sticky = entry.task.repeat_action_probability
-    if entry.env_id is not None and sticky != protocol.repeat_action_probability:
+    named = game.ram or game.env_id is not None
+    if named and policy is not None and (not policy.kind.image) != game.ram:
+        shown, name = "RAM" if game.ram else "images", game.env_id or f"the task of {game.id}"
+        raise ValueError(f"{name} shows {shown}, and the policy sees obs_type={policy.obs_type!r}; pass {game.id!r}")
+    sticky = game.task.repeat_action_probability
+    if game.env_id is not None and sticky != protocol.repeat_action_probability:
         raise ValueError(
-            f"{entry.env_id} has repeat_action_probability={sticky}, and protocol {protocol.name!r} "
-            f"{protocol.repeat_action_probability}; pass {entry.id!r}, or another protocol"
+            f"{game.env_id} has repeat_action_probability={sticky}, and protocol {protocol.name!r} "
+            f"{protocol.repeat_action_probability}; pass {game.id!r}, or another protocol"
         )
 
 
@@ -211,16 +223,11 @@ def _check_given(task: Task, played: Task, protocol: EvaluationProtocol) -> None
         )
 
 
-def game_of(task: Task) -> Task:
-    """The task of a policy as the game of an evaluation: its game, mode, difficulty and interventions alone."""
-    return Task.of(task.definition, **{name: getattr(task, name) for name in _GAME_FIELDS})
-
-
-def _check_same_game(entry: Entry, task: Task) -> None:
+def _check_same_game(game: Task, task: Task) -> None:
     """Refuse another game than the game of the protocol's task."""
-    if entry.id != task.game:
-        raise ValueError(f"the protocol is of {task.game}, and the game is {entry.id}; pass {task.game!r} as the game")
-    _check_alike(entry.task, task, "protocol", _GAME_FIELDS)
+    if game.game != task.game:
+        raise ValueError(f"the protocol is of {task.game}, and the game is {game.game}; pass {task.game!r} as the game")
+    _check_alike(game, task, "protocol", _GAME_FIELDS)
 
 
 def _check_alike(game: Task, wanted: Task, owner: str, names: Iterable[str]) -> None:

@@ -9,14 +9,13 @@ from types import SimpleNamespace
 from typing import Any
 
 from atari.files import durable
-from atari.learning.evaluation.played import find_entries, game_of, played_task
+from atari.learning.evaluation.played import EvaluatedGame, played_task
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol
 from atari.learning.options import SEEDS, TrainingOptions
 from atari.learning.programs import Program, is_program, program
 from atari.learning.run import RunFolder
 from atari.learning.training import AgentCode, read_options
 from atari.learning.trust import sha256
-from atari.policy.needs import needs_of
 from atari.validation import check_file
 
 MOST_SEEDS = 1000
@@ -106,8 +105,7 @@ def check_protocol(runs: Sequence[Run], protocol: EvaluationProtocol) -> None:
     """
     for run in runs:
         task = run.options.task
-        (entry,) = find_entries(game_of(task))
-        played_task(entry, protocol, needs_of(SimpleNamespace(task=task, environment=None), task.definition))
+        played_task(EvaluatedGame.of_policy(task), protocol, SimpleNamespace(task=task))
 
 
 def check_folder(folder: Path, code: AgentCode, runs: Sequence[Run], resolve: Resolve) -> None:

@@ -10,8 +10,8 @@ import pytest
 import atari
 from atari.learning import PROTOCOLS, EvaluationProtocol, Result, ScoresPolicy, evaluate, load_policy, record_games
 from atari.learning.evaluation.evaluate import episode_seed
-from atari.learning.evaluation.played import find_entries, usual_protocol
-from atari.learning.evaluation.player import Player
+from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
+from atari.learning.evaluation.played import resolve_games, usual_protocol
 from atari.task import PRESETS, Task
 from atari.wrappers import preset, preset_options
 
@@ -411,7 +411,7 @@ def test_the_games_of_a_task_without_an_end_are_limited():
     ],
 )
 def test_a_policy_that_says_nothing_plays_an_id_as_it_is(env_id, shape, calls, tmp_path):
-    protocol = usual_protocol(sums, find_entries(env_id)[0])
+    protocol = usual_protocol(sums, resolve_games(env_id)[0])
     assert protocol.task == Task.of(env_id)
     shapes = []
 
@@ -441,13 +441,13 @@ def test_the_frames_of_a_training_are_an_integer(tmp_path):
 
 def test_the_usual_protocol():
     policy = returns(np.zeros)
-    (entry,) = find_entries("pong")
-    assert usual_protocol(policy, entry) == PROTOCOLS["baselines"]
-    assert usual_protocol(needs(obs_type="ram"), find_entries("Pong-ram-v4")[0]) == PROTOCOLS["baselines"]
+    (game,) = resolve_games("pong")
+    assert usual_protocol(policy, game) == PROTOCOLS["baselines"]
+    assert usual_protocol(needs(obs_type="ram"), resolve_games("Pong-ram-v4")[0]) == PROTOCOLS["baselines"]
     policy.task = Task.of("pong", preset="dqn2015")
-    assert usual_protocol(policy, entry).task == policy.task
+    assert usual_protocol(policy, game).task == policy.task
     policy.protocol = "dopamine"
-    assert usual_protocol(policy, find_entries("ALE/Pong-v5")[0]) == PROTOCOLS["dopamine"]
+    assert usual_protocol(policy, resolve_games("ALE/Pong-v5")[0]) == PROTOCOLS["dopamine"]
 
 
 def test_a_result_keeps_the_task_of_its_protocol(tmp_path):
@@ -461,9 +461,8 @@ def test_a_result_keeps_the_task_of_its_protocol(tmp_path):
 
 def test_random_actions_are_those_of_the_task():
     task = Task.of("pong", preset="dopamine", max_num_frames_per_episode=400).replace(actions=["RIGHT", "LEFT"])
-    protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=1.0, episodes=1)
     chosen = []
-    player = Player(load_policy(returns(lambda n: np.zeros(n, int))), protocol, find_entries(task)[0])
+    player = EvaluatedPolicy(load_policy(returns(lambda n: np.zeros(n, int))), task, epsilon=1.0)
     player.begin(np.arange(1), np.arange(1))
     for _ in range(40):
         chosen += player.act(np.zeros(1), np.arange(1)).tolist()

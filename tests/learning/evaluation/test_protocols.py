@@ -9,7 +9,7 @@ import pytest
 
 import atari
 from atari.learning import GAME_SETS, PROTOCOLS, EvaluationProtocol, Published
-from atari.learning.evaluation.played import find_entries
+from atari.learning.evaluation.played import resolve_games
 from atari.learning.evaluation.protocols import differences, find_protocol, refusal
 from atari.task import Task
 
@@ -183,7 +183,7 @@ def test_sets():
     assert sizes == {"atari5": 5, "atari26": 26, "atari49": 49, "atari55": 55, "atari57": 57, "atari60": 60}
     assert all(atari.games[game].single_player for games in GAME_SETS.values() for game in games)
     assert set(GAME_SETS["atari26"]) < set(GAME_SETS["atari57"])
-    games = find_entries(["pong", "atari26", "atari5", "ALE/Surround-v5"])
+    games = resolve_games(["pong", "atari26", "atari5", "ALE/Surround-v5"])
     assert games[0].id == "pong"
     assert len(games) == len({"pong", *GAME_SETS["atari26"], *GAME_SETS["atari5"]}) + 1
     assert (games[0].env_id, games[-1].env_id) == (None, "ALE/Surround-v5")

@@ -1,14 +1,13 @@
-"""`Player`: a policy in the environments of one game, by a protocol."""
+"""`EvaluatedPolicy`: a policy in the environments of the task that an evaluation plays."""
 
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.evaluation.played import Entry, played_task
-from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.policy import LoadedPolicy
 from atari.policy.needs import needs_of
+from atari.task import Task
 from atari.task.checks import NO_LIMIT
 from atari.task.fields import GROUPS
 from atari.vector import AtariVectorEnv
@@ -16,34 +15,30 @@ from atari.vector import AtariVectorEnv
 IntArray = npt.NDArray[np.int64]
 
 
-class Player:
-    """A policy in the environments of one game. It translates the policy's actions, and makes some of them random.
+class EvaluatedPolicy:
+    """A policy in the environments of a task. It translates the policy's actions, and makes some of them random.
 
     Args:
         policy: the policy.
-        protocol: the protocol of the evaluation.
-        entry: the game that is played.
-
-    Attributes:
-        task: the task that is played.
+        task: the task that is played, from `played_task`.
+        epsilon: the probability of a random action.
 
     Raises:
-        ValueError: the policy needs an environment that does not exist, or that the protocol does not allow.
+        ValueError: the policy needs an environment that does not exist, or has an action that the task lacks.
         FileNotFoundError: the game's ROM file does not exist.
     """
 
-    def __init__(self, policy: LoadedPolicy, protocol: EvaluationProtocol, entry: Entry) -> None:
-        self._policy = policy
-        self._epsilon = protocol.epsilon
+    def __init__(self, policy: LoadedPolicy, task: Task, epsilon: float) -> None:
+        self.task = task
+        self._policy, self._epsilon = policy, epsilon
         self._generators: dict[int, np.random.Generator] = {}
-        needs = needs_of(policy, entry.task.definition)
-        self.task = played_task(entry, protocol, needs)
+        needs = needs_of(policy, task.definition)
         self._options = needs.options
-        every = tuple(action.name for action in self.task.action_set)
-        self._names = every if needs.actions is None else _names(needs.actions, every, entry.id)
+        every = tuple(action.name for action in task.action_set)
+        self._names = every if needs.actions is None else _names(needs.actions, every, task.game)
         self._every = len(every)
         self._indices = np.array([every.index(name) for name in self._names])
-        self.max_frames = self.task.max_num_frames_per_episode or NO_LIMIT
+        self.max_frames = task.max_num_frames_per_episode or NO_LIMIT
         try:
             self.make(1).close()  # so that errors are raised before the first game of an evaluation
         except TypeError as error:  # the options may be from a file
