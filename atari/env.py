@@ -32,7 +32,7 @@ from atari.task import Task
 from atari.task.fields import UNSET
 from atari.task.kinds import KINDS
 from atari.task.options import AddedOptions, Interventions
-from atari.task.task import GameLike, resolve_task
+from atari.task.task import GameLike, look_up
 from atari.validation import check_action, check_name
 
 ObsType = Literal["rgb", "grayscale", "ram"]
@@ -107,7 +107,7 @@ class AtariEnv(EnvState):
     ) -> None:
         named = {name: value for name, value in locals().items() if name in ALE_OPTIONS and value is not UNSET}
         others = ("render_mode", "core", "rom")
-        task = resolve_task(game, None, {**named, **options}, base=_BASE, owner="AtariEnv", others=others)
+        task = look_up(game).task(None, {**named, **options}, _BASE, owner="AtariEnv", others=others)
         _require_plain(task)
         check_name("core", core, CORES)
         if render_mode is not None:
@@ -454,11 +454,7 @@ def check_reset_options(options: Any) -> None:
 
 
 def _require_plain(task: Task) -> None:
-    """Refuse what an `AtariEnv` does not play alone.
-
-    Raises:
-        ValueError: wrappers play the task, or several players.
-    """
+    """Refuse what an `AtariEnv` does not play alone."""
     if task.players > 1:
         raise ValueError(
             f"AtariEnv is for one player, got players={task.players}; "

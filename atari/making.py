@@ -15,8 +15,8 @@ from atari.env import AtariEnv
 from atari.games.catalog import games
 from atari.task import Task
 from atari.task.options import MakeOptions
-from atari.task.resolution import ALIASES, ENTRY_POINT, OPTIONS, is_id, is_ours, known_ids
-from atari.task.task import GameLike, resolve_task
+from atari.task.resolution import ALIASES, ENTRY_POINT, OPTIONS, fields_of_id, is_id, is_ours, known_ids
+from atari.task.task import FoundGame, GameLike, look_up
 from atari.validation import check_known
 from atari.vector import AtariVectorEnv
 from atari.vector.options import OF_TASKS
@@ -61,32 +61,35 @@ def make(game_or_id: GameLike, *, preset: str | None = None, **options: Unpack[M
     check_known("atari.make", [name for name in options if name not in known], known)
     fields = {name: value for name, value in options.items() if name in OPTIONS or name in ALIASES}
     others = {name: value for name, value in options.items() if name not in fields}
-    task = resolve_task(game_or_id, preset, fields, owner="atari.make")
+    found = look_up(game_or_id)
+    return make_found(found, found.task(preset, fields, owner="atari.make"), others)
+
+
+def make_found(found: FoundGame, task: Task, options: dict[str, Any]) -> Env:
+    """An environment of a task as `make` makes it: by the ID that GAME is, or by the game's ID.
+
+    `options` are those of `gymnasium.make`, and others that do not change the task.
+    """
+    env_id = None if found.env_id is None else found.env_id.removeprefix(env_ids.MODULE_PREFIX)
+    if found.bare and task.definition.file is None:
+        env_id = f"ALE/{env_ids.stem(task.game)}-v5"
     if task.preprocessed:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
-        env = wrap(_make_plain(game_or_id, task.of_emulator(), others), task)
+        env = wrap(_make_plain(task.of_emulator(), env_id, options), task)
     else:
-        env = _make_plain(game_or_id, task, others)
+        env = _make_plain(task, env_id, options)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
 
 
-def _make_plain(game: GameLike, task: Task, options: dict[str, Any]) -> Env:
-    """An environment without wrappers of this package, made by Gymnasium, by the game's ID if it has one.
-
-    Args:
-        game: the user's argument.
-        task: the task.
-        options: options of `gymnasium.make`, and other options that do not change the task.
-    """
+def _make_plain(task: Task, env_id: str | None, options: dict[str, Any]) -> Env:
+    """An environment without wrappers of this package, made by Gymnasium, by its ID if it has one."""
     limit = task.max_episode_steps
     limited: dict[str, Any] = {} if limit is None else {"max_episode_steps": limit}
-    given = game if isinstance(game, str) and is_id(game) else f"ALE/{env_ids.stem(task.game)}-v5"
-    env_id = given.removeprefix(env_ids.MODULE_PREFIX)
-    if given is not game and (isinstance(game, Task) or task.definition.file is not None):
+    if env_id is None:
         return gymnasium.make(spec_of(task.replace(max_episode_steps=None)), **limited, **options)
-    base = Task.of(env_id)
+    base = FoundGame(task.definition, env_id, fields_of_id(env_id)[1]).task(None, {})
     changed = {name: getattr(task, name) for name in base.differences(task) if name != "max_episode_steps"}
     spec = env_id if is_ours(gymnasium.registry[env_id].entry_point) else spec_of_id(env_id)
     return gymnasium.make(spec, **{**changed, **limited, **options})
@@ -158,11 +161,11 @@ def make_AtariEnv(  # other programs recognise Atari games by this name
     """
     if task is not None:
         chosen = Task.from_json(task) if isinstance(task, str) else task
-        found = resolve_task(chosen, preset, options, owner=f"{chosen.game}'s spec")
+        found = FoundGame(chosen).task(preset, options, owner=f"{chosen.game}'s spec")
     else:
         if not options.get("continuous", False):  # Dopamine gives a threshold to every environment, as ale-py allows
             options.pop("continuous_action_threshold", None)
-        found = resolve_task(base or options.pop("game"), preset, given_beside(base, options), owner="AtariEnv")
+        found = look_up(base or options.pop("game")).task(preset, given_beside(base, options), owner="AtariEnv")
     return make_env(found, render_mode, core, rom)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from atari.env import AtariEnv
 from atari.task.presets import find_preset
-from atari.task.task import resolve_task
+from atari.task.task import FoundGame
 from atari.wrappers._checks import Environment, require_atari
 from atari.wrappers.layers import wrap
 
@@ -91,7 +91,7 @@ def preset(
     _require_options(atari, name)
     own = atari.task
     played = {option: getattr(own, option) for option in _OF_EMULATOR}
-    task = resolve_task(own, name, {**played, **given}, owner="preset")
+    task = FoundGame(own).task(name, {**played, **given}, owner="preset")
     env = wrap(env, task)
     atari.whole_task = task
     return env
@@ -121,11 +121,7 @@ def preset_options(name: str) -> dict[str, Any]:
 
 
 def _require_options(atari: AtariEnv, name: str) -> None:
-    """Raise an error for an environment that does not fit a preset.
-
-    Raises:
-        ValueError: the environment has other options; the message says how to make it.
-    """
+    """Raise an error for an environment that does not fit a preset."""
     chosen, wanted = find_preset(name), preset_options(name)
     minimal, full = atari.game.minimal_actions, atari.game.legal_actions
     fits = {

@@ -10,9 +10,8 @@ from typing import Any, NoReturn, TypeAlias
 
 from atari.games.catalog import games
 from atari.games.game import Game
-from atari.task import Task
-from atari.task.arguments import StoreOnce, advised, field_of_flag, game_of
-from atari.task.resolution import is_id, spelled
+from atari.task.arguments import StoreOnce, advised, field_of_flag, read_game
+from atari.task.task import look_up
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
@@ -102,10 +101,8 @@ def find_game(name: str, playable: bool = True) -> Game:
         ValueError, FileNotFoundError, gymnasium.error.NameNotFound: there is no such game; the message suggests
             the nearest.
     """
-    game = game_of(name)
-    if isinstance(game, Task) or (isinstance(game, str) and is_id(game)):
-        game = Task.of(game).definition
-    return games.find(spelled(game)) if playable else games.resolve(spelled(game))
+    game = look_up(read_game(name)).definition
+    return games.find(game) if playable else game
 
 
 def number(kind: type[int] | type[float], low: float, high: int = 10**9) -> Callable[[str], float]:

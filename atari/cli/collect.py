@@ -13,6 +13,7 @@ from atari.cli.printing import print_json
 from atari.lab.collect import check_output, write_dataset
 from atari.lab.labels import Labels, UnknownLabelError
 from atari.learning import load_policy
+from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.recording import Replay
 from atari.recording.replay.file_format import is_replay
@@ -82,7 +83,7 @@ def _collect(args: argparse.Namespace) -> int:
         raise ValueError(str(error)) from None
     if show_task(args, task):
         return 0
-    if args.ray is not None:
+    if args.ray is not None and game is not None:
         result = _collect_by_workers(args, game, seeds, options)
     else:
         check_output(args.output, args.format)  # before the games are played
@@ -99,7 +100,9 @@ def _collect(args: argparse.Namespace) -> int:
     return 0
 
 
-def _collect_by_workers(args: argparse.Namespace, game: Any, seeds: range, options: dict[str, Any]) -> dict[str, Any]:
+def _collect_by_workers(
+    args: argparse.Namespace, game: EvaluatedGame, seeds: range, options: dict[str, Any]
+) -> dict[str, Any]:
     import ray
 
     from atari.integrations.ray import collect

@@ -12,9 +12,10 @@ import gymnasium
 
 from atari._extras import install_extra
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, find_game, number
+from atari.games.catalog import games
 from atari.roms.search import ENDINGS
-from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
-from atari.task.task import BY_FRAME
+from atari.task.arguments import SCREEN, add_task, given_options, read_game, seed, show_task, task_of
+from atari.task.task import BY_FRAME, look_up
 
 if TYPE_CHECKING:
     from atari.lab.inspector.session import Session
@@ -108,8 +109,9 @@ def _session(args: argparse.Namespace) -> "Session":
         return Session(AtariEnv(task), agent=player, seed=seed_)
     player = _agent(args.agent)
     if of_game:
-        sticky = 0.0 if player is None else player.task_in(find_game(source)).repeat_action_probability
-        task = task_of(args, game=source, base={**BY_FRAME, "repeat_action_probability": sticky})
+        found = look_up(read_game(source))
+        sticky = 0.0 if player is None else player.task_in(games.find(found.definition)).repeat_action_probability
+        task = task_of(args, found, base={**BY_FRAME, "repeat_action_probability": sticky})
         return Session(AtariEnv(task, rom=args.rom), agent=player, seed=seed_)
     return (session_of_replay if of_replay else session_of_snapshot)(path, rom=args.rom, agent=player)
 

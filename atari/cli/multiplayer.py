@@ -4,13 +4,13 @@ import argparse
 from collections.abc import Callable
 from functools import partial
 
-from atari.cli.arguments import find_game
+from atari.games.game import Game
 from atari.games.pettingzoo import find_environment
 from atari.games.players import options_of, rules_of
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.task import Task
-from atari.task.arguments import game_of, given_options, task_of
-from atari.task.task import BY_FRAME
+from atari.task.arguments import given_options, read_game, task_of
+from atari.task.task import BY_FRAME, look_up
 
 FORMER_FLAGS = {"--obs": "it is --obs-type, as in `{prog} GAME --players 2 --obs-type ram`"}
 """Flags of earlier releases, and the new calls."""
@@ -20,7 +20,7 @@ _OBEYED = ("players", "mode", "difficulty", "obs_type")
 
 def is_match(args: argparse.Namespace) -> bool:
     """Whether the flags or a task select several players."""
-    game = game_of(args.game)
+    game = read_game(args.game)
     players: int = getattr(args, "players", game.players if isinstance(game, Task) else 1)
     return players > 1
 
@@ -34,15 +34,15 @@ def match_task(args: argparse.Namespace) -> Task:
     """
     given, name = given_options(args), args.game
     environment = None if name.endswith((".toml", ".json")) else find_environment(name)
+    found = look_up(read_game(name) if environment is None else environment.game)
     if environment is not None:
-        name = environment.game
         chosen = options_of(environment, {field: given[field] for field in ("mode", "players") if field in given})
         args.mode, args.players = chosen["mode"], chosen["players"]
-    elif "players" not in given and not name.endswith(".json"):
-        modes = rules_of(find_game(name, playable=False)).modes
+    elif "players" not in given and isinstance(found.game, Game):
+        modes = rules_of(found.game).modes
         args.players = next((count for count in modes if getattr(args, "mode", None) in modes[count]), min(modes))
     args.fixed = {}
-    task = task_of(args, game=name, base=BY_FRAME)
+    task = task_of(args, found, base=BY_FRAME)
     if args.preset is not None:
         raise ValueError(
             f"games of several players are recorded and played without presets, got --preset {args.preset}; leave it "

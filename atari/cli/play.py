@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from atari.cli.arguments import GAME_HELP, Commands, HelpFormatter, add_command, add_rom, find_game, number
+from atari.cli.arguments import GAME_HELP, Commands, HelpFormatter, add_command, add_rom, number
 from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
 from atari.cli.printing import print_json
 from atari.play import Session, play
@@ -66,9 +66,6 @@ def _play(args: argparse.Namespace) -> int:
     if match:
         task = match_task(args)
     else:
-        game = find_game(args.game, playable=False)
-        if not game.single_player and game.multiplayer is not None:
-            raise ValueError(f"{game.id} has no game of one player; give --players {min(game.multiplayer.modes)}")
         if "obs_type" in given_options(args):
             raise ValueError("--obs-type needs --players; see `atari play --help`")
         task = task_of(args, base=BY_FRAME)

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from atari.cli.arguments import find_game
 from atari.cores.options import SEED_LIMIT
 from atari.learning.evaluation.evaluate import record_task
 from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
@@ -18,8 +17,9 @@ from atari.learning.evaluation.protocols import find_protocol
 from atari.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay
 from atari.task import Task
-from atari.task.arguments import game_of, given_options, task_of
+from atari.task.arguments import given_options, read_game, task_of
 from atari.task.resolution import is_id
+from atari.task.task import look_up
 
 OF_GAME = ("mode", "difficulty", "interventions")
 """Fields that the game decides when an evaluation protocol, or the policy's training, decides the others."""
@@ -102,7 +102,7 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
     """
     trained = getattr(policy, "task", None)
     alone = getattr(policy, "game", None) if trained is None else EvaluatedGame.of_policy(trained)
-    games: list[Any] = [game_of(name) for name in names] or [alone]
+    games: list[Any] = [read_game(name) for name in names] or [alone]
     if games == [None]:
         raise ValueError(f"{args.source} does not say which game it plays; name games or a set, such as atari26")
     given = given_options(args)
@@ -114,7 +114,7 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
             raise ValueError(f"the policy says how games are played; leave --{others[0].replace('_', '-')} out")
         if args.preset is None and not any(is_id(name) or name.endswith(".json") for name in names):
             args.preset = "baselines"  # as without fields, see `usual_protocol`
-        found = resolve_games([task_of(args, game=name) for name in names])
+        found = resolve_games([task_of(args, name) for name in names])
         args.without = {}  # of `UNCLIPPED`; the task shows it
         return found
     except TypeError as error:
@@ -148,11 +148,12 @@ def replay_of(args: argparse.Namespace, path: str) -> Replay:
     Raises:
         ValueError: it belongs to another game, or the command line sets other fields, which the replay decides.
     """
-    game = find_game(args.game)
+    found = look_up(read_game(args.game))
+    game = found.definition
     replay = Replay.load(path, game=game if game.file else None, rom=getattr(args, "rom", None))
     if replay.game != game:
         raise ValueError(f"{path} is a replay of {replay.game.id}, not of {game.id}")
-    if is_id(args.game) or args.game.endswith(".json"):
+    if not found.bare:
         raise ValueError(f"what was played is in the replay {path}; name the game alone, {game.id!r}")
     options = [*given_options(args), *(["preset"] if args.preset is not None else [])]
     if options:

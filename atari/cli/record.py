@@ -12,7 +12,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import atari
 from atari._program import ctrl_c_as_event, removed_at_ctrl_c
 from atari._progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
@@ -25,6 +24,7 @@ from atari.games.game import Game
 from atari.learning import load_policy
 from atari.learning.evaluation.played import says_nothing
 from atari.learning.evaluation.protocols import MAX_EPISODES
+from atari.making import make_found
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay
@@ -32,7 +32,8 @@ from atari.recording.replay.file_format import SUFFIX, is_replay
 from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
 from atari.task import Task
-from atari.task.arguments import add_former, add_task, game_of, given_options, seed, show_task, task_of
+from atari.task.arguments import add_former, add_task, read_game, seed, show_task, task_of
+from atari.task.task import FoundGame, look_up
 
 Play = Callable[[Path], bool]
 """Plays games to a replay; False if it was interrupted."""
@@ -152,10 +153,11 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
         return replay_of(args, policy).task, lambda path: True
     loaded = load_policy(policy)
     if not Path(policy).exists() and says_nothing(loaded):
-        task = task_of(args)
+        found = look_up(read_game(args.game))
+        task = task_of(args, found)
         if task.continuous:
             raise ValueError("continuous=True has no numbered actions, and a policy chooses one; leave it out")
-        return task, partial(_play_alone, args, task, loaded)
+        return task, partial(_play_alone, args, found, task, loaded)
     for option in ("seconds", "steps", "rom"):
         if getattr(args, option) is not None:
             raise ValueError(f"{policy} plays whole games, with the ROM that is found; leave --{option} out")
@@ -165,8 +167,8 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
     return task, lambda path: bool(record(seeds, path))
 
 
-def _play_alone(args: argparse.Namespace, task: Task, policy: LoadedPolicy, path: Path) -> bool:
-    env = atari.make(game_of(args.game), preset=args.preset, rom=args.rom, **given_options(args))
+def _play_alone(args: argparse.Namespace, found: FoundGame, task: Task, policy: LoadedPolicy, path: Path) -> bool:
+    env = make_found(found, task, {"rom": args.rom})
     return _play(args, PolicySession(RecordReplay(env, path), task, policy, args.seed))
 
 

@@ -5,7 +5,7 @@ the two digits of a byte that is binary-coded decimal. A `weight` multiplies it.
 """
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -173,6 +173,22 @@ class Labels:
 def label_of(game: Game, name: str) -> Labels:
     """One label, compiled once for a game."""
     return Labels(game, (name,))
+
+
+def evaluate_label(name: str, lanes: Mapping[Game, slice | list[int]], rams: ByteArray) -> tuple[IntArray, BoolArray]:
+    """The values of a label, (lanes,) each, and whether they are visible, as in the lanes of games that have it.
+
+    Raises:
+        KeyError: no game has such a label.
+    """
+    if not any(name in game.ram_labels for game in lanes):
+        raise unknown_label(name, tuple(lanes))
+    values, visible = np.zeros(len(rams), np.int32), np.zeros(len(rams), np.bool_)
+    for game, rows in lanes.items():
+        if name in game.ram_labels:
+            found, seen = label_of(game, name).evaluate(rams[rows])
+            values[rows], visible[rows] = found[0], seen[0]
+    return values, visible
 
 
 @lru_cache(maxsize=128)

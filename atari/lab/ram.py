@@ -5,9 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from atari.games.game import RamLabel
+from atari.games.game import Game, RamLabel
 from atari.lab.access import access
-from atari.lab.labels import BoolArray, ByteArray, IntArray, byte_index, label_of, labels_of, unknown_label
+from atari.lab.labels import (
+    BoolArray,
+    ByteArray,
+    IntArray,
+    byte_index,
+    evaluate_label,
+    label_of,
+    labels_of,
+    unknown_label,
+)
 from atari.lab.objects import positions, visible_objects
 from atari.lab.table import Table
 from atari.validation import check_integer
@@ -56,9 +65,12 @@ class Ram:
     def __init__(self, target: Any, *, index: int | None = None) -> None:
         self._access = access(target, index)
         self._games = self._access.games
-        self._distinct = tuple(dict.fromkeys(self._games))
+        distinct = dict.fromkeys(self._games)
+        self._lanes: dict[Game, slice | list[int]] = dict.fromkeys(distinct, slice(None))
+        if len(distinct) > 1:
+            self._lanes = {game: [n for n, own in enumerate(self._games) if own == game] for game in distinct}
         self._labels: dict[str, RamLabel] = {}
-        for game in self._distinct:
+        for game in self._lanes:
             self._labels = {**game.ram_labels, **self._labels}
 
     def __getitem__(self, place: str | int) -> Any:
@@ -68,10 +80,10 @@ class Ram:
             KeyError: there is no such label; the message suggests the nearest.
             TypeError, ValueError: `place` is neither a text nor a place.
         """
+        rams = self._access.read()
         if isinstance(place, str):
-            values, visible = self._evaluate(self._known(place), self._access.read())
-            return self._shown(values, visible)
-        column = self._access.read()[:, byte_index(place)]
+            return self._shown(*evaluate_label(place, self._lanes, rams))
+        column = rams[:, byte_index(place)]
         return int(column[0]) if self._access.single else column.copy()
 
     def __setitem__(self, place: str | int, value: Any) -> None:
@@ -114,7 +126,7 @@ class Ram:
         return len(self._labels)
 
     def __repr__(self) -> str:
-        games = ", ".join(game.id for game in self._distinct)
+        games = ", ".join(game.id for game in self._lanes)
         lanes = "" if self._access.single else f", {len(self._games)} lanes"
         return f"Ram({games}, {len(self)} labels{lanes})"
 
@@ -125,7 +137,7 @@ class Ram:
     def items(self) -> list[tuple[str, Any]]:
         """The names of the labels and their values, all of one reading of RAM."""
         rams = self._access.read()
-        return [(name, self._shown(*self._evaluate(name, rams))) for name in self._labels]
+        return [(name, self._shown(*evaluate_label(name, self._lanes, rams))) for name in self._labels]
 
     def label(self, name: str) -> RamLabel:
         """The entry of a label in the game's file.
@@ -143,7 +155,7 @@ class Ram:
             ValueError: games of the vector have the label at different places.
         """
         self._known(name)
-        indices = sorted({game.ram_labels[name].index for game in self._distinct if name in game.ram_labels})
+        indices = sorted({game.ram_labels[name].index for game in self._lanes if name in game.ram_labels})
         if len(indices) > 1:
             raise ValueError(f"{name!r} is at different places in these games, {indices}; use Ram(envs, index=i)")
         return indices[0]
@@ -178,7 +190,7 @@ class Ram:
 
     def _row(self, name: str, rams: ByteArray) -> tuple[Any, ...]:
         label = self._labels[name]
-        values, visible = self._evaluate(name, rams)
+        values, visible = evaluate_label(name, self._lanes, rams)
         shown = [value if seen else None for value, seen in zip(_first(values), visible.tolist(), strict=False)]
         place = (name, label.index, f"0x{0x80 + label.index:02X}")
         return (*place, *_first(rams[:, label.index]), *shown, label.kind, label.evidence, label.note)
@@ -190,21 +202,8 @@ class Ram:
 
     def _known(self, name: str) -> str:
         if name not in self._labels:
-            raise unknown_label(name, self._distinct)
+            raise unknown_label(name, tuple(self._lanes))
         return name
-
-    def _evaluate(self, name: str, rams: ByteArray) -> tuple[IntArray, BoolArray]:
-        """The values of a label, (lanes,) each, and whether they are visible."""
-        if len(self._distinct) == 1:
-            values, visible = label_of(self._distinct[0], name).evaluate(rams)
-            return values[0], visible[0]
-        all_values, all_visible = np.zeros(len(rams), np.int32), np.zeros(len(rams), np.bool_)
-        for game in self._distinct:
-            if name in game.ram_labels:
-                rows = [lane for lane, played in enumerate(self._games) if played == game]
-                values, visible = label_of(game, name).evaluate(rams[rows])
-                all_values[rows], all_visible[rows] = values[0], visible[0]
-        return all_values, all_visible
 
     def _shown(self, values: IntArray, visible: BoolArray) -> Any:
         if self._access.single:

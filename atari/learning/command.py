@@ -26,8 +26,8 @@ from atari.task.arguments import (
     add_task,
     advised,
     descriptions,
-    game_of,
     given_options,
+    read_game,
     show_task,
     task_of,
 )
@@ -108,12 +108,8 @@ def options_of(code: AgentCode, argv: Sequence[str], prog: str) -> TrainingOptio
 
 
 def _options(agent: type[Agent], args: argparse.Namespace) -> Any:
-    """The options of the training that a command line describes.
-
-    Raises:
-        TypeError, ValueError, gymnasium.error.NameNotFound: see `TrainingOptions.of`.
-    """
-    game, kind, fields_of_task = game_of(args.game), agent.options_class, given_options(args)
+    """The options of the training that a command line describes."""
+    game, kind, fields_of_task = read_game(args.game), agent.options_class, given_options(args)
     names = {field.name for field in fields(kind)}
     own = {name: value for name, value in vars(args).items() if name in names}
     measured: dict[str, Any] = {}
@@ -177,11 +173,7 @@ def main(agent: type[Agent]) -> None:
 
 
 def _run(training: Training) -> None:
-    """Train with a progress bar, or, if stderr is no terminal, with a line a minute.
-
-    Raises:
-        KeyboardInterrupt: after Ctrl-C, when the training is saved.
-    """
+    """Train with a progress bar, or, if stderr is no terminal, with a line a minute."""
     agent, options, folder = training.agent, training.options, training.folder.path
     bar = ProgressBar(total=options.total_steps, initial=agent.steps, unit="step", unit_scale=True, disable=None)
     lines = Lines(agent.steps, options.total_steps)

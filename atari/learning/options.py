@@ -17,7 +17,7 @@ from atari.learning.programs import is_program, module_of, named_in, program
 from atari.policy.needs import in_game
 from atari.task import Task
 from atari.task.resolution import ALIASES, OPTIONS
-from atari.task.task import GameLike, resolve_for_agent
+from atari.task.task import GameLike, look_up
 from atari.validation import check_integer, check_known
 
 NETWORKS = ("nature", "small", "mlp", "bits")
@@ -134,7 +134,7 @@ class TrainingOptions:
             given.setdefault("seamless_lives", False)  # the stack begins anew where the learner's episode does
             if "clip_reward" not in given:
                 given.setdefault("reward_clipping", True)
-        resolve = partial(resolve_for_agent, game, preset, default=cls.default_preset, owner=cls.__name__)
+        resolve = partial(look_up(game).task_for_agent, preset, default=cls.default_preset, owner=cls.__name__)
         rest = {name: value for name, value in options.items() if name in own}
         unstacked = {name: value for name, value in given.items() if name not in ("stack_num", "padding")}
         if not resolve(unstacked).kind.image:
@@ -309,11 +309,7 @@ _FROM_ZERO = ("seed", "learning_starts")
 
 
 def _check_kind(name: str, value: Any, kinds: tuple[Any, ...]) -> None:
-    """Check that the value of an option is of one of its types; numbers must be finite and not negative.
-
-    Raises:
-        TypeError, ValueError: it is not.
-    """
+    """Check that the value of an option is of one of its types; numbers must be finite and not negative."""
     kind = kinds[0]
     if value is None and type(None) in kinds:
         return

@@ -1,13 +1,11 @@
 """`Session`: a one-player game, played by hand, without its window: the environment and the replay."""
 
 from collections import deque
-from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
 
 from atari.actions import Action
 from atari.cores import ByteArray
-from atari.games.game import Game
 from atari.making import make_env
 from atari.play.base import BaseSession
 from atari.play.multiplayer_session import MultiplayerSession
@@ -15,7 +13,7 @@ from atari.recording import RecordReplay
 from atari.recording.video.facts import facts_of
 from atari.task import Task
 from atari.task.arguments import SCREEN
-from atari.task.task import BY_FRAME, resolve_task
+from atari.task.task import BY_FRAME, GameLike, look_up
 
 
 class Session(BaseSession):
@@ -66,7 +64,7 @@ class Session(BaseSession):
 
     def __init__(
         self,
-        game: str | PathLike[str] | Game | Task,
+        game: GameLike,
         *,
         rom: Path | None = None,
         replay: Path | None = None,
@@ -198,16 +196,12 @@ class Session(BaseSession):
         self._env.reset(options=options)
 
 
-def _task(game: Any, options: dict[str, Any]) -> Task:
-    """The task of the session, without the fields of an agent's observations.
-
-    Raises:
-        TypeError, ValueError: see `atari.Task.of`; or a field has no meaning for a person.
-    """
+def _task(game: GameLike, options: dict[str, Any]) -> Task:
+    """The task of the session, without the fields of an agent's observations."""
     preset = options.pop("preset", None)
     if unseen := [name for name in SCREEN if name in options]:
         raise TypeError(f"Session has no option {unseen[0]!r}: it shows the screen and the score of the game")
-    task = resolve_task(game, preset, options, base=BY_FRAME, owner="Session")
+    task = look_up(game).task(preset, options, BY_FRAME, owner="Session")
     if task.continuous:
         raise ValueError("one person plays with a stick, got continuous=True; leave it out")
     if task.players > 1:

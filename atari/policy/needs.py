@@ -13,10 +13,11 @@ from atari.task import Task
 from atari.task.fields import DEFAULTS, FIELDS, GROUPS
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.rules import settle
+from atari.task.task import FoundGame
 from atari.validation import check_known
 from atari.vector import AtariVectorEnv
 from atari.vector.ale_names import NAMES
-from atari.vector.options import resolve_one
+from atari.vector.options import task_of_lane
 
 _LAYOUT = ("channels_last", "dtype", "rom")
 """Options of a policy that are not fields of a task."""
@@ -49,7 +50,7 @@ def needs_of(policy: Any, game: Game) -> Needs:
 
     Args:
         policy: a policy.
-        game: the game. `environment` is resolved as `AtariVectorEnv` resolves options for this game.
+        game: the game. `AtariVectorEnv` plays `environment` in this game.
 
     Raises:
         ValueError: an option is wrong, or no option of policies.
@@ -65,7 +66,7 @@ def needs_of(policy: Any, game: Game) -> Needs:
         if task is None and environment:
             if not game.single_player:
                 options.setdefault("players", min(rules_of(game).modes))
-            task = resolve_one(game, options.pop("preset", None), options)  # like `AtariVectorEnv`
+            task = task_of_lane(FoundGame(game), options.pop("preset", None), options)
         needs = Needs(task, layout)
         if task is not None:
             needs.layout(task)
@@ -75,11 +76,7 @@ def needs_of(policy: Any, game: Game) -> Needs:
 
 
 def _checked(environment: Any) -> dict[str, Any]:
-    """The options of a policy's `environment`.
-
-    Raises:
-        TypeError, ValueError: it is no mapping, or has an option that policies may not have.
-    """
+    """The options of a policy's `environment`."""
     if not isinstance(environment, Mapping):
         raise TypeError(f"it must be a mapping of options, got {environment!r}")
     known = (*OPTIONS, *ALIASES, *NAMES, *_LAYOUT, "preset", "task")

@@ -20,7 +20,7 @@ from atari.task.description import summary
 from atari.task.fields import DEFAULTS, GROUPS, ROWS, TYPES, check_field
 from atari.task.presets import PRESETS, find_preset
 from atari.task.resolution import OPTIONS
-from atari.task.task import GameLike, Task, leave_out, resolve_for_agent, resolve_task
+from atari.task.task import FoundGame, GameLike, Task, leave_out, look_up
 from atari.validation import check_file, check_integer
 
 SEEDS = 2**32
@@ -151,8 +151,8 @@ def given_options(args: argparse.Namespace) -> dict[str, Any]:
     return {**given, "interventions": tuple(given["interventions"])} if "interventions" in given else given
 
 
-def game_of(text: str) -> GameLike:
-    """GAME for the resolvers: an ID, a game's name, the path of a game file, or the task of a file *.json.
+def read_game(text: str) -> GameLike:
+    """GAME of a command line: an ID, a game's name, the path of a game file, or the task of a file *.json.
 
     A ROM file stands for its game.
 
@@ -181,23 +181,26 @@ def game_of(text: str) -> GameLike:
     return text
 
 
-def task_of(args: argparse.Namespace, *, game: str | None = None, agent: bool = False, **others: Any) -> Task:
+def task_of(
+    args: argparse.Namespace, game: str | FoundGame | None = None, *, agent: bool = False, **others: Any
+) -> Task:
     """The task of the arguments of a command.
 
     Args:
         args: parsed by a parser with `add_task`.
-        game: GAME; None is `args.game`.
-        agent: whether an agent plays, which needs the preprocessing of a preset; see `resolve_for_agent`.
-        **others: arguments of `resolve_task` or `resolve_for_agent`, such as `base` or `default`.
+        game: GAME, or what it names; None is `args.game`.
+        agent: whether an agent plays, which needs the preprocessing of a preset; see `FoundGame.task_for_agent`.
+        **others: arguments of `FoundGame.task` or `task_for_agent`, such as `base` or `default`.
 
     Raises:
         gymnasium.error.NameNotFound, ValueError, FileNotFoundError: see `Task.of`; ValueError replaces its TypeErrors,
             and is raised for a field that the command does not obey.
     """
-    resolve = resolve_for_agent if agent else resolve_task
-    text = args.game if game is None else game
     try:
-        task = resolve(game_of(text), getattr(args, "preset", None), given_options(args), owner="Task", **others)
+        text = args.game if game is None else game
+        found = look_up(read_game(text)) if isinstance(text, str) else text
+        make = found.task_for_agent if agent else found.task
+        task = make(getattr(args, "preset", None), given_options(args), owner="Task", **others)
         task, args.without = leave_out(task, args.obeyed, args.fixed, f"`{args.command}`")
         return task
     except TypeError as error:

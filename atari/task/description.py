@@ -9,7 +9,7 @@ from atari.games.players import rules_of
 from atari.task.data import TaskData
 from atari.task.fields import DEFAULTS, GROUPS, ROWS, Group
 from atari.task.presets import PRESETS
-from atari.task.resolution import fields_of
+from atari.task.resolution import fields_of, fields_of_id
 
 
 def describe(task: TaskData) -> str:
@@ -62,10 +62,10 @@ def _named(task: TaskData) -> dict[str, TaskData]:
         return {f"{task.game!r}": TaskData(**fields_of(task.definition, None, {}))}
     families = sorted(env_ids.FAMILIES, key=lambda family: -family.version)  # the newest first
     known = [family.id(task.game) for family in families if task.game in family.games()]
-    named = {env_id: TaskData(**fields_of(env_id, None, {})) for env_id in known}
+    named = {env_id: TaskData(**fields_of(task.definition, None, {}, fields_of_id(env_id)[1])) for env_id in known}
     for preset in PRESETS:
         try:
-            named[f"{task.game!r} with preset={preset!r}"] = TaskData(**fields_of(task.game, preset, {}))
+            named[f"{task.game!r} with preset={preset!r}"] = TaskData(**fields_of(task.definition, preset, {}))
         except ValueError:  # the game has too few actions
             continue
     return named

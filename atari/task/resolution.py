@@ -1,17 +1,14 @@
 """`fields_of`: the only way from a user's arguments to the fields of a `Task`."""
 
-import re
 from collections.abc import Iterable, Mapping
-from os import PathLike
 from typing import Any
 
 import gymnasium
 
 from atari import env_ids
 from atari.games.catalog import games
+from atari.games.frozen import FrozenDict
 from atari.games.game import Game
-from atari.games.pettingzoo import find_environment
-from atari.games.players import options_of
 from atari.task.checks import check_bool
 from atari.task.data import TaskData
 from atari.task.fields import DEFAULTS, FIELDS, ROWS, check_field
@@ -28,31 +25,29 @@ ALIASES: Mapping[str, str] = {"full_action_space": "actions", "clip_reward": "re
 
 
 def fields_of(
-    game: str | PathLike[str] | Game | TaskData,
+    game: Game | TaskData,
     preset: str | None,
     options: Mapping[str, Any],
+    base: Mapping[str, Any] = FrozenDict(),
     *,
-    base: Mapping[str, Any] | None = None,
     owner: str = "Task.of",
     others: Iterable[str] = ("preset",),
 ) -> dict[str, Any]:
     """The fields of the task of a game and options, see `Task.of`.
 
     Args:
-        game: an ID, a game or a task.
+        game: a game definition or a task.
         preset: name of a preset.
         options: the user's options.
-        base: fields that a bare name, a file or a `Game` has instead of ALE's v5, unless there is a preset.
+        base: fields that a definition has instead of ALE's v5.
         owner: the function that the user called, for errors.
         others: names of the other options of `owner`, for the suggestion in an error.
 
     Raises:
-        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: see `Task.of`.
+        TypeError, ValueError: see `Task.of`.
     """
-    if isinstance(game, str) and is_versioned(game) and (environment := find_environment(game)) is not None:
-        game, options = games[environment.game], options_of(environment, options)
     given, names = translate(options, owner, others)
-    fields = {**DEFAULTS, **_start(game, {} if preset is not None or base is None else base, given)}
+    fields = {**DEFAULTS, **(_fields_of(game, given) if isinstance(game, TaskData) else {**base, "game": game})}
     ram_stack = None if kind_of(fields["obs_type"]).image else fields["stack_num"]
     if preset is not None:
         chosen = find_preset(preset)
@@ -63,6 +58,14 @@ def fields_of(
         fields["stack_num"] = given.get("stack_num", ram_stack)
     settle(fields, given)
     return fields
+
+
+def _fields_of(task: TaskData, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of a task beside options."""
+    fields = {name: getattr(task, name) for name in FIELDS}
+    if given.get("players", task.players) != task.players:
+        fields["mode"] = None  # each number of players has modes of its own
+    return {**fields, "game": task.definition}
 
 
 def translate(
@@ -90,24 +93,6 @@ def translate(
     return fields, names
 
 
-def _start(game: Any, base: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields that the game decides."""
-    if isinstance(game, TaskData):
-        fields = {name: getattr(game, name) for name in FIELDS}
-        if given.get("players", game.players) != game.players:
-            fields["mode"] = None  # each number of players has modes of its own
-        return {**fields, "game": game.definition}
-    if isinstance(game, str) and is_id(game):
-        return _of_id(game)
-    several = given.get("players", 1) > 1
-    return {**base, "game": games.resolve(spelled(game)) if several else games.find(spelled(game))}
-
-
-def is_versioned(game: Any) -> bool:
-    """Whether a game has a name of PettingZoo's with a version, such as "pong_v3"."""
-    return isinstance(game, str) and re.fullmatch(r"[a-z_]+_v\d+", game) is not None
-
-
 def is_id(game: str) -> bool:
     """Whether a string is an environment ID, not a game's name or a file."""
     return not game.endswith(".toml") and ("-v" in game or "/" in game or game.startswith(env_ids.MODULE_PREFIX))
@@ -121,8 +106,8 @@ def spelled(game: Any) -> Any:
     return next((name for name in games if name.replace("_", "") == wanted), game)
 
 
-def _of_id(env_id: str) -> dict[str, Any]:
-    """The fields of a registered ID.
+def fields_of_id(env_id: str) -> tuple[str, dict[str, Any]]:
+    """The game of a registered ID, by its name, and its other fields.
 
     Raises:
         gymnasium.error.NameNotFound: there is no such ID, or its environment is no Atari game.
@@ -136,8 +121,8 @@ def _of_id(env_id: str) -> dict[str, Any]:
         if spec is None or not is_ours(spec.entry_point):
             raise env_ids.not_found(env_id, known_ids())
         options = {name: value for name, value in spec.kwargs.items() if name not in ("rom", "base")}
-    game = options.pop("game")
-    return {**translate(options, env_id)[0], "game": games.find(game)}
+    name = options.pop("game")
+    return name, translate(options, env_id)[0]
 
 
 ENTRY_POINT = "atari.making:make_AtariEnv"

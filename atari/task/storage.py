@@ -126,7 +126,7 @@ def _game(name: Any, file: Any, game: Game | None) -> Any:
     if file is None:
         if name not in games:
             raise ValueError(games.unknown(name))
-        return name
+        return games[name]
     if Path(file).suffix != ".toml":
         raise ValueError(f"'file' must be a game file, *.toml, got {file!r}")
     if not Path(file).is_file():

@@ -1,6 +1,7 @@
 """`Task`: everything that decides what an agent sees, may do and is paid, as one value, and the ways to make one."""
 
 import inspect
+import re
 import textwrap
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
@@ -9,15 +10,18 @@ from typing import Any
 
 from typing_extensions import Unpack
 
+from atari.games.catalog import games
 from atari.games.frozen import FrozenDict
 from atari.games.game import Game
+from atari.games.pettingzoo import Environment, find_environment
+from atari.games.players import options_of
 from atari.task import storage
 from atari.task.data import TaskData
 from atari.task.description import describe
 from atari.task.fields import DEFAULTS, GROUPS, ROWS
 from atari.task.options import TaskOptions
 from atari.task.presets import find_preset
-from atari.task.resolution import OPTIONS, fields_of, is_id, translate
+from atari.task.resolution import OPTIONS, fields_of, fields_of_id, is_id, spelled, translate
 
 
 @dataclass(frozen=True, repr=False)
@@ -73,7 +77,7 @@ class Task(TaskData):
             >>> atari.Task.of("Pong-ram-v4").obs_type
             'ram'
         """
-        return resolve_task(game, preset, options)
+        return look_up(game).task(preset, options)
 
     def replace(self, **options: Unpack[TaskOptions]) -> "Task":
         """This task with other options; see `Task.of`.
@@ -81,7 +85,7 @@ class Task(TaskData):
         Raises:
             TypeError, ValueError: see `Task.of`.
         """
-        return Task.of(self, **options)
+        return FoundGame(self).task(None, options)
 
     def to_json(self) -> str:
         """All fields as JSON, which `from_json` reads.
@@ -120,54 +124,106 @@ def _with_attributes(doc: str) -> str:
 Task.__doc__ = _with_attributes(Task.__doc__ or "Raises:")
 
 GameLike = str | PathLike[str] | Game | Task
+"""GAME, as users give it. Functions of users look it up, once; all other functions take what `look_up` returns."""
 
 
-def resolve_task(
-    game: GameLike,
-    preset: str | None,
-    options: Mapping[str, Any],
-    *,
-    base: Mapping[str, Any] | None = None,
-    owner: str = "Task.of",
-    others: Iterable[str] = ("preset",),
-) -> Task:
-    """The task of a game and options, see `Task.of` and, for arguments and errors, `fields_of`."""
-    return Task(**fields_of(game, preset, options, base=base, owner=owner, others=others))
+@dataclass(frozen=True)
+class FoundGame:
+    """What GAME names: a task, or a game definition.
+
+    Attributes:
+        game: the task or the definition.
+        env_id: the ID, as the user wrote it, if GAME is one.
+        fields: what an ID says beside its game.
+        environment: PettingZoo's environment of a name with a version.
+    """
+
+    game: Game | Task
+    env_id: str | None = None
+    fields: Mapping[str, Any] = FrozenDict()
+    environment: Environment | None = None
+
+    @property
+    def bare(self) -> bool:
+        """Whether GAME says the game alone: it is neither a task nor an ID."""
+        return isinstance(self.game, Game) and self.env_id is None
+
+    @property
+    def definition(self) -> Game:
+        """The game definition."""
+        return self.game if isinstance(self.game, Game) else self.game.definition
+
+    def task(
+        self,
+        preset: str | None,
+        options: Mapping[str, Any],
+        base: Mapping[str, Any] = FrozenDict(),
+        *,
+        owner: str = "Task.of",
+        others: Iterable[str] = ("preset",),
+    ) -> Task:
+        """The task of the game and options, see `Task.of`.
+
+        Args:
+            preset: name of a preset.
+            options: the user's options.
+            base: fields that a game alone has instead of ALE's v5, unless there is a preset.
+            owner: the function that the user called, for errors.
+            others: names of the other options of `owner`, for the suggestion in an error.
+
+        Raises:
+            TypeError, ValueError: see `Task.of`.
+        """
+        if self.environment is not None:
+            options = options_of(self.environment, options)
+        own = {**(base if self.bare and preset is None else {}), **self.fields}
+        return Task(**fields_of(self.game, preset, options, own, owner=owner, others=others))
+
+    def task_for_agent(
+        self, preset: str | None, options: Mapping[str, Any], *, default: str = "baselines", owner: str
+    ) -> Task:
+        """The task of an agent, which needs the preprocessing of a preset: `preset`, or else `default`.
+
+        An ID decides the sticky actions, the actions and RAM. A `Task` is played unchanged unless a preset is named.
+
+        Raises:
+            TypeError, ValueError: see `task`; or the preset requires an option that the ID does not have.
+        """
+        if isinstance(self.game, Task) and preset is None:
+            return self.task(None, options, owner=owner)
+        name = preset or default
+        if self.env_id is None:
+            return self.task(name, options, owner=owner)
+        given, _ = translate(options, owner)
+        of_id = self.task(None, {}, owner=owner)
+        kept = {one: getattr(of_id, one) for one in ("repeat_action_probability", "actions") if one not in given}
+        chosen = find_preset(name)
+        for one in chosen.required:
+            if one in kept and of_id.differences(of_id.replace(**{one: chosen.fields[one]})):
+                raise ValueError(
+                    f"preset {name!r} needs {one}={chosen.fields[one]!r}, and {self.env_id} has {kept[one]!r}; "
+                    f"use the game's name, {of_id.game!r}, or another preset"
+                )
+        return self.task(name, {**kept, **options}, owner=owner)
 
 
-def resolve_for_agent(
-    game: GameLike, preset: str | None, options: Mapping[str, Any], *, default: str = "baselines", owner: str
-) -> Task:
-    """The task of an agent, which needs preprocessing: like `resolve_task`, but an ID decides only part of it.
-
-    An ID decides the sticky actions, the actions and RAM; the preset decides the rest. A `Task` is played unchanged
-    unless a preset is named.
-
-    Args:
-        game, options, owner: see `resolve_task`.
-        preset: name of a preset; None means `default`.
-        default: the preset of a game or an ID.
+def look_up(game: GameLike) -> FoundGame:
+    """What GAME names. No other function looks a game up for a task.
 
     Raises:
-        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: see `Task.of`; ValueError also if the
-            preset requires an option that the ID does not have.
+        gymnasium.error.NameNotFound: there is no such ID; the message suggests the right one.
+        TypeError, ValueError, FileNotFoundError: there is no such game; the message suggests the nearest.
     """
-    if isinstance(game, Task) and preset is None:
-        return resolve_task(game, None, options, owner=owner)
-    name = preset or default
-    if not (isinstance(game, str) and is_id(game)):
-        return resolve_task(game, name, options, owner=owner)
-    given, _ = translate(options, owner)
-    of_id = resolve_task(game, None, {}, owner=owner)
-    kept = {field: getattr(of_id, field) for field in ("repeat_action_probability", "actions") if field not in given}
-    chosen = find_preset(name)
-    for field in chosen.required:
-        if field in kept and of_id.differences(of_id.replace(**{field: chosen.fields[field]})):
-            raise ValueError(
-                f"preset {name!r} needs {field}={chosen.fields[field]!r}, and {game} has {kept[field]!r}; "
-                f"use the game's name, {of_id.game!r}, or another preset"
-            )
-    return resolve_task(game, name, {**kept, **options}, owner=owner)
+    if isinstance(game, Task):
+        return FoundGame(game)
+    environment = None
+    if isinstance(game, str):
+        if re.fullmatch(r"[a-z_]+_v\d+", game) and (environment := find_environment(game)) is not None:
+            game = environment.game
+        elif is_id(game):
+            name, fields = fields_of_id(game)
+            return FoundGame(games.find(name), game, fields)
+    return FoundGame(games.resolve(spelled(game)), environment=environment)
 
 
 def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, owner: str) -> Task:
@@ -176,7 +232,7 @@ def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, 
     The fields of `game` for observations, actions and rewards are left out.
 
     Args:
-        game, owner: see `resolve_task`.
+        game, owner: see `look_up` and `FoundGame.task`.
         mode, difficulty: None means the value of `game`.
 
     Raises:
@@ -185,7 +241,7 @@ def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, 
     """
     given = {name: value for name, value in (("mode", mode), ("difficulty", difficulty)) if value is not None}
     fixed = {**BY_FRAME, **{name: DEFAULTS[name] for name in (*GROUPS["observation"], *GROUPS["reward"])}}
-    return leave_out(resolve_task(game, None, given, owner=owner), ("mode", "difficulty"), fixed, owner)[0]
+    return leave_out(look_up(game).task(None, given, owner=owner), ("mode", "difficulty"), fixed, owner)[0]
 
 
 BY_FRAME: Mapping[str, Any] = FrozenDict(
@@ -214,4 +270,4 @@ def leave_out(task: Task, obeyed: Collection[str], fixed: Mapping[str, Any], own
             raise ValueError(
                 f"{owner} has no place for {name}={value!r}; give the game alone, {task.game!r}, or a task without it"
             )
-    return Task.of(task, **{name: played[name] for name in changed}) if changed else task, changed
+    return task.replace(**{name: played[name] for name in changed}) if changed else task, changed

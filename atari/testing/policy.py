@@ -14,10 +14,10 @@ from atari.policy import LoadedPolicy, makes_policy, show
 from atari.policy.needs import in_game, needs_of
 from atari.task import Task
 from atari.task.options import VectorTaskOptions
-from atari.task.task import GameLike
+from atari.task.task import GameLike, look_up
 from atari.testing.contract import ContractError, broken_by, require, require_same
 from atari.vector import AtariVectorEnv
-from atari.vector.options import resolve_one
+from atari.vector.options import task_of_lane
 
 IntArray = npt.NDArray[np.int64]
 
@@ -64,7 +64,11 @@ def check_policy(
         >>> check_policy(lambda observations: [0] * len(observations), "pong", obs_type="ram")
     """
     loaded = _loaded(policy)
-    task, layout, names = _played(loaded, game, preset, options)
+    own: Any = getattr(loaded, "game", None) or getattr(loaded, "task", None)
+    if game is None and own is None:
+        raise TypeError("check_policy needs a game, for a policy without the attributes game and task")
+    given = task_of_lane(look_up(game or own), preset, options)
+    task, layout, names = _played(loaded, given, {"preset": preset, **options})
     envs = AtariVectorEnv(task, _LANES, **layout)
     every = [action.name for action in task.action_set]
     indices = np.array([every.index(name) for name in names])
@@ -105,25 +109,17 @@ def _loaded(policy: Any) -> LoadedPolicy:
 
 
 def _played(
-    policy: LoadedPolicy, game: GameLike | None, preset: str | None, options: Mapping[str, Any]
+    policy: LoadedPolicy, task: Task, options: Mapping[str, Any]
 ) -> tuple[Task, Mapping[str, Any], tuple[str, ...]]:
     """The task of a policy, the options of its vector, and the names of its actions."""
-    own = getattr(policy, "game", None) or getattr(policy, "task", None)
-    given: Any = own if game is None else game
-    if given is None:
-        raise TypeError("check_policy needs a game, for a policy without the attributes game and task")
-    chosen = Task.of(given)
     try:
-        needs = needs_of(policy, chosen.definition)
+        needs = needs_of(policy, task.definition)
     except ValueError as error:
         raise ContractError(str(error)) from error
-    if needs.task is None:
-        task = resolve_one(given, preset, dict(options))
-    elif preset is not None or options:
-        wrong = "preset" if preset is not None else next(iter(options))
-        raise ValueError(f"the policy says what it sees, by its task or environment; leave out {wrong}")
-    else:
-        task = needs.task if needs.task.game == chosen.game else in_game(needs.task, chosen)
+    if needs.task is not None:
+        if wrong := [name for name, value in options.items() if name != "preset" or value is not None]:
+            raise ValueError(f"the policy says what it sees, by its task or environment; leave out {wrong[0]}")
+        task = needs.task if needs.task.game == task.game else in_game(needs.task, task)
     every = [action.name for action in task.action_set]
     names = needs.actions or tuple(every)
     lacking = [name for name in names if name not in every]

@@ -19,7 +19,7 @@ _PREPROCESSING = {
     "maxpool": True,
 }
 
-ONE_PLAYER: Mapping[str, Any] = FrozenDict(
+_ONE_PLAYER: Mapping[str, Any] = FrozenDict(
     {
         **_PREPROCESSING,
         "noops": (0, 29),
@@ -31,23 +31,28 @@ ONE_PLAYER: Mapping[str, Any] = FrozenDict(
         "reward_clipping": True,
     }
 )
-"""The defaults of ale-py's vector environment; ours has them too, if `game` is a name alone."""
-
-SEVERAL_PLAYERS: Mapping[str, Any] = FrozenDict({**_PREPROCESSING, "seeding": "ale"})
-"""The defaults for a name alone, with two to four players and without a preset."""
+_SEVERAL_PLAYERS: Mapping[str, Any] = FrozenDict({**_PREPROCESSING, "seeding": "ale"})
 
 NAMES = ("noop_max", "use_fire_reset", "grayscale")
 """ale-py's names of options that have other names in a `Task`."""
 
 
-def as_task_options(options: Mapping[str, Any], bare: bool, obs_type: str) -> dict[str, Any]:
+def ale_defaults(options: Mapping[str, Any], several: bool = False) -> Mapping[str, Any]:
+    """The defaults of ale-py's vector environment, which a name alone has without a preset.
+
+    `several` says that the name is of a game for several players; the option `players` says so, too.
+    """
+    return _SEVERAL_PLAYERS if several or options.get("players") not in (None, 1) else _ONE_PLAYER
+
+
+def as_task_options(options: Mapping[str, Any], base: Mapping[str, Any], obs_type: str) -> dict[str, Any]:
     """The options with a task's names.
 
     Args:
         options: the user's options.
-        bare: whether the game is a name alone, to which ale-py's defaults apply. Then `max_num_frames_per_episode`
-            limits the frames after the beginning, as in ale-py.
-        obs_type: the kind of observations without an option for it.
+        base: `ale_defaults`, if they apply. Then `max_num_frames_per_episode` limits the frames after the beginning, as
+            in ale-py.
+        obs_type: the kind of observations without an option and a default for it.
 
     Raises:
         TypeError, ValueError: an option is of the wrong kind, or given under two names.
@@ -60,13 +65,13 @@ def as_task_options(options: Mapping[str, Any], bare: bool, obs_type: str) -> di
         _refuse_both(options, "use_fire_reset", "fire")
         fires = check_bool("use_fire_reset", options["use_fire_reset"])
         fields |= {"fire": "before_noops", "fire_counts": True} if fires else {"fire": "never"}
-    if bare and "max_num_frames_per_episode" in options:
+    if base and "max_num_frames_per_episode" in options:
         _refuse_both(options, "max_num_frames_per_episode", "max_frames")
         limit = fields.pop("max_num_frames_per_episode")
         name = "max_num_frames_per_episode"
         fields["max_frames"] = None if limit is None else check_integer(name, limit, 1, NO_LIMIT)
     if options.get("grayscale") is not None:
-        chosen = options.get("obs_type") or obs_type
+        chosen = options.get("obs_type") or base.get("obs_type", obs_type)
         fields["obs_type"] = _obs_type(chosen, check_bool("grayscale", options["grayscale"]), "obs_type" in options)
     return fields
 

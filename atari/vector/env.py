@@ -28,7 +28,7 @@ from atari.task.options import VectorTaskOptions
 from atari.task.task import GameLike
 from atari.validation import FirstResetNeeded, check_known, check_name
 from atari.vector.lanes import AddedWrites, Lane
-from atari.vector.options import VectorOptions
+from atari.vector.options import VectorOptions, resolve_lanes
 from atari.vector.results import Results, pick_rows
 from atari.vector.seeds import seed_words
 from atari.vector.state import VectorState
@@ -112,7 +112,8 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
             "rom": rom,
             "game_info": game_info,
         }
-        self._begin(VectorOptions.check(game, num_envs, preset, options, **self._given))
+        tasks, bare = resolve_lanes(game, num_envs, preset, options, self._given)
+        self._begin(VectorOptions.check(tasks, bare, self._given))
 
     def _begin(self, options: VectorOptions) -> None:
         """Make the engine and the spaces."""
@@ -499,11 +500,7 @@ def _closed() -> gymnasium.error.ClosedEnvironmentError:
 
 
 def _check_env_id(env_id: Any, out: Any) -> IntArray:
-    """The numbers of environments, (rows,) int64; the engine checks that they exist.
-
-    Raises:
-        TypeError, ValueError: `env_id` is of the wrong kind or shape, or is given together with `out`.
-    """
+    """The numbers of environments, (rows,) int64; the engine checks that they exist."""
     array = np.asarray(env_id)
     if array.dtype.kind not in "iu" and array.size:
         raise TypeError(f"env_id must be integers of shape (rows,), got {array.dtype}")

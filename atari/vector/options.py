@@ -1,8 +1,8 @@
-"""The options of a vector environment, checked, and the engine and the spaces made from them."""
+"""The tasks of a vector environment and its options, checked, and the engine and the spaces made from them."""
 
 import operator
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
@@ -27,16 +27,98 @@ from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
 from atari.task.checks import NO_LIMIT, check_bool
-from atari.task.resolution import ALIASES, OPTIONS, is_id, is_versioned
+from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.storage import identity
-from atari.task.task import resolve_task
+from atari.task.task import FoundGame, GameLike, look_up
 from atari.validation import check_integer, check_known, check_no_name
-from atari.vector import ale_names
+from atari.vector.ale_names import NAMES, ale_defaults, as_task_options
 
 _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # looked up once, because every step uses them
 
 _OWN = frozenset(("game", "mode", "difficulty", "interventions", "rules", "rom_md5"))
 """Fields of tasks in which the environments of a vector may differ."""
+
+OF_TASKS = (*OPTIONS, *ALIASES, *NAMES)
+"""The options that decide the tasks."""
+
+
+def resolve_lanes(
+    game: GameLike | Sequence[GameLike],
+    num_envs: int | None,
+    preset: str | None,
+    options: Mapping[str, Any],
+    others: Iterable[str] = (),
+) -> tuple[tuple[Task, ...], bool]:
+    """The task of each environment of a vector, and whether ale-py's defaults apply: a game is a name alone.
+
+    Equal tasks are made once. `others` are names of other options of `AtariVectorEnv`, for the suggestion in an error.
+
+    Raises:
+        gymnasium.error.NameNotFound, TypeError, ValueError, FileNotFoundError: see `AtariVectorEnv`.
+    """
+    listed = _listed(game, num_envs)
+    known = (*OF_TASKS, "num_envs", "preset", *others)
+    check_known("AtariVectorEnv", [name for name in options if name not in OF_TASKS], known)
+    shared = {name: value for name, value in options.items() if name not in ("mode", "difficulty")}
+    modes, difficulties = (_spread(name, options.get(name), len(listed)) for name in ("mode", "difficulty"))
+    found = {id(one): look_up(one) for one in {id(one): one for one in listed}.values()}
+    made: dict[tuple[int, int | None, int | None], Task] = {}
+    keys = list(zip(map(id, listed), modes, difficulties, strict=True))
+    for key in keys:
+        if key not in made:
+            own = zip(("mode", "difficulty"), key[1:], strict=True)
+            given = {**shared, **{name: value for name, value in own if value is not None}}
+            made[key] = task_of_lane(found[key[0]], preset, given)
+    return tuple(made[key] for key in keys), preset is None and any(one.bare for one in found.values())
+
+
+def task_of_lane(found: FoundGame, preset: str | None, options: Mapping[str, Any]) -> Task:
+    """The task of an environment of a vector.
+
+    Raises:
+        TypeError, ValueError: see `AtariVectorEnv`.
+    """
+    base = ale_defaults(options, found.environment is not None) if preset is None and found.bare else {}
+    kind = found.game.obs_type if isinstance(found.game, Task) else "grayscale" if preset else "rgb"
+    task = found.task(preset, as_task_options(options, base, kind), base, owner="AtariVectorEnv")
+    if task.sound_obs:
+        raise ValueError(
+            "sound_obs=True is for single environments, a vector has no sound; use atari.make, or leave it out"
+        )
+    if isinstance(task.repeat_action_probability, tuple):
+        raise ValueError(
+            f"repeat_action_probability={task.repeat_action_probability} differs by player, and a vector has one for "
+            "all players; use atari.multiplayer, or give a number"
+        )
+    return task
+
+
+def _listed(game: GameLike | Sequence[GameLike], num_envs: int | None) -> list[GameLike]:
+    """The user's game for each environment."""
+    if not isinstance(game, Sequence) or isinstance(game, str):
+        if num_envs is None:
+            raise TypeError("num_envs is needed: how many environments of the game to make")
+        return [game] * check_integer("num_envs", num_envs, 1, 1_000_000)
+    if len(game) == 0:
+        raise ValueError("game must name at least one game")
+    count = len(game) if num_envs is None else check_integer("num_envs", num_envs, 1, 1_000_000)
+    if count != len(game):
+        raise ValueError(f"there must be a game for each of the {count} environments, got {len(game)}")
+    return list(game)
+
+
+def _spread(name: str, value: Any, count: int) -> tuple[int | None, ...]:
+    """One value for each environment."""
+    values = [value] * count if value is None or isinstance(value, (int, np.integer)) else value
+    known = isinstance(values, (Sequence, np.ndarray)) and not isinstance(values, str)
+    if not known or any(isinstance(one, (bool, np.bool_)) for one in values):
+        raise TypeError(f"{name} must be an integer, None, or a sequence of these, got {value!r}")
+    if len(values) != count:
+        raise ValueError(f"there must be a {name} for each of the {count} environments, got {len(values)}")
+    try:
+        return tuple(None if one is None else operator.index(one) for one in values)
+    except TypeError:
+        raise TypeError(f"{name} must be an integer, None, or a sequence of these, got {value!r}") from None
 
 
 @dataclass(frozen=True)
@@ -61,27 +143,20 @@ class VectorOptions:
     layout: Layout
 
     @classmethod
-    def check(
-        cls, game: Any, num_envs: Any, preset: Any, task_options: Mapping[str, Any], **given: Any
-    ) -> "VectorOptions":
-        """The options of `AtariVectorEnv`, checked.
+    def check(cls, tasks: tuple[Task, ...], bare: bool, given: Mapping[str, Any]) -> "VectorOptions":
+        """The options of `AtariVectorEnv`, checked. If `bare`, a game was a name alone: `game_info` is then False.
 
         Raises:
             TypeError, ValueError: an option is of the wrong kind or out of range.
         """
-        listed = _listed(game, num_envs)
+        _check_alike(tasks)
         threads = check_integer("num_threads", given["num_threads"], -NO_LIMIT, NO_LIMIT)
-        batch_size = check_integer("batch_size", given["batch_size"], 0, len(listed)) or len(listed)
+        batch_size = check_integer("batch_size", given["batch_size"], 0, len(tasks)) or len(tasks)
         if given["render_mode"] not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be 'rgb_array' or None, got {given['render_mode']!r}")
-        check_known(
-            "AtariVectorEnv", [name for name in task_options if name not in OF_TASKS], (*OF_TASKS, *_RUN, *given)
-        )
-        tasks = _resolve(listed, preset, dict(task_options))
-        _check_alike(tasks)
         first, game_info = tasks[0], given["game_info"]
         if game_info is None:
-            game_info = first.preprocessed and not (preset is None and any(map(_is_bare, listed)))
+            game_info = first.preprocessed and not bare
         return cls(
             tasks=tasks,
             game_info=check_bool("game_info", game_info),
@@ -269,77 +344,8 @@ def _own_reward(task: Task) -> dict[str, _emulator.RewardFormula]:
     return {} if task.reward is None else {"reward": reward_formula(task.definition, task.reward)}
 
 
-def _listed(game: Any, num_envs: Any) -> list[Any]:
-    """The user's game for each environment."""
-    many = isinstance(game, Sequence) and not isinstance(game, str)
-    if num_envs is None and not many:
-        raise TypeError("num_envs is needed: how many environments of the game to make")
-    if many and len(game) == 0:
-        raise ValueError("game must name at least one game")
-    count = len(game) if num_envs is None else check_integer("num_envs", num_envs, 1, 1_000_000)
-    if not many:
-        return [game] * count
-    if count != len(game):
-        raise ValueError(f"there must be a game for each of the {count} environments, got {len(game)}")
-    return list(game)
-
-
-def _is_bare(game: Any) -> bool:
-    """Whether a game is a name alone, neither a task nor an ID."""
-    return not isinstance(game, Task) and not (isinstance(game, str) and is_id(game))
-
-
-def _resolve(listed: list[Any], preset: Any, options: dict[str, Any]) -> tuple[Task, ...]:
-    """The task of each environment. Equal tasks are made once."""
-    modes, difficulties = (_spread(name, options.pop(name, None), len(listed)) for name in ("mode", "difficulty"))
-    made: dict[tuple[int, int | None, int | None], Task] = {}
-    keys = list(zip(map(id, listed), modes, difficulties, strict=True))
-    for game, key in zip(listed, keys, strict=True):
-        if key not in made:
-            own = {
-                name: value for name, value in zip(("mode", "difficulty"), key[1:], strict=True) if value is not None
-            }
-            made[key] = resolve_one(game, preset, {**options, **own})
-    return tuple(made[key] for key in keys)
-
-
-def resolve_one(game: Any, preset: Any, options: dict[str, Any]) -> Task:
-    """The task of an environment of a vector.
-
-    Raises:
-        TypeError, ValueError: an option is wrong.
-    """
-    several = is_versioned(game) or options.get("players") not in (None, 1)
-    bare = _is_bare(game) and preset is None
-    base = (ale_names.SEVERAL_PLAYERS if several else ale_names.ONE_PLAYER) if bare else {}
-    kind = base.get("obs_type") or (game.obs_type if isinstance(game, Task) else "grayscale" if preset else "rgb")
-    fields = ale_names.as_task_options(options, bare, kind)
-    task = resolve_task(game, preset, fields, base=base, owner="AtariVectorEnv")
-    if task.sound_obs:
-        raise ValueError(
-            "sound_obs=True is for single environments, a vector has no sound; use atari.make, or leave it out"
-        )
-    if isinstance(task.repeat_action_probability, tuple):
-        raise ValueError(
-            f"repeat_action_probability={task.repeat_action_probability} differs by player, and a vector has one for "
-            "all players; use atari.multiplayer, or give a number"
-        )
-    return task
-
-
-OF_TASKS = (*OPTIONS, *ALIASES, *ale_names.NAMES)
-"""The options that decide the tasks."""
-
-_RUN = ("num_envs", "preset")
-"""The arguments of `AtariVectorEnv` that `VectorOptions.check` has by name, for the suggestion in an error."""
-
-
 def _check_alike(tasks: tuple[Task, ...]) -> None:
-    """Raise an error for tasks that one engine cannot play together.
-
-    Raises:
-        ValueError: the tasks differ in more than games, modes, difficulties and interventions.
-    """
+    """Raise an error for tasks that one engine cannot play together."""
     first = tasks[0]
     for task in dict.fromkeys(tasks):
         differing = {name: pair for name, pair in first.differences(task).items() if name not in _OWN}
@@ -353,20 +359,6 @@ def _check_alike(tasks: tuple[Task, ...]) -> None:
             raise ValueError(
                 f"the screens of {first.game} and {task.game} have other sizes; add img_height=84, img_width=84"
             )
-
-
-def _spread(name: str, value: Any, count: int) -> tuple[int | None, ...]:
-    """One value for each environment."""
-    values = [value] * count if value is None or isinstance(value, (int, np.integer)) else value
-    known = isinstance(values, (Sequence, np.ndarray)) and not isinstance(values, str)
-    if not known or any(isinstance(one, (bool, np.bool_)) for one in values):
-        raise TypeError(f"{name} must be an integer, None, or a sequence of these, got {value!r}")
-    if len(values) != count:
-        raise ValueError(f"there must be a {name} for each of the {count} environments, got {len(values)}")
-    try:
-        return tuple(None if one is None else operator.index(one) for one in values)
-    except TypeError:
-        raise TypeError(f"{name} must be an integer, None, or a sequence of these, got {value!r}") from None
 
 
 def _cores() -> int:

@@ -12,7 +12,7 @@ from atari.cli.arguments import find_game
 from atari.learning.evaluation.played import resolve_games
 from atari.learning.options import TrainingOptions
 from atari.recording.replay.file_format import is_replay
-from atari.task.arguments import game_of
+from atari.task.arguments import read_game
 
 CATCH = str(Path(__file__).parents[2] / "examples" / "catch" / "catch.toml")
 ROM = str(atari.roms.find("pong"))
@@ -49,12 +49,12 @@ def test_a_command_takes_every_kind_of_name(
 def test_the_other_commands_resolve_names_alike(name: str) -> None:
     """`play` and `lab` call `find_game`, and `watch` and `collect` `resolve_games`."""
     assert find_game(name).id == NAMES[name]
-    assert resolve_games(game_of(name))[0].id == NAMES[name]
+    assert resolve_games(read_game(name))[0].id == NAMES[name]
 
 
 @pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file", "rom"])
 def test_a_training_resolves_names(name: str) -> None:
-    assert TrainingOptions.of(game_of(name)).task.game == NAMES[name]
+    assert TrainingOptions.of(read_game(name)).task.game == NAMES[name]
 
 
 def test_a_game_of_ones_own_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
@@ -73,7 +73,7 @@ def test_a_file_is_told_by_its_content(tmp_path: Path, monkeypatch: pytest.Monke
     assert not is_replay("Pong (1977).a26")
     for words in (["replay", "verify", "game.a26"], ["record", "pong", "--policy", "game.a26", "-o", "game.gif"]):
         assert main(words) == 0
-    assert game_of("Pong (1977).a26") == "pong"
+    assert read_game("Pong (1977).a26") == "pong"
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """What a worker of `RolloutActors` plays, without Ray: its observations, and that positions continue it to the bit."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,11 @@ import atari
 pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./scripts/test --ray")
 pytestmark = pytest.mark.ray
 
+from atari.games.frozen import FrozenDict  # noqa: E402
 from atari.integrations.ray.rollout import Rollout  # noqa: E402
 from atari.integrations.ray.rollout_worker import Played, Position, RolloutWorker, WorkerSettings  # noqa: E402
 from atari.learning import ScoresPolicy  # noqa: E402
+from atari.vector.options import OF_TASKS, resolve_lanes  # noqa: E402
 
 
 class Drawn:
@@ -38,11 +41,14 @@ class Drawn:
         self.count, self.random = state
 
 
-def settings(**changes: Any) -> WorkerSettings:
-    options = {
-        "game": "breakout", "num_envs": 3, "steps": 100, "seed": 5, "unstacked": True, "options": {"preset": "dqn2015"},
-    }  # fmt: skip
-    return WorkerSettings(**{**options, **changes})
+DQN2015: Mapping[str, Any] = FrozenDict({"preset": "dqn2015"})
+
+
+def settings(options: Mapping[str, Any] = DQN2015, steps: int = 100, unstacked: bool = True) -> WorkerSettings:
+    running = dict(options)
+    fields = {name: running.pop(name) for name in OF_TASKS if name in running}
+    tasks, _ = resolve_lanes("breakout", 3, running.pop("preset", None), fields)
+    return WorkerSettings(tasks, steps, seed=5, unstacked=unstacked, options=running)
 
 
 def copied(played: Played) -> Rollout:

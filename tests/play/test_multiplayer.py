@@ -349,7 +349,10 @@ def test_the_mode_says_how_many_players_there_are(
         (["combat", "--players", "3"], "combat is for 2 players, got players=3"),
         (["pong_v3", "--players", "3"], "pong is for 2 or 4 players, got players=3"),
         (["boxing_v2", "--players", "4"], "boxing is for 2 players, got players=4"),
-        (["combat"], "combat has no game of one player; give --players 2"),
+        (
+            ["combat"],
+            "two-player cartridge without single-player rules, so there is no environment of one player; players=2, or --players 2",
+        ),
         (["combat", "--players", "2", "--mode", "99"], "mode of combat for 2 players must be one of 1, 2, "),
         (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be within 0..3, got 9"),
         (["pong", "--players", "2", "--replay", "a.mp4"], "the name of a replay must end in"),

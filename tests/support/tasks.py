@@ -5,7 +5,7 @@ from typing import Any
 from atari import Task
 from atari.env import AtariEnv
 from atari.making import make_env
-from atari.task.task import resolve_task
+from atari.task.task import look_up
 from atari.wrappers.layers import wrap
 
 
@@ -34,7 +34,7 @@ def task(game: str = "breakout", **fields: Any) -> Task:
 
     Fields without effect take their defaults.
     """
-    return resolve_task(game, None, {}, base={**_IMAGES, **fields})
+    return look_up(game).task(None, {}, {**_IMAGES, **fields})
 
 
 ALE: dict[str, Any] = {

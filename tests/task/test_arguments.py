@@ -17,9 +17,9 @@ from atari.task.arguments import (
     add_former,
     add_task,
     descriptions,
-    game_of,
     given_options,
     option_of,
+    read_game,
     seed,
     show_task,
     task_of,
@@ -144,11 +144,11 @@ def test_the_task_of_an_agent_and_of_a_base() -> None:
 
 def test_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert game_of("own.toml") == tmp_path / "own.toml"
-    assert game_of("pong") == "pong"
+    assert read_game("own.toml") == tmp_path / "own.toml"
+    assert read_game("pong") == "pong"
     task = Task.of("pong", preset="dqn2015", frameskip=3)
     Path("task.json").write_text(task.to_json())
-    assert game_of("task.json") == task
+    assert read_game("task.json") == task
     assert task_of(parsed(), game="task.json") == task
     assert task_of(parsed("--frameskip", "2"), game="task.json") == task.replace(frameskip=2)
 

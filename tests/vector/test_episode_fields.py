@@ -11,7 +11,7 @@ from atari import _emulator
 from atari.observations.settings import episode_settings, filled_by_name
 from atari.task import Task
 from atari.task.fields import FIELDS
-from atari.task.task import resolve_task
+from atari.task.task import look_up
 
 BASE: dict[str, Any] = {
     "repeat_action_probability": 0.0,
@@ -39,7 +39,7 @@ of_every_nesting = pytest.mark.parametrize("nesting", NESTINGS.values(), ids=NES
 
 def make(game: str = "breakout", **fields: Any) -> atari.AtariVectorEnv:
     """One environment whose engine has these fields, and otherwise those of `BASE`."""
-    return atari.AtariVectorEnv(resolve_task(game, None, {}, base={**BASE, **fields}), 1, num_threads=1)
+    return atari.AtariVectorEnv(look_up(game).task(None, {}, {**BASE, **fields}), 1, num_threads=1)
 
 
 class Player:
@@ -412,7 +412,7 @@ def make_engine(fields: dict[str, Any]) -> _emulator.VectorEngine:
 
 class TestSettings:
     def test_are_filled_by_name(self) -> None:
-        task = resolve_task("pong", None, {"frameskip": 3, "fire": "after_noops", "fire_unit": "skip"}, base=BASE)
+        task = look_up("pong").task(None, {"frameskip": 3, "fire": "after_noops", "fire_unit": "skip"}, BASE)
         episode = filled_by_name(_emulator.EpisodeSettings(), task, acts_after_end=True)
         assert (episode.frameskip, episode.noops, episode.max_frames) == ((3, 4), (0, 0), None)
         assert (episode.fire, episode.fire_unit) == (_emulator.FirePress.AFTER_NOOPS, _emulator.Unit.SKIP)

@@ -20,7 +20,7 @@ from atari.observations.settings import image_shape
 from atari.task import Task
 from atari.task.checks import check_bool
 from atari.task.kinds import with_image
-from atari.task.task import GameLike, resolve_for_agent
+from atari.task.task import FoundGame, GameLike, look_up
 from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 
@@ -253,8 +253,9 @@ def make_spec(task_id: GameLike, **options: Any) -> EnvPoolSpec:
             near = difflib.get_close_matches(name, _DEFAULTS, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(_DEFAULTS)}"
             raise TypeError(f"there is no option {name!r}; {hint}")
-    base = _base(task_id)
-    given = {**_DEFAULTS, **_of_task(base, task_id), **options, "task": base.game}
+    found = _look_up(task_id)
+    base = _task(found, {})
+    given = {**_DEFAULTS, **_of_task(base, isinstance(found.game, Task)), **options, "task": base.game}
     for name, because in _WITHOUT_EFFECT.items():
         if given[name] != _DEFAULTS[name]:
             raise ValueError(f"{because}; leave {name}={given[name]!r} out")
@@ -268,28 +269,24 @@ def make_spec(task_id: GameLike, **options: Any) -> EnvPoolSpec:
     for name in {"stack_num", "img_height", "img_width"} & options.keys():
         given[name] = check_integer(name, given[name], 1, 10_000)
     config = Config(**given)
-    return EnvPoolSpec(config, _resolve(task_id, _as_fields(config, options)))
+    return EnvPoolSpec(config, _task(found, _as_fields(config, options)))
 
 
-def _resolve(task_id: GameLike, fields: Mapping[str, Any]) -> Task:
+def _task(found: FoundGame, fields: Mapping[str, Any]) -> Task:
     """A name's task with EnvPool's defaults, or a task for one player, with these fields."""
-    if isinstance(task_id, Task):
-        if task_id.players > 1:
-            raise ValueError(f"a game has one player, and the task has players={task_id.players}; use AtariVectorEnv")
-        if not task_id.kind.image:
+    if isinstance(task := found.game, Task):
+        if task.players > 1:
+            raise ValueError(f"a game has one player, and the task has players={task.players}; use AtariVectorEnv")
+        if not task.kind.image:
             raise ValueError("EnvPool's environments show images and RAM, and the task has obs_type='ram'; use 'dict'")
-        return task_id.replace(**{"stack_num": task_id.stack_num or 1, **fields})
-    return resolve_for_agent(task_ids().get(str(task_id), task_id), "envpool", fields, owner="make_spec")
+        return task.replace(**{"stack_num": task.stack_num or 1, **fields})
+    return found.task_for_agent("envpool", fields, owner="make_spec")
 
 
-def _base(task_id: GameLike) -> Task:
-    """The task without options.
-
-    Raises:
-        ValueError: there is no such task; the message suggests the nearest of EnvPool's names.
-    """
+def _look_up(task_id: GameLike) -> FoundGame:
+    """What a name of EnvPool's, or GAME, names."""
     try:
-        return _resolve(task_id, {})
+        return look_up(task_ids().get(str(task_id), task_id))
     except (gymnasium.error.NameNotFound, ValueError):
         if not isinstance(task_id, str) or task_id.endswith(".toml"):
             raise
@@ -298,10 +295,10 @@ def _base(task_id: GameLike) -> Task:
         raise ValueError(f"there is no task {task_id!r}; {hint}") from None
 
 
-def _of_task(base: Task, task_id: GameLike) -> dict[str, Any]:
-    """EnvPool's options with the values of a task, or of an ID, that differ from EnvPool's defaults."""
+def _of_task(base: Task, whole: bool) -> dict[str, Any]:
+    """EnvPool's options with the values of a whole task, or of an ID, that differ from EnvPool's defaults."""
     own = {"repeat_action_probability": base.repeat_action_probability, "full_action_space": base.actions == "full"}
-    if not isinstance(task_id, Task):
+    if not whole:
         return own
     return {
         **{name: getattr(base, field) for name, field in _FIELDS.items() if name not in own},
@@ -314,11 +311,7 @@ def _of_task(base: Task, task_id: GameLike) -> dict[str, Any]:
 
 
 def _as_fields(config: Any, options: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of a task that EnvPool's options set; other fields keep the values of the base.
-
-    Raises:
-        TypeError, ValueError: an option is of the wrong kind or out of range.
-    """
+    """The fields of a task that EnvPool's options set; other fields keep the values of the base."""
     fields = {
         field: None if options[name] == -1 else options[name] for name, field in _FIELDS.items() if name in options
     }

@@ -18,9 +18,9 @@ from atari.lab.labels import Labels
 from atari.learning import load_policy
 from atari.learning.evaluation.evaluate import record_task
 from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
-from atari.learning.evaluation.played import played_task, resolve_games, usual_protocol
+from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games, usual_protocol
 from atari.task import Task
-from atari.task.resolution import GameLike
+from atari.task.task import GameLike
 from atari.validation import check_integer, check_name
 
 _MANIFEST = "_manifest.jsonl"
@@ -57,7 +57,7 @@ class _Part:
 
 
 def collect(
-    game: GameLike,
+    game: GameLike | EvaluatedGame,
     output: str | os.PathLike[str],
     *,
     policy: Any = "random",
@@ -115,12 +115,12 @@ def collect(
     format = output_format(output, format)
     if format != "parquet":
         check_output(output, format)
-    names = Labels(chosen.task.definition, labels).names
     loaded = load_policy(policy)  # raises its errors before anything is written
     name = str(policy) if isinstance(policy, (str, Path)) else loaded.name
     protocol = usual_protocol(loaded, chosen)
     played = played_task(chosen, protocol, loaded)
     EvaluatedPolicy(loaded, played, protocol.epsilon)  # raises its errors, too
+    names = Labels(played.definition, labels).names
     task = json.loads(played.to_json())
     facts = {
         "game": played.game, "task": task, "policy": name, "format": format, "frames": frames, "labels": list(names)
@@ -171,11 +171,7 @@ def _played(work: Sequence[_Work]) -> Iterator[_Part]:
 
 
 def _play(work: _Work) -> _Part:
-    """Play the game of a seed, in a worker.
-
-    Raises:
-        RuntimeError: the worker has another version of this package.
-    """
+    """Play the game of a seed, in a worker."""
     if (own := version("atari-envs")) != work.version:
         raise RuntimeError(f"a worker has atari-envs {own}, and the collection was begun with {work.version}")
     with TemporaryDirectory() as folder:

@@ -16,7 +16,7 @@ from ray.tune.registry import register_env
 
 from atari._gymnasium import AutoresetMode, VectorWrapper, autoreset_mode
 from atari.cores.options import SEED_LIMIT
-from atari.task.task import resolve_for_agent
+from atari.task.task import GameLike, look_up
 from atari.validation import check_name
 from atari.vector.env import AtariVectorEnv
 
@@ -175,7 +175,7 @@ def _with_network(algorithm: str, obs: str) -> Any:
 
 def config(
     algorithm: str,
-    game: Any,
+    game: GameLike | Sequence[GameLike],
     *,
     preset: str | None = None,
     num_envs: int = 8,
@@ -210,7 +210,7 @@ def config(
     check_name("algorithm", algorithm, ALGORITHMS)
     games = list(game) if isinstance(game, Sequence) and not isinstance(game, str) else [game]
     running = {name: options.pop(name) for name in list(options) if name in _RUN_OPTIONS}
-    tasks = [resolve_for_agent(one, preset, options, owner="config") for one in games]
+    tasks = [look_up(one).task_for_agent(preset, options, owner="config") for one in games]
     obs = "pixels" if tasks[0].kind.image else "ram"
     layout = {} if obs == "ram" else {"channels_last": True}
     env_config = {"game": tasks, **layout, **running}

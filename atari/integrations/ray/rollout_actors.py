@@ -19,9 +19,9 @@ from atari.integrations.ray.rollout import Rollout
 from atari.integrations.ray.rollout_worker import Played, Position, RolloutWorker, WorkerSettings
 from atari.learning.policies import load_policy
 from atari.policy import makes_policy
-from atari.task import Task
-from atari.task.resolution import is_id
+from atari.task.task import GameLike
 from atari.validation import check_integer
+from atari.vector.options import OF_TASKS, resolve_lanes
 
 _LOST = (RayActorError, ObjectLostError, OutOfMemoryError, RaySystemError)
 _MOST_LOSSES = 5  # an actor is not replaced after more losses without a batch between them
@@ -100,7 +100,7 @@ class RolloutActors:
 
     def __init__(
         self,
-        game: Any,
+        game: GameLike | Sequence[GameLike],
         num_actors: int,
         num_envs: int,
         policy: Any,
@@ -123,7 +123,9 @@ class RolloutActors:
         steps = check_integer("steps", steps, 1, 1_000_000)
         if not makes_policy(policy):
             load_policy(policy)  # raises its errors here
-        self._settings = WorkerSettings(_resolved(game), num_envs, steps, seed, unstacked, options)
+        fields = {name: options.pop(name) for name in OF_TASKS if name in options}
+        tasks, _ = resolve_lanes(game, num_envs, options.pop("preset", None), fields)
+        self._settings = WorkerSettings(tasks, steps, seed, unstacked, options)
         self._settings.make().close()  # raises its errors here
         self._policy = policy
         self._worker = ray.remote(RolloutWorker).options(
@@ -260,10 +262,3 @@ class RolloutActors:
         seat.sent_version = -1
         for order in seat.orders:
             self._send(seat, order)
-
-
-def _resolved(game: Any) -> Any:
-    """A game in a form for actors, which lack the IDs that this program has registered."""
-    if isinstance(game, str):
-        return Task.of(game) if is_id(game) else game
-    return [_resolved(one) for one in game] if isinstance(game, Sequence) else game

@@ -14,6 +14,7 @@ from atari.cores.options import SEED_LIMIT
 from atari.integrations.ray.rollout import Frames, Rollout
 from atari.learning.policies import load_policy
 from atari.policy.needs import needs_of
+from atari.task import Task
 from atari.task.fields import GROUPS
 from atari.vector import AtariVectorEnv
 from atari.vector.results import ends_of_stacks
@@ -24,20 +25,23 @@ class WorkerSettings:
     """The settings that the workers of a run share.
 
     Attributes:
-        game: the game of the environments, or a list with one for each.
-        num_envs: number of environments of a worker.
+        tasks: the task of each environment of a worker.
         steps: number of steps of each environment in a rollout.
         seed: first seed: environment j of worker i has seed + i * num_envs + j.
         unstacked: whether frames are stored once.
-        options: options of `AtariVectorEnv`.
+        options: other options of `AtariVectorEnv`.
     """
 
-    game: Any
-    num_envs: int
+    tasks: tuple[Task, ...]
     steps: int
     seed: int
     unstacked: bool
     options: Mapping[str, Any]
+
+    @property
+    def num_envs(self) -> int:
+        """The number of environments of a worker."""
+        return len(self.tasks)
 
     def make(self) -> AtariVectorEnv:
         """The environments of a worker.
@@ -46,7 +50,7 @@ class WorkerSettings:
             TypeError, ValueError, FileNotFoundError: see `AtariVectorEnv`; or observations would not be written
                 straight into a rollout.
         """
-        envs = AtariVectorEnv(self.game, self.num_envs, **{"num_threads": 1, "game_info": True, **self.options})
+        envs = AtariVectorEnv(self.tasks, **{"num_threads": 1, "game_info": True, **self.options})
         refused = {
             "channels_last=True, dtype='float32' or stack_num=None": not envs.options.layout.is_engines,
             "obs_type='dict'": envs.task.kind.is_dict,
@@ -185,11 +189,7 @@ class RolloutWorker:
         return pickle.dumps(state, 5)
 
     def _begin_policy(self) -> None:
-        """Begin with the policy.
-
-        Raises:
-            ValueError: the policy needs other environments than these.
-        """
+        """Begin with the policy."""
         played, needs = self._envs.task, needs_of(self._policy, self._envs.games[0])
         if needs.task is not None:
             fields = needs.task.differences(played)

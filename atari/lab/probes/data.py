@@ -104,8 +104,10 @@ def play_episodes(
     if policy is not None and not callable(policy):
         raise TypeError(f"policy must be a function; atari.learning.load_policy returns one, got {policy!r:.80}")
     kind = with_image(gray=True, ram=True)
-    if isinstance(game, Task) or (isinstance(game, str) and is_id(game)):
-        kind = with_image(gray=not Task.of(game).kind.colours, ram=True)
+    if isinstance(game, str) and is_id(game):
+        game = Task.of(game)
+    if isinstance(game, Task):
+        kind = with_image(gray=not game.kind.colours, ram=True)
     elif not options:
         options = {"img_height": None, "img_width": None, "stack_num": 1}
     envs = AtariVectorEnv(game, num_envs, **{"num_threads": 1, "game_info": True, "obs_type": kind, **options})

@@ -21,7 +21,7 @@ from atari.learning.policies import load_policy
 from atari.policy import LoadedPolicy
 from atari.recording.replay.record_replay import RecordVectorReplay
 from atari.task import Task
-from atari.task.resolution import GameLike
+from atari.task.task import GameLike
 from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 
@@ -127,7 +127,11 @@ def evaluate(
 
 
 def record_games(
-    policy: Any, game: GameLike, protocol: str | EvaluationProtocol, seeds: Sequence[int], path: str | Path
+    policy: Any,
+    game: GameLike | EvaluatedGame,
+    protocol: str | EvaluationProtocol,
+    seeds: Sequence[int],
+    path: str | Path,
 ) -> list[tuple[float, int]]:
     """Record whole games of an evaluation in a replay (.a26r), and return the score and the length in frames of each.
 
@@ -240,11 +244,7 @@ def _play_all(
 
 
 def _play_elsewhere(work: _Work) -> GameResult:
-    """Do the work of a worker.
-
-    Raises:
-        RuntimeError: the worker has another version of this package.
-    """
+    """Do the work of a worker."""
     if (own := version("atari-envs")) != work.version:
         raise RuntimeError(f"a worker has atari-envs {own}, and the evaluation was begun with {work.version}")
     player = EvaluatedPolicy(load_policy(work.policy), work.task, work.epsilon)

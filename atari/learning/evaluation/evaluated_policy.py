@@ -81,11 +81,7 @@ class EvaluatedPolicy:
 
 
 def _names(chosen: tuple[str, ...], given: tuple[str, ...], game: str) -> tuple[str, ...]:
-    """The names of a policy's actions.
-
-    Raises:
-        ValueError: the policy has an action that the game does not have in this protocol.
-    """
+    """The names of a policy's actions."""
     missing = [name for name in chosen if name not in given]
     if missing:
         raise ValueError(

@@ -11,7 +11,7 @@ from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, Evaluation
 from atari.policy.needs import composed, in_game, needs_of
 from atari.task import PRESETS, Task
 from atari.task.fields import GROUPS
-from atari.task.resolution import GameLike, is_id
+from atari.task.task import GameLike, look_up
 
 _GAME_FIELDS = ("mode", "difficulty", "interventions")
 """Fields that the game of an evaluation decides. Where a game says nothing, the policy must not say something else."""
@@ -68,16 +68,15 @@ def resolve_games(
     found: dict[str, tuple[EvaluatedGame, Any]] = {}
     for given in listed:
         for one in GAME_SETS.get(given, (given,)) if isinstance(given, str) else (given,):
-            game = one if isinstance(one, EvaluatedGame) else _resolved(one, options)
+            if isinstance(one, EvaluatedGame):
+                game = one
+            else:
+                named = look_up(one)
+                game = EvaluatedGame(named.task(None, options), named.env_id, isinstance(named.game, Task))
             other, first = found.setdefault(game.id, (game, one))
             if (other.task, other.env_id) != (game.task, game.env_id):
                 raise ValueError(f"{game.id} is given twice, as {first!r} and {one!r}; leave one of them out")
     return tuple(game for game, _ in found.values())
-
-
-def _resolved(game: GameLike, options: Mapping[str, Any]) -> EvaluatedGame:
-    env_id = game if isinstance(game, str) and is_id(game) else None
-    return EvaluatedGame(Task.of(game, **options), env_id, isinstance(game, Task))
 
 
 def usual_protocol(policy: Any, game: EvaluatedGame) -> EvaluationProtocol:

@@ -21,7 +21,7 @@ _MAY_BE_NONE = ("mode", "difficulty", "max_num_frames_per_episode", "interventio
 """The options that may be None in a header."""
 
 
-def game_of(
+def game_of_header(
     header: Mapping[str, Any], game: str | PathLike[str] | Game | None, rom: str | PathLike[str] | None
 ) -> Game:
     """Check a header and find its game; `Replay.load` documents `game` and `rom`.
@@ -52,11 +52,7 @@ def game_of(
 
 
 def _check_options(header: Mapping[str, Any], game: Game) -> None:
-    """Check the options and the task in the header of a replay of one player.
-
-    Raises:
-        Corrupt: a value is of the wrong kind or out of range, or an option is not one of `AtariEnv`'s.
-    """
+    """Check the options and the task in the header of a replay of one player."""
     options = header["options"]
     try:
         for name, value in options.items():

@@ -27,7 +27,7 @@ from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
 from atari.recording.replay.frames import difference, frames_of
-from atari.recording.replay.header import emulator_task, game_of
+from atari.recording.replay.header import emulator_task, game_of_header
 from atari.recording.replay.players import PlayersRunner, make_core
 from atari.recording.replay.results import Divergence, Episode, Frame, Verification
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
@@ -113,7 +113,7 @@ class Replay:
         """
         path = Path(path)
         content = file_format.read(path)
-        found = game_of(content.header, game, rom)
+        found = game_of_header(content.header, game, rom)
         if content.end is None:
             warnings.warn(
                 f"{path} was cut while it was recorded; its first {content.frames:,} frames are whole", stacklevel=2
@@ -405,11 +405,7 @@ class Replay:
     def _part_of_frame(
         self, path: Any, frame: Any, start: int, stop: int | None, episode: Any
     ) -> tuple[int, int | None]:
-        """The part of the replay that ends with the frame of a picture.
-
-        Raises:
-            TypeError, ValueError: there is no such frame, it contradicts the part, or `path` is no picture.
-        """
+        """The part of the replay that ends with the frame of a picture."""
         if not is_picture(path):
             raise ValueError(
                 f"frame={frame!r} chooses the frame of a picture, such as 'pong.png', got {str(path)!r}; leave it out"
