@@ -29,9 +29,8 @@ from atari.observations.settings import pixel_format
 from atari.rendering import Window
 from atari.roms import find
 from atari.task import Task
-from atari.task.fields import UNSET
+from atari.task.fields import UNSET, AddedOptions, Interventions
 from atari.task.kinds import KINDS
-from atari.task.options import AddedOptions, Interventions
 from atari.task.task import GameLike, look_up
 from atari.validation import check_action, check_name
 

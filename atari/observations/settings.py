@@ -27,7 +27,7 @@ def filled(settings: _Settings, **fields: Any) -> _Settings:
 def filled_by_name(settings: _Settings, task: Task, **others: Any) -> _Settings:
     """A settings object, with each field that is not in `others` set to the task's field of its name.
 
-    Names select the members of enumerations.
+    Names select the members of enumerations. A number stands for the range of it alone.
 
     Raises:
         AttributeError: a task lacks a field.
@@ -42,6 +42,8 @@ def filled_by_name(settings: _Settings, task: Task, **others: Any) -> _Settings:
         kind = type(getattr(settings, name))
         if issubclass(kind, enum.Enum):
             values[name] = kind[value.upper()]
+        elif kind is tuple and isinstance(value, int):
+            values[name] = value, value
     return filled(settings, **values, **others)
 
 

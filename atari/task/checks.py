@@ -134,19 +134,23 @@ class Limit(OrNone):
 
 
 @dataclass(frozen=True)
-class Noops:
-    """The check of a range low..high, both included."""
+class Span:
+    """The check of a range low..high, both included; with `or_number`, of a number, too."""
 
     each: Whole
+    or_number: bool = False
 
-    def __call__(self, name: str, value: Any) -> tuple[int, int]:
-        """`value` as (low, high)."""
+    def __call__(self, name: str, value: Any) -> int | tuple[int, int]:
+        """`value` as (low, high), or as a number if that is accepted and the only one of the range."""
         if not isinstance(value, (tuple, list)) or len(value) != 2:
-            raise OptionTypeError(f"{name} must be (low, high), both included, such as (1, 30), got {value!r}")
+            if self.or_number and not isinstance(value, (tuple, list, str)):
+                return self.each(name, value)
+            kind = "a number such as 3, or (low, high)" if self.or_number else "(low, high)"
+            raise OptionTypeError(f"{name} must be {kind}, both included, such as (1, 30), got {value!r}")
         low, high = (self.each(name, one) for one in value)
         if low > high:
             raise ValueError(f"{name} must be (low, high) with low of at most high, got {value!r}")
-        return low, high
+        return low if self.or_number and low == high else (low, high)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from atari.games.fingerprint import fingerprint
 from atari.games.game import Game
 from atari.games.interventions import resolve
 from atari.games.players import choose_mode, rules_of
-from atari.task.fields import DEFAULTS, FIELDS, GROUPS, TaskFields, check_field
+from atari.task.fields import DEFAULTS, FIELDS, GROUPS, WRAPPED, TaskFields, check_field
 from atari.task.kinds import KINDS, Kind
 from atari.task.rules import check_together, settle
 from atari.validation import check_integer
@@ -149,12 +149,13 @@ class TaskData(TaskFields):
     def fields_of_wrappers(self) -> list[str]:
         """The fields that an `AtariEnv` alone does not honour."""
         composed = [] if self.kind.method else ["obs_type"]
-        return [name for name in _OF_WRAPPERS if getattr(self, name) != DEFAULTS[name]] + composed
+        return [name for name in WRAPPED if getattr(self, name) != DEFAULTS[name]] + composed
 
     def of_emulator(self) -> Self:
         """The part of this task that an `AtariEnv` plays inside the wrappers: single frames."""
         kept = (*GROUPS["game"], *GROUPS["play"], "max_num_frames_per_episode", "sound_obs")
-        fields = {name: getattr(self, name) for name in kept if name not in ("game", "rom_md5", "frameskip")}
+        others = ("game", "rom_md5", "frameskip", *WRAPPED)
+        fields = {name: getattr(self, name) for name in kept if name not in others}
         return type(self)(self.definition, frameskip=1, obs_type="rgb" if self.kind.image else "ram", **fields)  # type: ignore[arg-type]
 
     @property
@@ -198,16 +199,6 @@ class TaskData(TaskFields):
         fields["mode"] = None if several and self.mode == default else self.set_mode
         fields["difficulty"] = self.set_difficulty
         return fields
-
-
-_OF_WRAPPERS = (
-    *GROUPS["begin"],
-    *GROUPS["lives"],
-    *(name for name in GROUPS["observation"] if name not in ("obs_type", "sound_obs")),
-    *GROUPS["reward"],
-    "max_frames",
-)
-"""Fields that an `AtariEnv` alone does not honour, whose defaults it plays."""
 
 
 def _action_sets(game: Game, players: int) -> tuple[tuple[Action, ...], tuple[Action, ...]]:

@@ -6,10 +6,11 @@ The dataclass, the checks, the typed options, flags and their help, JSON, the pr
 
 import dataclasses
 import typing
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar, get_args
+from typing import Any, Literal, TypedDict, TypeVar, get_args
 
+from atari.actions import Action
 from atari.games.frozen import FrozenDict
 from atari.games.interventions import Intervention
 from atari.task.checks import (
@@ -17,10 +18,10 @@ from atari.task.checks import (
     Check,
     FrameSkip,
     Limit,
-    Noops,
     OneOf,
     OrNone,
     Probability,
+    Span,
     Whole,
     as_is,
     check_actions,
@@ -39,6 +40,7 @@ Unit = Literal["frame", "skip"]
 Seeding = Literal["gymnasium", "ale"]
 Padding = Literal["zero", "reset"]
 EndFrames = Literal["last", "gymnasium", "baselines", "envpool"]
+Interventions = Sequence[str | Mapping[str, Any] | Intervention] | None
 Group = Literal["game", "play", "begin", "lives", "limits", "observation", "reward"]
 _T = TypeVar("_T")
 
@@ -63,6 +65,7 @@ class Row:
         says: its meaning, for the documentation and the help of commands.
         check: checks a value; None for a bool or a Literal, whose type is the check.
         tuned: whether users tune it. Otherwise it only says how another program resets.
+        wrapped: whether wrappers play it, so that an `AtariEnv` alone accepts its default only; None if its group says.
         accepts: the type of the option, if it takes more than the field holds. None then counts as not given.
         flags: its flags, if they are not made from its name.
         metavar: its value in the help of commands; "" for the choices of a Literal, and otherwise N.
@@ -74,6 +77,7 @@ class Row:
     says: str
     check: Check | None = None
     tuned: bool = True
+    wrapped: bool | None = None
     accepts: str | None = None
     flags: tuple[str, ...] = ()
     metavar: str = ""
@@ -127,7 +131,7 @@ class TaskFields:
     noops: tuple[int, int] = row(
         (0, 0), "begin",
         "(low, high), both included: an episode begins with a number of NOOP frames drawn from this range",
-        check=Noops(Whole(0, 1_000_000)), metavar="LOW,HIGH")
+        check=Span(Whole(0, 1_000_000)), metavar="LOW,HIGH")
     fire: Fire = row(
         "never", "begin", "an episode begins with FIRE before or after the no-ops, or never, in games that have it")
     fire_counts: bool = row(False, "begin", "FIRE is one of the no-ops", tuned=False)
@@ -160,11 +164,11 @@ class TaskFields:
         check=Limit(Whole(0, NO_LIMIT)), words="{:,} frames of the emulator")
     max_frames: int | None = row(
         None, "limits", "limit on the frames of a game after its beginning; None means no limit",
-        check=OrNone(Whole(1, NO_LIMIT)), words="{:,} frames after the beginning")
+        check=OrNone(Whole(1, NO_LIMIT)), wrapped=True, words="{:,} frames after the beginning")
     max_episode_steps: int | None = row(
         None, "limits", "limit on the agent's steps of an episode; None means no limit",
         check=OrNone(Whole(1, NO_LIMIT)), words="{:,} steps")
-    obs_type: ObsType = row("rgb", "observation", IN_WORDS, accepts="ObsType | None")
+    obs_type: ObsType = row("rgb", "observation", IN_WORDS, wrapped=False, accepts="ObsType | None")
     img_height: int | None = row(
         None, "observation", "rows of the image, None means the screen's rows", check=OrNone(Whole(1, 256)))
     img_width: int | None = row(
@@ -185,7 +189,7 @@ class TaskFields:
         "frames that are observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`")
     sound_obs: bool = row(
         False, "observation", "observations are image and sound: 512 samples of the step's last frame",
-        words="and 512 samples of sound")
+        wrapped=False, words="and 512 samples of sound")
     agent_indicator: bool = row(
         False, "observation", "each of several players sees more channels, which say which player it is",
         words="with the number of the player")
@@ -218,6 +222,13 @@ GROUPS: Mapping[str, tuple[str, ...]] = FrozenDict(
 )
 """The fields of a `Task` by group."""
 
+WRAPPED: tuple[str, ...] = tuple(
+    name
+    for name, row in ROWS.items()
+    if (row.group in ("begin", "lives", "observation", "reward") if row.wrapped is None else row.wrapped)
+)
+"""The fields that wrappers play. An `AtariEnv` alone plays their defaults; of `obs_type` it lacks the dicts."""
+
 CHECKS: Mapping[str, Check] = {
     name: row.check or (check_bool if TYPES[name] is bool else OneOf(get_args(TYPES[name])))
     for name, row in ROWS.items()
@@ -232,3 +243,55 @@ def check_field(name: str, value: Any) -> Any:
         TypeError, ValueError: it is of the wrong kind or out of range.
     """
     return CHECKS[name](name, value)
+
+
+# Begin of what scripts/generate/options.py writes.
+class AddedOptions(TypedDict, total=False):
+    """The options that `AtariEnv` does not name."""
+
+    players: int | None
+    actions: str | Sequence[str | Action] | None
+    noops: tuple[int, int]
+    fire: Fire
+    fire_counts: bool
+    third_action: bool
+    fire_unit: Unit
+    fire_again: bool
+    seeding: Seeding
+    episodic_life: bool | None
+    lives_unit: Unit
+    on_reset: OnReset
+    last_life: bool
+    seamless_lives: bool
+    life_loss_info: bool
+    max_frames: int | None
+    max_episode_steps: int | None
+    img_height: int | None
+    img_width: int | None
+    stack_num: int | None
+    maxpool: bool
+    pool_rgb: bool
+    padding: Padding
+    end_frames: EndFrames
+    agent_indicator: bool
+    reward: str | None
+    reward_clipping: bool | None
+    zero_sum: bool
+    clip_reward: bool | None
+
+
+class SharedOptions(AddedOptions, total=False):
+    """The options that have one type in all functions."""
+
+    continuous: bool
+    continuous_action_threshold: float
+    repeat_action_probability: float | tuple[float, ...] | None
+    frameskip: int | tuple[int, int]
+    interventions: Interventions
+    max_num_frames_per_episode: int | None
+    obs_type: ObsType | None
+    sound_obs: bool
+    full_action_space: bool | None
+
+
+# End of what scripts/generate/options.py writes.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python
-"""Writes the typed options of a task into atari/task/options.py, from the rows of atari/task/fields.py.
+"""Writes the types of the options of a task, from the rows of `TaskFields`, into the same file, atari/task/fields.py.
 
     scripts/generate/options.py          # writes the file
     scripts/generate/options.py --check  # fails if the file would change; a test calls this
@@ -18,8 +18,7 @@ from atari.env import AtariEnv
 from atari.task.fields import ROWS
 from atari.task.resolution import ALIASES, OPTIONS
 
-TASK = Path(__file__).resolve().parents[2] / "atari" / "task"
-FILE = TASK / "options.py"
+FILE = Path(__file__).resolve().parents[2] / "atari" / "task" / "fields.py"
 BLOCK = re.compile(r"(# Begin of what scripts/generate/options.py writes.\n).*(\n\n# End of)", re.DOTALL)
 CLASSES = """class AddedOptions(TypedDict, total=False):
     \"\"\"The options that `AtariEnv` does not name.\"\"\"
@@ -27,7 +26,7 @@ CLASSES = """class AddedOptions(TypedDict, total=False):
 {added}
 
 
-class _Shared(AddedOptions, total=False):
+class SharedOptions(AddedOptions, total=False):
     \"\"\"The options that have one type in all functions.\"\"\"
 
 {shared}
@@ -36,7 +35,7 @@ class _Shared(AddedOptions, total=False):
 
 def written(text: str) -> str:
     """The source of the options with its classes made anew, in the order of the rows."""
-    tree = ast.parse((TASK / "fields.py").read_text(encoding="utf-8"))
+    tree = ast.parse(text)
     fields = next(node for node in tree.body if isinstance(node, ast.ClassDef) and node.name == "TaskFields")
     annotated = [node for node in fields.body if isinstance(node, ast.AnnAssign)]
     types = {ast.unparse(node.target): ast.unparse(node.annotation) for node in annotated}
@@ -58,7 +57,7 @@ def main() -> None:
     if not args.check:
         FILE.write_text(new, encoding="utf-8")
     elif new != old:
-        sys.exit("atari/task/options.py is old: run scripts/generate/options.py")
+        sys.exit("atari/task/fields.py is old: run scripts/generate/options.py")
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from atari.games.catalog import playable_ids
 from atari.games.game import Game
 from atari.task import Task
 from atari.task.arguments import add_task, task_of
-from atari.task.checks import FrameSkip, Noops, OneOf, OrNone, Probability, Whole, check_actions, check_bool
+from atari.task.checks import FrameSkip, OneOf, OrNone, Probability, Span, Whole, check_actions, check_bool
 from atari.task.fields import CHECKS, DEFAULTS, ROWS
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
@@ -114,7 +114,7 @@ def outside(source: random.Random, name: str, check: Any, game: Game) -> Any:
             return source.choice(choices).swapcase()
         case OrNone(inner):
             return outside(source, name, inner, game)
-        case Noops(each) | FrameSkip(each):
+        case Span(each) | FrameSkip(each):
             ends = each.low, each.high, outside(source, name, each, game)
             return tuple(source.choice(ends) for _ in range(source.choice((1, 2, 2, 2, 3))))
     if check is check_bool:

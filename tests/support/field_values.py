@@ -14,7 +14,7 @@ from atari.actions import PLAYER_ACTIONS
 from atari.games.game import Game
 from atari.games.interventions import load
 from atari.task import Task
-from atari.task.checks import NO_LIMIT, FrameSkip, Noops, OneOf, OrNone, Probability, Whole, check_actions, check_bool
+from atari.task.checks import NO_LIMIT, FrameSkip, OneOf, OrNone, Probability, Span, Whole, check_actions, check_bool
 from atari.task.fields import CHECKS, DEFAULTS
 from atari.task.rules import settle
 
@@ -169,8 +169,9 @@ def _drawn(source: random.Random, name: str, check: Any, game: Game, pick: Pick)
             return source.choice(choices)
         case OrNone(inner):
             return None if source.random() < 0.3 else _drawn(source, name, inner, game, pick)
-        case Noops(each):
-            return tuple(sorted(pick(source, each.low, each.high) for _ in range(2)))
+        case Span(each, or_number):
+            low, high = sorted(pick(source, each.low, each.high) for _ in range(2))
+            return (low, high) if not or_number or (low < high and source.random() < 0.3) else low
         case FrameSkip(each):
             low, high = sorted(pick(source, each.low, each.high) for _ in range(2))
             return (low, high) if low < high and source.random() < 0.3 else low
