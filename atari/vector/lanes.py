@@ -181,6 +181,16 @@ class Lane:
             state = self._engine().save_emulator(self.index)
         core.load(state)
 
+    def record_moves(self) -> None:
+        """Record what the console gets in each frame, until `take_moves`."""
+        with self._lock:
+            self._engine().record_moves(self.index)
+
+    def take_moves(self) -> list[tuple[int, float]]:
+        """The ALE action and its strength in each frame since `record_moves`, those of resets too."""
+        with self._lock:
+            return self._engine().take_moves(self.index)
+
     def screen_rgb(self, out: ByteArray | None = None) -> ByteArray:
         """The screen, (height, 160, 3) uint8, or `out` filled with it."""
         with self._lock:

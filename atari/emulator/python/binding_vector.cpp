@@ -236,6 +236,10 @@ void register_vector(nb::module_& m) {
             "environment"_a, "Frame number, episode frame number, and the lives of each player.")
         .def("ended", &BoundEngine::ended, "environment"_a,
              "Whether the next step of an environment resets it, or without autoreset plays nothing.")
+        .def("record_moves", &BoundEngine::record_moves, "environment"_a,
+             "Record the ALE action and its strength in each frame that is played, until `take_moves`.")
+        .def("take_moves", &BoundEngine::take_moves, "environment"_a,
+             "The recorded actions and strengths, by frame; ends the recording.")
         .def("mode", &call<&Environment::mode>, "environment"_a)
         .def("difficulty", &call<&Environment::difficulty>, "environment"_a)
         .def("set_mode", &call<&Environment::set_mode, int>, "environment"_a, "mode"_a)

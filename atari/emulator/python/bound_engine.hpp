@@ -252,6 +252,13 @@ class BoundEngine : Exclusive {
         return get(environment, [&](Environment&) { return engine_->ended(environment); });
     }
 
+    void record_moves(int environment) {
+        get(environment, [&](Environment&) { engine_->lane(environment).game().record_moves(); });
+    }
+    std::vector<std::pair<int, float>> take_moves(int environment) {
+        return get(environment, [&](Environment&) { return engine_->lane(environment).game().take_moves(); });
+    }
+
     // Copies the RAM of environments, 128 bytes each. Environments of the last batch are not being played.
     std::vector<uint8_t> rams(const std::vector<int>& environments, VectorEngine::RamOf of) {
         std::vector<uint8_t> rams(kRamSize * environments.size());

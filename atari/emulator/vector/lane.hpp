@@ -19,6 +19,8 @@ class LaneGame final : public PlayedGame {
         environment_->reset();
     }
     OfPlayers<int> act(const OfPlayers<int>& actions, int players, float strength) override {
+        if (records_) [[unlikely]]
+            moves_.emplace_back(actions[0], strength);
         return environment_->act(actions, players, strength);
     }
     int lives(int player) const override { return environment_->lives(player); }
@@ -30,8 +32,20 @@ class LaneGame final : public PlayedGame {
 
     Environment& environment() const { return *environment_; }
 
+    // Records the first player's ALE action and its strength in each frame, until `take_moves`.
+    void record_moves() {
+        records_ = true;
+        moves_.clear();
+    }
+    std::vector<std::pair<int, float>> take_moves() {
+        records_ = false;
+        return std::exchange(moves_, {});
+    }
+
   private:
     const std::unique_ptr<Environment> environment_;
+    bool records_ = false;
+    std::vector<std::pair<int, float>> moves_;
 };
 
 // The state of a lane in memory, for lanes of the same game and settings.
@@ -53,6 +67,7 @@ class Lane {
     Lane& operator=(const Lane&) = delete;
 
     Environment& environment() const { return game_.environment(); }
+    LaneGame& game() { return game_; }
     Episode& episode() { return episode_; }
     const Episode& episode() const { return episode_; }
     const std::vector<int>& actions() const { return actions_; }

@@ -1,8 +1,8 @@
 """`RecordVectorVideo`: videos of one environment of a vector, or of all in a mosaic.
 
 An `AtariVectorEnv` plays its games in C++ and returns only the last frame of a frame skip. So each recorded environment
-has a `ShadowCore`: a second core that starts from the same state and plays the same action frame by frame, with the
-same result to the byte. The frames of a reset (no-ops, FIRE) are not repeated; the video continues with the screen
+has a `ShadowCore`: a second core that starts from the same state and gets the same inputs frame by frame, with the same
+result to the byte. The frames of a reset (no-ops, FIRE) are not repeated; the video continues with the screen
 after the reset.
 """
 
@@ -34,14 +34,13 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
     mosaic, an environment whose episode ends inside a frame skip shows its last frame until the skip is over.
 
     Args:
-        env: an `AtariVectorEnv` with batches of all environments, in any wrappers that do not change actions.
+        env: an `AtariVectorEnv` with batches of all environments, in any wrappers.
         video_aspect_ratio: (width, height), the approximate ratio of the mosaic's sides.
         record_first_only: record only environment `index`, instead of a mosaic of all.
         index: the environment whose episodes are counted and whose sound and overlay are recorded.
 
     Raises:
         TypeError, ValueError, OSError: see `RecordVideo`.
-        RuntimeError: raised by `step` if a wrapper inside this one has changed the actions.
     """
 
     def __init__(
@@ -132,7 +131,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         result = self.env.step(actions)
         _, _, terminations, truncations, info = result
         self._done = terminations | truncations
-        self._record_step(actions, resets, info)
+        self._record_step(resets, info)
         if mode == AutoresetMode.SAME_STEP and self._done[self._index]:
             begins = True
             self._before_episode()
@@ -142,18 +141,16 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         self._count()
         return result
 
-    def _record_step(self, actions: Any, resets: npt.NDArray[np.bool_], info: dict[str, Any]) -> None:
+    def _record_step(self, resets: npt.NDArray[np.bool_], info: dict[str, Any]) -> None:
         """Repeat the environments' step on the shadow cores and record each frame."""
         if not self.recording:
             return
-        repeats = [shadow.action_repeat(actions, info) for shadow in self._shadows]
-        self._synchronize(shadow for shadow, repeat in zip(self._shadows, repeats, strict=True) if not repeat.frames)
-        for frame in range(max(int(resets.any()), *(repeat.frames for repeat in repeats))):
-            for shadow, repeat in zip(self._shadows, repeats, strict=True):
-                shadow.play(repeat, frame)
+        steps = [shadow.moves(info) for shadow in self._shadows]
+        self._synchronize(shadow for shadow, moves in zip(self._shadows, steps, strict=True) if not moves)
+        for frame in range(max(int(resets.any()), *map(len, steps))):
+            for shadow, moves in zip(self._shadows, steps, strict=True):
+                shadow.play(moves, frame)
             self._write_frame(self._sound_shadow.played)
-        for shadow in self._shadows:
-            shadow.check()
         self._synchronize(self._shadows)
 
     def _record_resets(self) -> None:

@@ -102,8 +102,8 @@ class RecordVideo(RecordEnvVideo):
     the other environment, or pass sound=False here.
 
     Args:
-        env: an `AtariEnv`, in any wrappers; or an `AtariVectorEnv` with batches of all environments, in any wrappers
-            that do not change actions. A vector has these arguments, too: after `video_folder`, `video_aspect_ratio`,
+        env: an `AtariEnv`, in any wrappers; or an `AtariVectorEnv` with batches of all environments, in any
+            wrappers. A vector has these arguments, too: after `video_folder`, `video_aspect_ratio`,
             (width, height), is the approximate ratio of the mosaic's sides, and `record_first_only` (False) films only
             environment `index`; by name, `index` is the environment whose episodes are counted and whose sound and
             overlay are recorded.
