@@ -23,7 +23,7 @@ class FrameSource {
     // Reads an environment without averaged colours, for which no other source holds frames.
     explicit FrameSource(Environment& environment)
         : rows_(environment.height()), palette_(environment.parts().game->palette), environment_(&environment),
-          holds_(true) {}
+          holder_(&environment) {}
     // Reads frames of rows x 160 that `read` gets.
     FrameSource(int rows, const Palette& palette) : rows_(rows), palette_(&palette) {}
 
@@ -35,6 +35,10 @@ class FrameSource {
     void read(const uint8_t* pixels) {
         environment_ = nullptr;
         pixels_ = pixels;
+    }
+    // Reads the environment with which the source was made again, if there is one.
+    void read_own() {
+        if (holder_) read(*holder_);
     }
 
     int rows() const { return rows_; }
@@ -67,24 +71,25 @@ class FrameSource {
     // Keeps the console's framebuffers, one of which has this frame, until `let_go`. Returns false if this source
     // cannot.
     bool hold(Frame frame) {
-        if (!holds_ || frame.framebuffer < 0) return false;
-        console().framebuffers().hold();
+        if (!holder_ || frame.framebuffer < 0) return false;
+        framebuffers().hold();
         return true;
     }
     void let_go() {
-        if (holds_) console().framebuffers().let_go();
+        if (holder_) framebuffers().let_go();
     }
-    Frame held(int framebuffer) const { return {console().framebuffers().held(framebuffer)}; }
+    Frame held(int framebuffer) const { return {framebuffers().held(framebuffer)}; }
 
   private:
     Console& console() const { return *environment_->parts().console; }
+    Framebuffers& framebuffers() const { return holder_->parts().console->framebuffers(); }
 
     int rows_;
     const Palette* palette_;
     Environment* environment_ = nullptr;
     const uint8_t* pixels_ = nullptr;
-    bool holds_ = false;
-    bool copied_ = false;  // whether `copy_` is the noted frame
+    Environment* holder_ = nullptr;  // whose framebuffers are held, or null
+    bool copied_ = false;            // whether `copy_` is the noted frame
     std::vector<uint8_t> copy_;
 };
 

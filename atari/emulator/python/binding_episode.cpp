@@ -151,7 +151,7 @@ class BoundEpisode {
                 now.lives[static_cast<size_t>(player)] = game_->lives(player);
             now.frame = game_->frame_number();
             now.episode_frame = game_->episode_frame_number();
-            if (ram_) std::copy_n(game_->ram(), kRamSize, now.ram.begin());
+            if (ram_) std::copy_n(episode_->ram(), kRamSize, now.ram.begin());
         };
         try {
             game_->play(std::move(call), played);

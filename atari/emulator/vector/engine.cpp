@@ -163,6 +163,7 @@ void VectorEngine::keep_final(Slot& slot, int environment) {
         episode.observation().write(batch_->final_pixels + at);
     }
     std::copy_n(e.ram(), 128, slot.final_ram);
+    std::copy_n(episode.ram(), 128, slot.final_shown_ram);
     for (int player = 0; player < players_; ++player) slot.final_lives[player] = e.lives(player);
     slot.final_numbers[0] = e.frame_number();
     slot.final_numbers[1] = e.episode_frame_number();
@@ -175,7 +176,7 @@ void VectorEngine::write_results(Slot& slot, int environment, int row, const Bat
     const Outcome& outcome = slot.outcome;
     if (batch.pixels) episode.observation().write(batch.pixels + episode.observation().size() * at);
     std::copy_n(e.ram(), 128, result_rams_.data() + 128 * static_cast<size_t>(environment));
-    if (batch.ram) std::copy_n(e.ram(), 128, batch.ram + 128 * at);
+    if (batch.ram) std::copy_n(episode.ram(), 128, batch.ram + 128 * at);
     batch.env_id[at] = environment;
     batch.elapsed_step[at] = outcome.game_steps;
     batch.game_over[at] = outcome.game_over;
@@ -221,7 +222,7 @@ void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
     uint8_t* const ram = batch.final_ram ? batch.final_ram + 128 * at : nullptr;
     if (slot.has_final) {
         if (pixels && queued()) std::copy(slot.final_pixels.begin(), slot.final_pixels.end(), pixels);
-        if (ram) std::copy_n(slot.final_ram, 128, ram);
+        if (ram) std::copy_n(slot.final_shown_ram, 128, ram);
     } else if (batch.ended[at]) {  // a final observation of an earlier step
         if (pixels) std::memset(pixels, 0, size);
         if (ram) std::memset(ram, 0, 128);

@@ -121,10 +121,10 @@ class VectorEngine {
         Outcome outcome;                      // the last step's
         std::optional<EndedGame> ended_game;  // ended in the last task
         bool has_final = false;
-        std::optional<EndedGame> final_game;  // ended in the step before the reset of the same task
-        std::vector<uint8_t> final_pixels;    // used while the row of the batch is not known
-        uint8_t final_ram[128];
-        int32_t final_numbers[2];  // frame and episode frame
+        std::optional<EndedGame> final_game;           // ended in the step before the reset of the same task
+        std::vector<uint8_t> final_pixels;             // used while the row of the batch is not known
+        uint8_t final_ram[128], final_shown_ram[128];  // the emulator's, and what the agent sees
+        int32_t final_numbers[2];                      // frame and episode frame
         int32_t final_lives[kMaxPlayers];
     };
 

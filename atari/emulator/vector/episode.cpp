@@ -2,17 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
-#include <type_traits>
 
 namespace atari {
-
-void Episode::reset(const Seed* seed, bool new_game, std::optional<int> noops, bool press_fire) {
-    reset_layer(layers_.size() - 1, {seed, new_game, noops, press_fire});
-    // The stack is a `FrameStack` outside of all layers if one of them is outside of the skip; a reset fills it anew.
-    if (layers_.back() != Layer::kSkip) observation_->repeat(true);
-    state_.steps = 0;
-    if (formula_) formula_->begin(inputs_.data(), game_.ram(), game_.lives());
-}
 
 Outcome Episode::step(const int* actions, float strength) {
     const OfPlayers<int64_t> score_before = score_;
@@ -67,34 +58,31 @@ void Episode::end_game() {
     ended_game_ = {score_, game_.episode_frame_number() - state_.first_frame, seconds.count()};
 }
 
-// Only scores of players who play are saved: states of another number of players have another size, and do not fit.
 size_t Episode::state_size() const {
-    return observation_->state_size() + random_.state_size() + sizeof state_ +
-           sizeof score_[0] * static_cast<size_t>(settings_.players) + sizeof inputs_[0] * inputs_.size();
+    size_t size = observation_->state_size() + random_.state_size();
+    each_part(*this, [&](const auto* data, size_t count) { size += sizeof *data * count; });
+    return size;
 }
 
 void Episode::save(uint8_t* out) const {
-    static_assert(std::has_unique_object_representations_v<decltype(state_)>);  // all bytes have a value
     out = observation_->save(out);
     random_.save(out);
     out += random_.state_size();
-    std::memcpy(out, &state_, sizeof state_);
-    const size_t scores = sizeof score_[0] * static_cast<size_t>(settings_.players);
-    std::memcpy(out + sizeof state_, score_.data(), scores);
-    if (formula_) std::memcpy(out + sizeof state_ + scores, inputs_.data(), sizeof inputs_[0] * inputs_.size());
+    each_part(*this, [&](const auto* data, size_t count) {
+        if (count) std::memcpy(out, data, sizeof *data * count);
+        out += sizeof *data * count;
+    });
 }
 
 void Episode::load(const uint8_t* in) {
     in = observation_->load(in);
     random_.load(in);
     in += random_.state_size();
-    std::memcpy(&state_, in, sizeof state_);
-    const size_t scores = sizeof score_[0] * static_cast<size_t>(settings_.players);
-    std::memcpy(score_.data(), in + sizeof state_, scores);
-    if (formula_) std::memcpy(inputs_.data(), in + sizeof state_ + scores, sizeof inputs_[0] * inputs_.size());
-    // Values that another setting has saved have no meaning here.
-    if (!settings_.episodic_life) state_.life_lost = state_.same_game = 0;
-    state_.out &= static_cast<uint8_t>(settings_.players == 1 ? 0 : (1 << settings_.players) - 1);
+    each_part(*this, [&](auto* data, size_t count) {
+        if (count) std::memcpy(data, in, sizeof *data * count);
+        in += sizeof *data * count;
+    });
+    repair();
 }
 
 }  // namespace atari

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -74,6 +75,7 @@ class Episode {
     const OfPlayers<int64_t>& score() const { return score_; }  // the present game's, since the emulator's reset
 
     const ObservationStack& observation() const { return *observation_; }
+    const uint8_t* ram() const { return game_.ram(); }  // 128 bytes, which the agent sees beside the images
 
     // The state, without the game's.
     size_t state_size() const;
@@ -118,6 +120,21 @@ class Episode {
     void pay(Outcome& outcome, const OfPlayers<int64_t>& score_before, uint8_t were_out);
     void end_game();
 
+    // Calls visit(data, count) with the values of each part of the state of `self`, beside observation and generator.
+    // Only scores of players who play are parts: states of another number of players have another size, and do not fit.
+    template <typename Self, typename Visit>
+    static void each_part(Self& self, Visit&& visit) {
+        static_assert(std::has_unique_object_representations_v<State>);  // all bytes have a value
+        visit(&self.state_, 1);
+        visit(self.score_.data(), static_cast<size_t>(self.settings_.players));
+        visit(self.inputs_.data(), self.inputs_.size());
+    }
+    // Replaces loaded values that have no meaning here, because another setting has saved them.
+    void repair() {
+        if (!settings_.episodic_life) state_.life_lost = state_.same_game = 0;
+        state_.out &= static_cast<uint8_t>(settings_.players == 1 ? 0 : (1 << settings_.players) - 1);
+    }
+
     const EpisodeSettings settings_;
     const StartActions start_;
     const std::vector<Layer> layers_;  // from the inside out
@@ -128,7 +145,7 @@ class Episode {
     std::vector<double> inputs_;  // of the formula, after the last step or reset
     OfPlayers<int64_t> score_{};
     // Counters are unsigned, so that they wrap instead of overflowing.
-    struct {
+    struct State {
         uint32_t game_steps;     // the present game's
         uint32_t frames_played;  // the present game's, without those that began it
         uint32_t steps;          // the episode's
@@ -139,7 +156,8 @@ class Episode {
         uint8_t same_game;       // whether the last reset continued the game
         uint8_t out;             // bit p: player p
         uint8_t unused;
-    } state_{};
+    };
+    State state_{};
     std::chrono::steady_clock::time_point game_began_ = std::chrono::steady_clock::now();
     std::optional<EndedGame> ended_game_;
 };

@@ -22,6 +22,14 @@ std::vector<Episode::Layer> Episode::layers_of(const EpisodeSettings& settings) 
     return layers;
 }
 
+void Episode::reset(const Seed* seed, bool new_game, std::optional<int> noops, bool press_fire) {
+    reset_layer(layers_.size() - 1, {seed, new_game, noops, press_fire});
+    // The stack is a `FrameStack` outside of all layers if one of them is outside of the skip; a reset fills it anew.
+    if (layers_.back() != Layer::kSkip) observation_->repeat(true);
+    state_.steps = 0;
+    if (formula_) formula_->begin(inputs_.data(), game_.ram(), game_.lives());
+}
+
 void Episode::reset_layer(size_t level, const Request& request) {
     switch (layers_[level]) {
         case Layer::kGame: return reset_game(request);

@@ -1,15 +1,27 @@
 #include "episode_settings.hpp"
 
 #include <stdexcept>
+#include <string>
 
 namespace atari {
+
+namespace {
+
+void check_range(const std::string& name, EpisodeSettings::Range range, int most) {
+    if (range.first < 0 || range.second < range.first || range.second > most)
+        throw std::invalid_argument(name + " must be within 0.." + std::to_string(most) +
+                                    ", the first not above the second");
+}
+
+}  // namespace
 
 void EpisodeSettings::check() const {
     const auto [low, high] = frameskip;
     if (low < 1 || high <= low || high > kMaxFrameSkip + 1)
         throw std::invalid_argument("frameskip must be within 1..10000, the first below the second");
-    if (noops.first < 0 || noops.second < noops.first || noops.second > 1'000'000)
-        throw std::invalid_argument("noops must be within 0..1000000, the first not above the second");
+#define SETTING(...)
+#define RANGE(name, first, second, most) check_range(#name, name, most);
+#include "episode_settings.def"
     for (const auto& limit : {max_frames, max_episode_steps, max_num_frames_per_episode})
         if (limit && *limit < 1) throw std::invalid_argument("a limit is 1 or more; leave it out for none");
     if (fire_unit == Unit::kSkip && fire == FirePress::kBeforeNoops)
