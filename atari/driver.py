@@ -5,6 +5,7 @@ A wrapper that plays frames uses `env.unwrapped.driver`: `step` would make an ob
 
 import operator
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any, Literal, Protocol
@@ -65,6 +66,10 @@ class Driver(AleGame):
         restored: whether a state was restored since the last reset; wrappers with a state of their own warn then.
         replacement: an ALE action that `ale_action` returns in place of every action; None has no effect.
         np_random: the generator of episodes. If `ale_random` is set, it replaces this one.
+        convert: a function of the ALE action and the strength of a frame, which returns those that the console gets in
+            their place; None has no effect. A wrapper sets it for the time of its `step`.
+        delayed: what observations are made of in place of `core`, with methods of the same names; None has no effect.
+            A wrapper sets it for the time of its `step`.
         observers: the receivers of every frame, such as recorders. An observer may read the core, but not change it.
             Copies of the environment have no observers.
 
@@ -105,6 +110,8 @@ class Driver(AleGame):
         self.ended: dict[str, Any] | None = None
         self.restored = False
         self.replacement: Action | None = None
+        self.convert: Callable[[int, float], tuple[int, float]] | None = None
+        self.delayed: Any = None
         self.observers: list[FrameObserver] = []
 
     @property
@@ -116,6 +123,16 @@ class Driver(AleGame):
     def actions(self, actions: tuple[Action, ...]) -> None:
         self._actions = actions
         self._numbers = tuple(map(int, actions))
+
+    @property
+    def shown(self) -> Core:
+        """What observations are made of: the core, or an object with its methods that read screen, RAM and sound."""
+        return self.core if self.delayed is None else self.delayed
+
+    @property
+    def plays_several(self) -> bool:
+        """Whether several frames may be played by one call of the core."""
+        return not self.observers and self.convert is None and self.delayed is None
 
     def seed_game(self, seed: int | None = None) -> tuple[np.uint32, np.uint32]:
         """Seed the generators, and the core from the next `load_game` on; None draws a new seed.
@@ -162,7 +179,7 @@ class Driver(AleGame):
         """
         if self.phase != "playing":
             self.check_phase()
-        act = self._act_observed if self.observers else self.core.act
+        act = self.core.act if self.plays_several else self._act_frame
         reward = 0.0
         for _ in range(frames):
             reward += act(action, strength)
@@ -174,7 +191,7 @@ class Driver(AleGame):
     ) -> tuple[ByteArray, float, bool, bool, dict[str, Any]]:
         """Play frames by one call of a native core, and return the results of `AtariEnv.step`.
 
-        The caller makes sure that the core is an `Emulator` and that there are no observers.
+        The caller makes sure that the core is an `Emulator`, and that `plays_several` is true.
 
         Raises:
             gymnasium.error.ResetNeeded, TypeError, ValueError: see `play_frames`.
@@ -190,9 +207,9 @@ class Driver(AleGame):
     def play_until(self, action: int, strength: float = 1.0, *, frames: int) -> tuple[float, int]:
         """Play up to `frames` frames, and return the reward and the number of frames.
 
-        The last one ends the game, changes the number of lives, or is the last of `frames`. With observers, and with
-        cores that play only single frames, the method plays one frame. Wrappers that read only some of the frames
-        (`atari.wrappers.DqnPreprocessing`) call this method.
+        The last one ends the game, changes the number of lives, or is the last of `frames`. Where `plays_several` is
+        false, and with cores that play only single frames, the method plays one frame. Wrappers that read only some of
+        the frames (`atari.wrappers.DqnPreprocessing`) call this method.
 
         Raises:
             gymnasium.error.ResetNeeded, TypeError, ValueError: see `play_frames`.
@@ -200,7 +217,7 @@ class Driver(AleGame):
         if self.phase != "playing":
             self.check_phase()
         core = self.core
-        if self.observers or not isinstance(core, NativeCore):
+        if not self.plays_several or not isinstance(core, NativeCore):
             return self.play_frames(action, strength, frames=1), 1
         reward, played = core.act_until(action, frames, strength)
         self._count(reward)
@@ -248,7 +265,9 @@ class Driver(AleGame):
             self.phase = "over"
             self.ended = self.played.statistics(self.core)
 
-    def _act_observed(self, action: int, strength: float) -> int:
+    def _act_frame(self, action: int, strength: float) -> int:
+        if self.convert is not None:
+            action, strength = self.convert(action, strength)
         before = self.core.frame_number
         reward = self.core.act(action, strength)
         if self.core.frame_number != before:  # after the end of a game, `act` plays no frame

@@ -221,8 +221,9 @@ class AtariEnv(EnvState):
 
     def observe(self) -> Any:
         """The observation of the present frame, a new array."""
-        image = getattr(self.core, KINDS[self._obs_type].method)()
-        return {"image": image, "sound": self.core.audio()} if self.sound_obs else image
+        shown = self.driver.shown
+        image = getattr(shown, KINDS[self._obs_type].method)()
+        return {"image": image, "sound": shown.audio()} if self.sound_obs else image
 
     # ale-py's names, which programs read, set and override
 
@@ -234,7 +235,9 @@ class AtariEnv(EnvState):
     def _plays_in_one_call(self) -> bool:
         """Whether a step need call no method of a subclass, of this object, of its core or of an observer."""
         driver, own = self.driver, vars(self)
-        if self._calls_methods or driver.observers or "_get_obs" in own or "observe" in own or "_get_info" in own:
+        if self._calls_methods or not driver.plays_several:
+            return False
+        if "_get_obs" in own or "observe" in own or "_get_info" in own:
             return False
         core = driver.core
         return type(core) in _IN_ONE_CALL and "act" not in vars(core)

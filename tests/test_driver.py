@@ -84,3 +84,36 @@ def test_played_counts_the_game() -> None:
     assert driver.ended["r"] == driver.played.score == -21.0
     driver.reset()
     assert (driver.phase, driver.played.score) == ("playing", 0.0)
+
+
+@pytest.mark.parametrize("core", ["native", "ale"])
+def test_a_function_may_convert_the_action_of_each_frame(core: str) -> None:
+    converting, plain = made("pong", core=core), made("pong", core=core)
+    given = []
+
+    def convert(action: int, strength: float) -> tuple[int, float]:
+        given.append((action, strength))
+        return (Action.UP if len(given) % 2 else Action.DOWN), 1.0
+
+    converting.driver.convert = convert
+    assert not converting.driver.plays_several
+    converting.step(0)
+    converting.driver.play_frames(Action.FIRE, frames=2)
+    assert converting.driver.play_until(Action.NOOP, frames=5) == (0.0, 1)
+    assert given == [(0, 1.0), (1, 1.0), (1, 1.0), (0, 1.0)]
+    for action in (Action.UP, Action.DOWN, Action.UP, Action.DOWN):
+        plain.driver.play_frames(action, frames=1)
+    assert (converting.core.ram() == plain.core.ram()).all()
+    converting.driver.convert = None
+    assert converting.driver.plays_several
+
+
+@pytest.mark.parametrize("obs_type", ["rgb", "grayscale", "ram"])
+def test_observations_may_be_made_of_another_object(obs_type: str) -> None:
+    env, other = made("pong", obs_type=obs_type), made("pong", obs_type=obs_type)
+    env.driver.delayed = other.core
+    before = env.observe()
+    for action in (2, 2, 3):
+        seen = env.step(action)[0]
+        assert (seen == before).all()
+    assert (env.core.ram() != other.core.ram()).any()

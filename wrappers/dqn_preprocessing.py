@@ -177,6 +177,11 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             self._frames_played = 0
         return self._first_observation(same_game), {**info, **self._atari.driver.info()}
 
+    @property
+    def keeps_stack(self) -> bool:
+        """Whether the last reset continued the same game with the same stack."""
+        return self._seamless_life is not None and self._seamless_life.same_game
+
     def _first_observation(self, same_game: bool) -> ByteArray:
         """The observation after a reset that has continued the same game or begun a new one."""
         core, images = self._atari.core, self._images
@@ -213,9 +218,9 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             ended = terminated or truncated
             if left == 1 and images is not None and self._pools:
                 # Inner wrappers may do anything to the emulator before its next frame.
-                images.frame_played(driver.core if self._direct else driver.core.screen(), left, ended)
+                images.frame_played(driver.shown if self._direct else driver.shown.screen(), left, ended)
         if images is not None:
-            images.skip_ended(driver.core, left, ended)
+            images.skip_ended(driver.shown, left, ended)
         if seamless is not None and seamless.life_lost:
             terminated = not truncated
         info = driver.info() if self._direct else self._info
@@ -241,7 +246,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
     def _observation(self) -> ByteArray:
         """A new array of the images or of RAM."""
         if self._images is None:
-            return self._atari.core.ram()
+            return self._atari.driver.shown.ram()
         stack = self._images.observation()
         if self._resized is not None:
             stack = np.stack([cv2.resize(image, self._resized, interpolation=cv2.INTER_AREA) for image in stack])
