@@ -22,7 +22,7 @@ from atari.learning.evaluation.protocols import find_protocol
 from atari.multiplayer import MultiplayerCore, parallel_env
 from atari.task import Task
 from atari.task.description import summary
-from atari.task.fields import GROUPS
+from atari.task.fields import GROUPS, WRAPPED
 from atari.task.resolution import OPTIONS
 
 
@@ -139,26 +139,11 @@ _NO_WRAPPERS = "an AtariEnv has no wrappers; atari.make puts them around"
 _ONE_PLAYER = "Gymnasium's environments have one player; atari.multiplayer and vectors have several"
 _NO_SOUND = of_fields(lacking("vector"), "a vector's engine has no sound")
 _SINGLE = of_fields(lacking("one"), _ONE_PLAYER)
-_OF_WRAPPERS = tuple(
-    name
-    for name in (
-        "max_frames",
-        "max_episode_steps",
-        *GROUPS["begin"],
-        *GROUPS["lives"],
-        *GROUPS["observation"],
-        *("reward", "reward_clipping"),
-    )
-    if name not in ("obs_type", "sound_obs", "agent_indicator")
-)
+_OF_WRAPPERS = ("max_episode_steps", *(name for name in WRAPPED if name not in lacking("one")))
 _OF_LIMITS = {"max_num_frames_per_episode": "max_frames"}
 _OF_SEVERAL = of_fields(lacking("several"), "a rule of tasks: it is for one player")
-_OF_STEPS = of_fields(
-    (
-        *("frameskip", "actions", "noops", "seeding", "max_frames", "max_episode_steps"),
-        *(name for name in GROUPS["observation"] if name != "sound_obs"),
-        *GROUPS["reward"],
-    ),
+_OF_STEPS = all_but(
+    ("players", "mode", "difficulty", "repeat_action_probability", "interventions", "max_num_frames_per_episode"),
     "a core plays frames, and an environment around it makes steps of them",
 )
 _OF_ENVPOOL = of_fields(("obs_type",), "EnvPool's info has the RAM, and its observations are images")
@@ -202,7 +187,7 @@ DOORS: tuple[Door, ...] = (
     Door("atari.AtariEnv", _single, {**_SINGLE, **of_fields(_OF_WRAPPERS, _NO_WRAPPERS)}),
     Door("atari.AtariVectorEnv", _vector, _NO_SOUND, _OF_LIMITS),
     Door("envpool.make", _envpool, {**_SINGLE, **_NO_SOUND, **_OF_ENVPOOL}, takes_options=False),
-    Door("MultiplayerCore", _core_of_several, {**_OF_SEVERAL, **_OF_STEPS}, games="several"),
+    Door("MultiplayerCore", _core_of_several, {**_OF_STEPS, **_OF_SEVERAL}, games="several"),
     Door("parallel_env", _parallel, _OF_SEVERAL, games="several"),
     Door(
         "evaluate",
