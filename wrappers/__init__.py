@@ -9,6 +9,7 @@ pickled, and its stack copies each frame twice.
 """
 
 from atari._renamed import old_names
+from atari.wrappers.action_delay import ActionDelay
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 from atari.wrappers.episodic_life import EpisodicLife
@@ -25,6 +26,7 @@ from atari.wrappers.resize import Resize
 from atari.wrappers.sticky_actions import StickyActions
 
 __all__ = [
+    "ActionDelay",
     "ClipReward",
     "DqnPreprocessing",
     "EpisodicLife",

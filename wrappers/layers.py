@@ -24,6 +24,7 @@ from atari.episode_env import EpisodeEnv, can_play
 from atari.wrappers._ale_seeding import AleSeeding
 from atari.wrappers._checks import Environment
 from atari.wrappers._game_statistics import GameStatistics
+from atari.wrappers.action_delay import ActionDelay
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 from atari.wrappers.episodic_life import EpisodicLife
@@ -67,6 +68,8 @@ def layers_of(task: Any) -> Iterator[Layer]:
         yield FrameStack, {"stack_size": task.stack_num, "padding_type": task.padding}
     if task.kind.is_dict:
         yield RamObservation, {}
+    if task.action_delay:
+        yield ActionDelay, {"delay": task.action_delay}
     yield from _reports(task)
 
 

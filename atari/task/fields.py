@@ -125,6 +125,10 @@ class TaskFields:
     frameskip: int | tuple[int, int] = row(
         4, "play", "frames for each action, or (low, high) for a number within low..high-1 drawn at each step",
         check=FrameSkip(Whole(1, MOST_FRAMES_SKIPPED)), metavar="N|LOW,HIGH")
+    action_delay: int | tuple[int, int] = row(
+        0, "play", "frames between the agent's action and the console, or (low, high), both included, for a number "
+        "drawn at each episode; see docs/tasks.md", check=Span(Whole(0, 60), or_number=True), wrapped=True,
+        metavar="N|LOW,HIGH", words="they arrive {} frames later")
     interventions: tuple[Intervention, ...] = row(
         (), "play", 'changes of the game through its RAM; names, paths as "file.toml#name", or definitions',
         check=as_is, accepts="Interventions", flags=("--intervention",), metavar="NAME")
@@ -251,6 +255,7 @@ class AddedOptions(TypedDict, total=False):
 
     players: int | None
     actions: str | Sequence[str | Action] | None
+    action_delay: int | tuple[int, int]
     noops: tuple[int, int]
     fire: Fire
     fire_counts: bool

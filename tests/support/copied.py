@@ -392,6 +392,7 @@ CASES: Mapping[str, Case] = {
     "atari.vector.env.AtariVectorEnv": (lambda: vector(preset="baselines", interventions=["infinite_lives"]), steps),
     "atari.games.game.Game": (lambda: atari.games["ms_pacman"], itself),
     "atari.task.task.Task": (lambda: atari.Task.of("pong", preset="dqn2015"), itself),
+    "atari.wrappers.action_delay.ActionDelay": (lambda: started(wrappers.ActionDelay(unframed(), 3)), steps),
     "atari.wrappers.clip_reward.ClipReward": (lambda: started(wrappers.ClipReward(unframed())), steps),
     "atari.wrappers.dqn_preprocessing.DqnPreprocessing": (
         lambda: started(wrappers.DqnPreprocessing(unframed("breakout"), (2, 5))),

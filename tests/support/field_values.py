@@ -69,6 +69,7 @@ CASES: Mapping[str, Case] = {
     "continuous_action_threshold": Case(0.75, {"continuous": True}, lacked_by="several"),
     "repeat_action_probability": Case(0.125),
     "frameskip": Case((2, 5)),
+    "action_delay": Case((2, 7)),
     "interventions": Case(["strong_ball"], several=Case([_FROZEN]), draw=_interventions),
     "noops": Case((5, 9)),
     "fire": Case("after_noops", lacked_by="several"),

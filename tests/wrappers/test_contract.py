@@ -22,6 +22,7 @@ SINGLE = {
     "FireReset": wrappers.FireReset,
     "EpisodicLife": wrappers.EpisodicLife,
     "FrameSkip": wrappers.FrameSkip,
+    "ActionDelay": partial(wrappers.ActionDelay, delay=(2, 5)),
     "StickyActions": wrappers.StickyActions,
     "ClipReward": wrappers.ClipReward,
     "ExpressionReward": partial(wrappers.ExpressionReward, reward="reward - 5 * lives_lost"),

@@ -88,6 +88,7 @@ def test_every_wrapper_has_snapshots() -> None:
 OUTSIDE: dict[str, Any] = {"fire": "after_noops", "fire_unit": "skip", "episodic_life": True}
 
 STACKS: dict[str, Any] = {
+    "delayed actions": lambda env: wrappers.ActionDelay(wrappers.DqnPreprocessing(env), (3, 9)),
     "lazy": lambda env: wrappers.FrameStack(wrappers.Grayscale(env), lazy=True),
     "rendered": lambda env: wrappers.preset(env, "dqn2015"),
     "lives that continue": lambda env: wrappers.NoopReset(wrappers.EpisodicLife(env, "continue")),
@@ -188,12 +189,20 @@ def test_a_restore_beneath_warns_once_at_the_next_step(name: str, cloned: bool) 
         env.step(0)
 
 
-@pytest.mark.parametrize("wrapper", [wrappers.FrameStack, wrappers.EpisodicLife, wrappers.StickyActions])
+@pytest.mark.parametrize(
+    "wrapper",
+    [
+        wrappers.FrameStack,
+        wrappers.EpisodicLife,
+        wrappers.StickyActions,
+        partial(wrappers.ActionDelay, delay=2),
+    ],
+)
 def test_each_wrapper_with_a_state_warns(wrapper: Any) -> None:
     env = wrapper(AtariEnv("breakout", frameskip=1, repeat_action_probability=0.0))
     env.reset(seed=0)
     env.unwrapped.restore(env.unwrapped.snapshot())
-    with pytest.warns(UserWarning, match=f"the AtariEnv in {wrapper.__name__} was restored"):
+    with pytest.warns(UserWarning, match=f"the AtariEnv in {type(env).__name__} was restored"):
         env.step(0)
 
 

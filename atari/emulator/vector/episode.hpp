@@ -2,8 +2,10 @@
 // `atari.wrappers` as its settings specify.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -83,7 +85,7 @@ class Episode {
     void load(const uint8_t* in);
 
   private:
-    enum class Layer : uint8_t { kGame, kLives, kNoops, kFire, kPlayers, kSkip };
+    enum class Layer : uint8_t { kGame, kLives, kNoops, kFire, kPlayers, kActionDelay, kSkip };
     struct Request {
         const Seed* seed;
         bool new_game;
@@ -111,6 +113,10 @@ class Episode {
     void reset_fire(size_t level, const Request& request);
     void reset_players(size_t level, const Request& request);
     Ends step_players(size_t level, const Move& move);
+    // Returns whether the last reset goes on with the stack of the same game, and so with what is delayed.
+    bool goes_on() const { return state_.same_game && settings_.seamless_lives && !begun_; }
+    void begin_action_line();
+    Ends step_action_delay(size_t level, const Move& move);
     void reset_skip(size_t level, Request request);
     Ends step_skip(size_t level, const Move& move);
     bool has_lost_life(int lives_before) const;
@@ -128,11 +134,19 @@ class Episode {
         visit(&self.state_, 1);
         visit(self.score_.data(), static_cast<size_t>(self.settings_.players));
         visit(self.inputs_.data(), self.inputs_.size());
+        visit(self.moves_.data(), self.moves_.size());
+        visit(&self.action_line_, self.moves_.empty() ? size_t{0} : size_t{1});
     }
     // Replaces loaded values that have no meaning here, because another setting has saved them.
     void repair() {
         if (!settings_.episodic_life) state_.life_lost = state_.same_game = 0;
         state_.out &= static_cast<uint8_t>(settings_.players == 1 ? 0 : (1 << settings_.players) - 1);
+        action_line_.length = std::min(action_line_.length, static_cast<uint32_t>(moves_.size()));
+        action_line_.oldest = std::min(action_line_.oldest, std::max(action_line_.length, 1u) - 1);
+        for (Move& move : moves_) {
+            for (int& action : move.actions) action = std::clamp(action, 0, 17);
+            if (!std::isfinite(move.strength)) move.strength = 1.0f;
+        }
     }
 
     const EpisodeSettings settings_;
@@ -158,6 +172,14 @@ class Episode {
         uint8_t unused;
     };
     State state_{};
+    // The entries of a line: the first `length`, the oldest of which is the next to leave it.
+    struct Line {
+        uint32_t length, oldest;
+    };
+    std::vector<Move> moves_ = std::vector<Move>(static_cast<size_t>(settings_.action_delay.second));
+    Line action_line_{};   // of `moves_`, on their way to the console
+    bool resets_ = false;  // whether the steps of layers are those of a reset
+    bool begun_ = false;   // whether the last reset has begun a game
     std::chrono::steady_clock::time_point game_began_ = std::chrono::steady_clock::now();
     std::optional<EndedGame> ended_game_;
 };

@@ -16,6 +16,7 @@ std::vector<Episode::Layer> Episode::layers_of(const EpisodeSettings& settings) 
     add(Layer::kNoops, true);
     add(Layer::kFire, fire_last && !skips_of_fire);
     add(Layer::kPlayers, settings.players > 1);
+    add(Layer::kActionDelay, settings.action_delay.second > 0);
     add(Layer::kSkip, true);
     add(Layer::kLives, lives && skips_of_lives);
     add(Layer::kFire, fire_last && skips_of_fire);
@@ -23,9 +24,18 @@ std::vector<Episode::Layer> Episode::layers_of(const EpisodeSettings& settings) 
 }
 
 void Episode::reset(const Seed* seed, bool new_game, std::optional<int> noops, bool press_fire) {
-    reset_layer(layers_.size() - 1, {seed, new_game, noops, press_fire});
+    {
+        resets_ = true;
+        begun_ = false;
+        const struct End {
+            bool& resets;
+            ~End() { resets = false; }
+        } end{resets_};
+        reset_layer(layers_.size() - 1, {seed, new_game, noops, press_fire});
+    }
     // The stack is a `FrameStack` outside of all layers if one of them is outside of the skip; a reset fills it anew.
     if (layers_.back() != Layer::kSkip) observation_->repeat(true);
+    if (!goes_on()) begin_action_line();
     state_.steps = 0;
     if (formula_) formula_->begin(inputs_.data(), game_.ram(), game_.lives());
 }
@@ -37,6 +47,7 @@ void Episode::reset_layer(size_t level, const Request& request) {
         case Layer::kNoops: return reset_noops(level, request);
         case Layer::kFire: return reset_fire(level, request);
         case Layer::kPlayers: return reset_players(level, request);
+        case Layer::kActionDelay: return reset_layer(level - 1, request);
         case Layer::kSkip: return reset_skip(level, request);
     }
 }
@@ -46,6 +57,7 @@ Episode::Ends Episode::step_layer(size_t level, const Move& move) {
         case Layer::kGame: return step_game(move);
         case Layer::kLives: return step_lives(level, move);
         case Layer::kPlayers: return step_players(level, move);
+        case Layer::kActionDelay: return step_action_delay(level, move);
         case Layer::kSkip: return step_skip(level, move);
         case Layer::kNoops:
         case Layer::kFire: break;  // These act in resets alone.
@@ -57,6 +69,7 @@ Episode::Ends Episode::step_layer(size_t level, const Move& move) {
 void Episode::reset_game(const Request& request) {
     if (request.seed) random_.seed(*request.seed);
     game_.begin(request.seed ? &request.seed->emulator : nullptr);
+    begun_ = true;
     score_ = {};
     state_.game_steps = 0;
     state_.first_frame = game_.episode_frame_number();
@@ -133,6 +146,22 @@ Episode::Ends Episode::step_players(size_t level, const Move& move) {
         state_.out |= static_cast<uint8_t>((game_.lives(player) < 0) << player);
     ends.terminated |= state_.out == (1 << settings_.players) - 1;
     return ends;
+}
+
+// ActionDelay.reset
+void Episode::begin_action_line() {
+    if (moves_.empty()) return;
+    const auto [low, high] = settings_.action_delay;
+    action_line_ = {static_cast<uint32_t>(random_.frames({low, high + 1})), 0};
+    std::fill(moves_.begin(), moves_.end(), settings_.players > 1 ? Move{start_.idle} : Move{});
+}
+
+// ActionDelay.step, of one frame
+Episode::Ends Episode::step_action_delay(size_t level, const Move& move) {
+    if (resets_ || !action_line_.length) return step_layer(level - 1, move);
+    Move& oldest = moves_[action_line_.oldest];
+    action_line_.oldest = (action_line_.oldest + 1) % action_line_.length;
+    return step_layer(level - 1, std::exchange(oldest, move));
 }
 
 bool Episode::has_played_max_frames() const {
