@@ -86,7 +86,7 @@ def _observation(task: TaskData) -> str:
         padding = (_PADDING if task.kind.image else _PADDING_OF_RAM)[task.padding]
         words.append(f"a stack of {task.stack_num}, which begins with {padding}")
     if not task.kind.image:
-        return "; ".join(words)
+        return "; ".join([*words, *_words(task, "observation")])
     if task.maxpool:
         words.append("the maximum of two frames" + (", of their colours" if task.pool_rgb else ""))
     if task.end_frames != "last":
