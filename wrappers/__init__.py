@@ -20,6 +20,7 @@ from atari.wrappers.frame_stack import FrameStack
 from atari.wrappers.grayscale import Grayscale
 from atari.wrappers.life_loss_info import LifeLossInfo
 from atari.wrappers.noop_reset import NoopReset
+from atari.wrappers.observation_delay import ObservationDelay
 from atari.wrappers.presets import preset, preset_options
 from atari.wrappers.ram_observation import RamObservation
 from atari.wrappers.resize import Resize
@@ -37,6 +38,7 @@ __all__ = [
     "Grayscale",
     "LifeLossInfo",
     "NoopReset",
+    "ObservationDelay",
     "RamObservation",
     "Resize",
     "StickyActions",

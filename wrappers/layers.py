@@ -33,6 +33,7 @@ from atari.wrappers.fire_reset import FireReset
 from atari.wrappers.frame_stack import FrameStack
 from atari.wrappers.life_loss_info import LifeLossInfo
 from atari.wrappers.noop_reset import NoopReset
+from atari.wrappers.observation_delay import ObservationDelay
 from atari.wrappers.ram_observation import RamObservation
 from atari.wrappers.step_limit import StepLimit
 
@@ -70,6 +71,8 @@ def layers_of(task: Any) -> Iterator[Layer]:
         yield RamObservation, {}
     if task.action_delay:
         yield ActionDelay, {"delay": task.action_delay}
+    if task.observation_delay:
+        yield ObservationDelay, {"delay": task.observation_delay}
     yield from _reports(task)
 
 

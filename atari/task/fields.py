@@ -191,6 +191,10 @@ class TaskFields:
     end_frames: EndFrames = row(
         "last", "observation",
         "frames that are observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`")
+    observation_delay: int | tuple[int, int] = row(
+        0, "observation", "frames between the screen, or RAM, and the agent, or (low, high), both included, for a "
+        "number drawn at each episode; see docs/tasks.md", check=Span(Whole(0, 60), or_number=True),
+        metavar="N|LOW,HIGH", words="{} frames late")
     sound_obs: bool = row(
         False, "observation", "observations are image and sound: 512 samples of the step's last frame",
         wrapped=False, words="and 512 samples of sound")
@@ -278,6 +282,7 @@ class AddedOptions(TypedDict, total=False):
     pool_rgb: bool
     padding: Padding
     end_frames: EndFrames
+    observation_delay: int | tuple[int, int]
     agent_indicator: bool
     reward: str | None
     reward_clipping: bool | None

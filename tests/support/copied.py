@@ -415,6 +415,10 @@ CASES: Mapping[str, Case] = {
         steps,
     ),
     "atari.wrappers.noop_reset.NoopReset": (lambda: started(wrappers.NoopReset(unframed())), steps),
+    "atari.wrappers.observation_delay.ObservationDelay": (
+        lambda: started(wrappers.ObservationDelay(unframed(), 3)),
+        steps,
+    ),
     "atari.wrappers.ram_observation.RamObservation": (lambda: started(wrappers.RamObservation(unframed())), steps),
     "atari.wrappers.resize.Resize": (lambda: started(wrappers.Resize(unframed(), (42, 42))), steps),
     "atari.wrappers.sticky_actions.StickyActions": (lambda: started(wrappers.StickyActions(unframed(), 0.5)), steps),

@@ -106,6 +106,7 @@ CASES: Mapping[str, Case] = {
         seen={"max_num_frames_per_episode": 30},
         several=Case("gymnasium", seen={"max_num_frames_per_episode": 130}),
     ),
+    "observation_delay": Case((2, 7)),
     "sound_obs": Case(True, lacked_by="vector several"),
     "agent_indicator": Case(True, _PLAYERS, lacked_by="one"),
     "reward": Case("reward - 5 * lives_lost", seen=_FIRE, lacked_by="several", draw=_reward),

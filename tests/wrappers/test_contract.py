@@ -23,6 +23,7 @@ SINGLE = {
     "EpisodicLife": wrappers.EpisodicLife,
     "FrameSkip": wrappers.FrameSkip,
     "ActionDelay": partial(wrappers.ActionDelay, delay=(2, 5)),
+    "ObservationDelay": partial(wrappers.ObservationDelay, delay=(2, 5)),
     "StickyActions": wrappers.StickyActions,
     "ClipReward": wrappers.ClipReward,
     "ExpressionReward": partial(wrappers.ExpressionReward, reward="reward - 5 * lives_lost"),

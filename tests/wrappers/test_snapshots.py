@@ -89,6 +89,7 @@ OUTSIDE: dict[str, Any] = {"fire": "after_noops", "fire_unit": "skip", "episodic
 
 STACKS: dict[str, Any] = {
     "delayed actions": lambda env: wrappers.ActionDelay(wrappers.DqnPreprocessing(env), (3, 9)),
+    "delayed frames": lambda env: wrappers.ObservationDelay(wrappers.DqnPreprocessing(env), (3, 9)),
     "lazy": lambda env: wrappers.FrameStack(wrappers.Grayscale(env), lazy=True),
     "rendered": lambda env: wrappers.preset(env, "dqn2015"),
     "lives that continue": lambda env: wrappers.NoopReset(wrappers.EpisodicLife(env, "continue")),
@@ -196,6 +197,7 @@ def test_a_restore_beneath_warns_once_at_the_next_step(name: str, cloned: bool) 
         wrappers.EpisodicLife,
         wrappers.StickyActions,
         partial(wrappers.ActionDelay, delay=2),
+        partial(wrappers.ObservationDelay, delay=2),
     ],
 )
 def test_each_wrapper_with_a_state_warns(wrapper: Any) -> None:

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "ale/programs/labels.hpp"
 #include "ale/programs/reward.hpp"
 #include "observations/observation_stack.hpp"
 #include "episode_random.hpp"
@@ -77,7 +78,8 @@ class Episode {
     const OfPlayers<int64_t>& score() const { return score_; }  // the present game's, since the emulator's reset
 
     const ObservationStack& observation() const { return *observation_; }
-    const uint8_t* ram() const { return game_.ram(); }  // 128 bytes, which the agent sees beside the images
+    // The 128 bytes that the agent sees beside the images.
+    const uint8_t* ram() const { return delays_frames() ? oldest_frame() + frame_size_ : game_.ram(); }
 
     // The state, without the game's.
     size_t state_size() const;
@@ -85,7 +87,7 @@ class Episode {
     void load(const uint8_t* in);
 
   private:
-    enum class Layer : uint8_t { kGame, kLives, kNoops, kFire, kPlayers, kActionDelay, kSkip };
+    enum class Layer : uint8_t { kGame, kLives, kNoops, kFire, kPlayers, kActionDelay, kObservationDelay, kSkip };
     struct Request {
         const Seed* seed;
         bool new_game;
@@ -117,6 +119,13 @@ class Episode {
     bool goes_on() const { return state_.same_game && settings_.seamless_lives && !begun_; }
     void begin_action_line();
     Ends step_action_delay(size_t level, const Move& move);
+    bool delays_frames() const { return !frames_.empty(); }
+    uint8_t* frame(uint32_t entry) { return frames_.data() + entry * (frame_size_ + kRamSize); }
+    const uint8_t* oldest_frame() const { return frames_.data() + frame_line_.oldest * (frame_size_ + kRamSize); }
+    void read_frame(uint8_t* to);
+    void begin_frame_line(bool held);
+    Ends step_observation_delay(size_t level, const Move& move);
+    void show();
     void reset_skip(size_t level, Request request);
     Ends step_skip(size_t level, const Move& move);
     bool has_lost_life(int lives_before) const;
@@ -136,6 +145,8 @@ class Episode {
         visit(self.inputs_.data(), self.inputs_.size());
         visit(self.moves_.data(), self.moves_.size());
         visit(&self.action_line_, self.moves_.empty() ? size_t{0} : size_t{1});
+        visit(self.frames_.data(), self.frames_.size());
+        visit(&self.frame_line_, self.frames_.empty() ? size_t{0} : size_t{1});
     }
     // Replaces loaded values that have no meaning here, because another setting has saved them.
     void repair() {
@@ -147,6 +158,9 @@ class Episode {
             for (int& action : move.actions) action = std::clamp(action, 0, 17);
             if (!std::isfinite(move.strength)) move.strength = 1.0f;
         }
+        const auto most_frames = static_cast<uint32_t>(settings_.observation_delay.second) + 1;
+        frame_line_.length = std::clamp(frame_line_.length, 1u, most_frames);
+        frame_line_.oldest = std::min(frame_line_.oldest, frame_line_.length - 1);
     }
 
     const EpisodeSettings settings_;
@@ -177,9 +191,19 @@ class Episode {
         uint32_t length, oldest;
     };
     std::vector<Move> moves_ = std::vector<Move>(static_cast<size_t>(settings_.action_delay.second));
-    Line action_line_{};   // of `moves_`, on their way to the console
-    bool resets_ = false;  // whether the steps of layers are those of a reset
-    bool begun_ = false;   // whether the last reset has begun a game
+    Line action_line_{};  // of `moves_`, on their way to the console
+    // The frames on their way to the agent: what the stack reads, a frame or RAM or nothing, and the RAM.
+    const size_t frame_size_ = observation_->planes()
+                                   ? static_cast<size_t>(observation_->source().rows()) * kScreenWidth
+                               : observation_->size() ? kRamSize
+                                                      : 0;
+    std::vector<uint8_t> frames_ = std::vector<uint8_t>(
+        settings_.observation_delay.second
+            ? (static_cast<size_t>(settings_.observation_delay.second) + 1) * (frame_size_ + kRamSize)
+            : 0);
+    Line frame_line_{1, 0};  // of `frames_`
+    bool resets_ = false;    // whether the steps of layers are those of a reset
+    bool begun_ = false;     // whether the last reset has begun a game
     std::chrono::steady_clock::time_point game_began_ = std::chrono::steady_clock::now();
     std::optional<EndedGame> ended_game_;
 };

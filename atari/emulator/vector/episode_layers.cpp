@@ -17,6 +17,7 @@ std::vector<Episode::Layer> Episode::layers_of(const EpisodeSettings& settings) 
     add(Layer::kFire, fire_last && !skips_of_fire);
     add(Layer::kPlayers, settings.players > 1);
     add(Layer::kActionDelay, settings.action_delay.second > 0);
+    add(Layer::kObservationDelay, settings.observation_delay.second > 0);
     add(Layer::kSkip, true);
     add(Layer::kLives, lives && skips_of_lives);
     add(Layer::kFire, fire_last && skips_of_fire);
@@ -24,7 +25,9 @@ std::vector<Episode::Layer> Episode::layers_of(const EpisodeSettings& settings) 
 }
 
 void Episode::reset(const Seed* seed, bool new_game, std::optional<int> noops, bool press_fire) {
+    const int before = delays_frames() ? game_.frame_number() : 0;
     {
+        if (delays_frames()) observation_->source().read_own();
         resets_ = true;
         begun_ = false;
         const struct End {
@@ -35,7 +38,10 @@ void Episode::reset(const Seed* seed, bool new_game, std::optional<int> noops, b
     }
     // The stack is a `FrameStack` outside of all layers if one of them is outside of the skip; a reset fills it anew.
     if (layers_.back() != Layer::kSkip) observation_->repeat(true);
-    if (!goes_on()) begin_action_line();
+    if (!goes_on()) {
+        begin_action_line();
+        begin_frame_line(state_.same_game && !begun_ && game_.frame_number() == before);
+    }
     state_.steps = 0;
     if (formula_) formula_->begin(inputs_.data(), game_.ram(), game_.lives());
 }
@@ -47,7 +53,8 @@ void Episode::reset_layer(size_t level, const Request& request) {
         case Layer::kNoops: return reset_noops(level, request);
         case Layer::kFire: return reset_fire(level, request);
         case Layer::kPlayers: return reset_players(level, request);
-        case Layer::kActionDelay: return reset_layer(level - 1, request);
+        case Layer::kActionDelay:
+        case Layer::kObservationDelay: return reset_layer(level - 1, request);
         case Layer::kSkip: return reset_skip(level, request);
     }
 }
@@ -58,6 +65,7 @@ Episode::Ends Episode::step_layer(size_t level, const Move& move) {
         case Layer::kLives: return step_lives(level, move);
         case Layer::kPlayers: return step_players(level, move);
         case Layer::kActionDelay: return step_action_delay(level, move);
+        case Layer::kObservationDelay: return step_observation_delay(level, move);
         case Layer::kSkip: return step_skip(level, move);
         case Layer::kNoops:
         case Layer::kFire: break;  // These act in resets alone.
@@ -164,6 +172,45 @@ Episode::Ends Episode::step_action_delay(size_t level, const Move& move) {
     return step_layer(level - 1, std::exchange(oldest, move));
 }
 
+// Copies the present frame, or what else the stack reads, and the RAM.
+void Episode::read_frame(uint8_t* to) {
+    FrameSource& source = observation_->source();
+    source.read_own();
+    game_.show(*observation_);
+    if (frame_size_) std::copy_n(observation_->planes() ? source.current().pixels : source.ram(), frame_size_, to);
+    std::copy_n(game_.ram(), kRamSize, to + frame_size_);
+}
+
+// ObservationDelay.reset. With `held` no frame was played, so the frame that the agent saw last is the first one.
+void Episode::begin_frame_line(bool held) {
+    if (!delays_frames()) return;
+    const auto [low, high] = settings_.observation_delay;
+    const auto delay = static_cast<uint32_t>(random_.frames({low, high + 1}));
+    if (!held) read_frame(frame(0));
+    else if (frame_line_.oldest) std::copy_n(oldest_frame(), frame_size_ + kRamSize, frame(0));
+    frame_line_ = {delay + 1, 0};
+    for (uint32_t entry = 1; entry <= static_cast<uint32_t>(high); ++entry)
+        std::copy_n(frame(0), frame_size_ + kRamSize, frame(entry));
+}
+
+// ObservationDelay.step, of one frame
+Episode::Ends Episode::step_observation_delay(size_t level, const Move& move) {
+    const int before = game_.frame_number();
+    const Ends ends = step_layer(level - 1, move);
+    if (resets_ || game_.frame_number() == before) return ends;
+    read_frame(frame(frame_line_.oldest));
+    frame_line_.oldest = (frame_line_.oldest + 1) % frame_line_.length;
+    return ends;
+}
+
+// Called before the stack reads a frame: the present one, or in a step the delayed one. A reset that goes on with the
+// same stack shows the delayed one, too.
+void Episode::show() {
+    const bool delayed = delays_frames() && (!resets_ || goes_on());
+    if (delayed) observation_->source().read(oldest_frame());
+    else game_.show(*observation_);
+}
+
 bool Episode::has_played_max_frames() const {
     return settings_.max_frames && state_.frames_played >= static_cast<uint32_t>(*settings_.max_frames);
 }
@@ -175,7 +222,7 @@ void Episode::reset_skip(size_t level, Request request) {
     if (!state_.same_game) state_.frames_played = 0;
     const bool fill = !state_.same_game || !settings_.seamless_lives;
     if (state_.same_game && game_.frame_number() == state_.frame_number) return observation_->repeat(fill);
-    game_.show(*observation_);
+    show();
     observation_->begin(fill);
 }
 
@@ -189,10 +236,10 @@ Episode::Ends Episode::step_skip(size_t level, const Move& move) {
         if (settings_.seamless_lives && state_.life_lost) ends.terminated = false;  // reported after the skip
         ++state_.frames_played;
         ends.truncated |= has_played_max_frames() && !ends.terminated;
-        if (left == 1) game_.show(*observation_);
+        if (left == 1) show();
         observation_->frame_played(left, ends.any());
     }
-    game_.show(*observation_);
+    show();
     observation_->skip_ended(left, ends.any());
     for (; settings_.acts_after_end && left > 0; --left) game_.act(move.actions, 1, move.strength);
     if (settings_.seamless_lives && state_.life_lost) ends.terminated = !ends.truncated;
