@@ -190,7 +190,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             if same_game and core.frame_number == self._frame_number:
                 images.repeat(fill)
             else:
-                images.begin(core, fill)
+                images.begin(self._atari.driver.shown, fill)
         return self._observation()
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:

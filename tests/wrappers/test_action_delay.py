@@ -33,7 +33,7 @@ class Console:
 
 
 def made(task: Task, kind: str) -> tuple[Any, Console]:
-    env = nested(task) if kind == "nested" else task.make()
+    env = nested(task) if kind == "nested" else atari.make(task)
     return env, Console(env)
 
 

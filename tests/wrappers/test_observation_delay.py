@@ -40,7 +40,7 @@ KINDS = ("nested", "one object")
 
 
 def made(task: Task, kind: str) -> Any:
-    return nested(task) if kind == "nested" else task.make()
+    return nested(task) if kind == "nested" else atari.make(task)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -86,7 +86,7 @@ def test_lanes_show_earlier_frames(obs_type: Any) -> None:
 
 
 def test_results_are_not_delayed() -> None:
-    late, plain = (Task("breakout", observation_delay=delay).make() for delay in (7, 0))
+    late, plain = (atari.make(Task("breakout", observation_delay=delay)) for delay in (7, 0))
     late.reset(seed=0)
     plain.reset(seed=0)
     for action in np.random.default_rng(0).integers(4, size=300):
