@@ -12,6 +12,7 @@ import numpy as np
 from gymnasium import spaces
 
 import atari
+from atari.making import make_env
 from atari.task import Task
 
 COUNTERS = ("lives", "frame_number", "episode_frame_number")
@@ -113,7 +114,7 @@ class Lanes:
     ) -> None:
         self.mode = mode
         self.envs = atari.AtariVectorEnv(list(tasks), num_threads=num_threads, autoreset_mode=mode)
-        made = [atari.make(task) for task in tasks] if singles is None else singles
+        made = [make_env(task) for task in tasks] if singles is None else singles
         self.lanes = [Lane(task, single) for task, single in zip(tasks, made, strict=True)]
         self.ends = 0
         self._saved: Any = None

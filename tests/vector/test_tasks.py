@@ -20,6 +20,7 @@ from tasks import nested
 import atari
 from atari import wrappers
 from atari.env import AtariEnv
+from atari.making import make_env
 from atari.task import Task
 from atari.wrappers.layers import layers_of
 
@@ -30,9 +31,9 @@ MODES = ("NextStep", "SameStep", "Disabled")
 def play(task: Task, mode: str, seed: int, steps: int, singles: Sequence[Any] | None = None) -> int:
     """Random steps, with resets in between, and a snapshot to which all return; the number of ended episodes.
 
-    Without `singles`, a lane plays beside nested wrappers, and another beside the environment that `atari.make` returns.
+    Without `singles`, a lane plays beside nested wrappers, and another beside the environment of `make_env`.
     """
-    singles = [nested(task), atari.make(task)] if singles is None else singles
+    singles = [nested(task), make_env(task)] if singles is None else singles
     lanes = Lanes([task] * len(singles), mode, singles)
     generator = np.random.default_rng(seed)
     try:
