@@ -8,7 +8,7 @@ from typing import Any
 
 from atari._progress import ProgressBar
 from atari.cli.arguments import Commands, add_command, number
-from atari.cli.policies import OF_GAME, find_played, games_of
+from atari.cli.policies import find_played, games_of
 from atari.cli.printing import print_json, print_table
 from atari.learning import (
     GAME_SETS,
@@ -24,6 +24,7 @@ from atari.learning.evaluation.compare import Comparison, budget_faults
 from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol, refusal
 from atari.task.arguments import add_task, seed, show_task
+from atari.task.fields import OF_GAME
 
 
 def register(commands: Commands) -> None:

@@ -18,11 +18,9 @@ from atari.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay
 from atari.task import Task
 from atari.task.arguments import given_options, read_game, task_of
+from atari.task.fields import OF_GAME
 from atari.task.resolution import is_id
 from atari.task.task import look_up
-
-OF_GAME = ("mode", "difficulty", "interventions")
-"""Fields that the game decides when an evaluation protocol, or the policy's training, decides the others."""
 
 ALONE = (
     *("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
@@ -100,12 +98,12 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
         gymnasium.error.NameNotFound, ValueError, FileNotFoundError: there is no such game, or none is named; or a
             flag contradicts the policy.
     """
-    trained = getattr(policy, "task", None)
-    alone = getattr(policy, "game", None) if trained is None else EvaluatedGame.of_policy(trained)
+    given, trained = given_options(args), getattr(policy, "task", None)
+    of_game = {name: value for name, value in given.items() if name in OF_GAME}
+    alone = getattr(policy, "game", None) if trained is None else EvaluatedGame.of_policy(trained, of_game)
     games: list[Any] = [read_game(name) for name in names] or [alone]
     if games == [None]:
         raise ValueError(f"{args.source} does not say which game it plays; name games or a set, such as atari26")
-    given = given_options(args)
     others = [name for name in given if name not in OF_GAME] + ["preset"] * (getattr(args, "preset", None) is not None)
     try:
         if not others:

@@ -66,6 +66,8 @@ class Row:
         check: checks a value; None for a bool or a Literal, whose type is the check.
         tuned: whether users tune it. Otherwise it only says how another program resets.
         wrapped: whether wrappers play it, so that an `AtariEnv` alone accepts its default only; None if its group says.
+        of_game: whether it changes the game that an agent meets; the game of an evaluation decides it, not its
+            protocol.
         accepts: the type of the option, if it takes more than the field holds. None then counts as not given.
         flags: its flags, if they are not made from its name.
         metavar: its value in the help of commands; "" for the choices of a Literal, and otherwise N.
@@ -78,6 +80,7 @@ class Row:
     check: Check | None = None
     tuned: bool = True
     wrapped: bool | None = None
+    of_game: bool = False
     accepts: str | None = None
     flags: tuple[str, ...] = ()
     metavar: str = ""
@@ -107,8 +110,9 @@ class TaskFields:
     mode: int | None = row(
         None, "game",
         "game mode, None in the constructor means the default. With several players, Multi-Agent-ALE numbers the modes",
-        check=as_is)
-    difficulty: int | None = row(None, "game", "None in the constructor means ALE's default, 0", check=as_is)
+        check=as_is, of_game=True)
+    difficulty: int | None = row(
+        None, "game", "None in the constructor means ALE's default, 0", check=as_is, of_game=True)
     players: int = row(1, "game", "number of players of one game, 1 to 4", check=Whole(1, 4), accepts="int | None")
     actions: str | tuple[str, ...] = row(
         "minimal", "play", "minimal (those that the game uses), full (all legal ones), or names of actions",
@@ -128,10 +132,10 @@ class TaskFields:
     action_delay: int | tuple[int, int] = row(
         0, "play", "frames between the agent's action and the console, or (low, high), both included, for a number "
         "drawn at each episode; see docs/tasks.md", check=Span(Whole(0, 60), or_number=True), wrapped=True,
-        metavar="N|LOW,HIGH", words="they arrive {} frames later")
+        of_game=True, metavar="N|LOW,HIGH", words="they arrive {} frames later")
     interventions: tuple[Intervention, ...] = row(
         (), "play", 'changes of the game through its RAM; names, paths as "file.toml#name", or definitions',
-        check=as_is, accepts="Interventions", flags=("--intervention",), metavar="NAME")
+        check=as_is, of_game=True, accepts="Interventions", flags=("--intervention",), metavar="NAME")
     noops: tuple[int, int] = row(
         (0, 0), "begin",
         "(low, high), both included: an episode begins with a number of NOOP frames drawn from this range",
@@ -193,7 +197,7 @@ class TaskFields:
         "frames that are observed when an episode ends inside a skip; see `atari.wrappers.DqnPreprocessing`")
     observation_delay: int | tuple[int, int] = row(
         0, "observation", "frames between the screen, or RAM, and the agent, or (low, high), both included, for a "
-        "number drawn at each episode; see docs/tasks.md", check=Span(Whole(0, 60), or_number=True),
+        "number drawn at each episode; see docs/tasks.md", check=Span(Whole(0, 60), or_number=True), of_game=True,
         metavar="N|LOW,HIGH", words="{} frames late")
     sound_obs: bool = row(
         False, "observation", "observations are image and sound: 512 samples of the step's last frame",
@@ -236,6 +240,9 @@ WRAPPED: tuple[str, ...] = tuple(
     if (row.group in ("begin", "lives", "observation", "reward") if row.wrapped is None else row.wrapped)
 )
 """The fields that wrappers play. An `AtariEnv` alone plays their defaults; of `obs_type` it lacks the dicts."""
+
+OF_GAME: tuple[str, ...] = tuple(name for name, row in ROWS.items() if row.of_game)
+"""The fields that the game of an evaluation decides."""
 
 CHECKS: Mapping[str, Check] = {
     name: row.check or (check_bool if TYPES[name] is bool else OneOf(get_args(TYPES[name])))

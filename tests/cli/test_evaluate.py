@@ -2,12 +2,15 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 from cli_tools import read, read_json
 
 from atari.cli import main
 from atari.learning import PROTOCOLS, Published, Result, evaluate
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(autouse=True)
@@ -42,6 +45,20 @@ def test_the_game_that_is_played(capsys):
     (game,) = read_json(capsys, *words)["result"]["games"]
     assert (game["task"]["mode"], game["task"]["obs_type"]) == (1, "ram")
     assert [one["name"] for one in game["task"]["interventions"]] == ["lazy_enemy"]
+
+
+def test_the_game_of_a_run_is_played_with_the_fields_that_are_given(capsys):
+    words = (
+        "evaluate",
+        str(ROOT / "examples" / "breakout-pqn"),
+        "--mode",
+        "4",
+        "--action-delay",
+        "2,5",
+        "--print-task",
+    )
+    task = read_json(capsys, *words)
+    assert (task["game"], task["mode"], task["action_delay"], task["img_height"]) == ("breakout", 4, [2, 5], 42)
 
 
 def test_lists(capsys):

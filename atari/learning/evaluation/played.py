@@ -10,11 +10,8 @@ from atari.games.game import Game
 from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol, in_words
 from atari.policy.needs import composed, in_game, needs_of
 from atari.task import PRESETS, Task
-from atari.task.fields import GROUPS
+from atari.task.fields import GROUPS, OF_GAME
 from atari.task.task import GameLike, look_up
-
-_GAME_FIELDS = ("mode", "difficulty", "interventions")
-"""Fields that the game of an evaluation decides. Where a game says nothing, the policy must not say something else."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +19,7 @@ class EvaluatedGame:
     """A game of an evaluation, and how the user named it: an ID and a `Task` say more than the name of a game.
 
     Attributes:
-        task: a task whose game, mode, difficulty and interventions are played.
+        task: a task whose game and fields `OF_GAME` are played.
         env_id: the environment ID, if the user gave one.
         is_task: whether the user gave a `Task`, all of whose fields must then be played.
     """
@@ -42,9 +39,9 @@ class EvaluatedGame:
         return not self.task.kind.image
 
     @classmethod
-    def of_policy(cls, task: Task) -> "EvaluatedGame":
-        """The game of a policy's task: its game, mode, difficulty and interventions alone."""
-        return cls(Task.of(task.definition, **{name: getattr(task, name) for name in _GAME_FIELDS}))
+    def of_policy(cls, task: Task, options: Mapping[str, Any] = FrozenDict()) -> "EvaluatedGame":
+        """The game of a policy's task: its game and its fields `OF_GAME` alone, or what options say instead."""
+        return cls(Task.of(task.definition, **{**_of_game(task), **options}))
 
 
 def resolve_games(
@@ -89,7 +86,7 @@ def usual_protocol(policy: Any, game: EvaluatedGame) -> EvaluationProtocol:
     if own is not None:
         return find_protocol(own)
     if isinstance(task, Task):
-        return _of_whole_games(in_game(task, game.task), "task")
+        return _of_whole_games(in_game(task, game.task).replace(**_of_game(game.task)), "task")
     if says_nothing(policy) and (game.env_id is not None or game.is_task):
         return _of_whole_games(game.task, game.env_id or "task")
     return PROTOCOLS["baselines"]
@@ -107,7 +104,7 @@ def says_nothing(policy: Any) -> bool:
 def played_task(game: EvaluatedGame, protocol: EvaluationProtocol, policy: Any) -> Task:
     """The task that an evaluation plays.
 
-    The game decides mode, difficulty and interventions. The protocol decides the actions, sticky actions, frame skip,
+    The game decides the fields `OF_GAME`. The protocol decides the actions, sticky actions, frame skip,
     how games begin, lives and limits. The policy decides the observations; without `task` and `environment` it sees RAM
     if the game is an ID or a `Task` of RAM, else the images of the protocol's preset or task.
 
@@ -125,18 +122,21 @@ def played_task(game: EvaluatedGame, protocol: EvaluationProtocol, policy: Any) 
         _check_same_game(game.task, protocol.task)
         played = _whole_games(protocol, protocol.task, seen)
     else:
-        played = composed(game.task, **_observation(seen, protocol.preset), **_play(protocol), **_lives(protocol))
+        fields = {**_observation(seen, protocol.preset), **_play(protocol), **_lives(protocol)}
+        played = composed(game.task, **fields, **_of_game(game.task))
     if game.is_task and game.task != protocol.task:
         _check_given(game.task, played, protocol)
     return played
 
 
+def _of_game(task: Task) -> dict[str, Any]:
+    return {name: getattr(task, name) for name in OF_GAME}
+
+
 def _observation(seen: Task | None, preset: str) -> dict[str, Any]:
     """The fields of a policy's observations, from its task or from a preset."""
-    if seen is None:
-        fields = PRESETS[preset].fields
-        return {name: fields[name] for name in GROUPS["observation"] if name in fields}
-    return {name: getattr(seen, name) for name in GROUPS["observation"]}
+    fields = PRESETS[preset].fields if seen is None else {name: getattr(seen, name) for name in GROUPS["observation"]}
+    return {name: fields[name] for name in GROUPS["observation"] if name in fields and name not in OF_GAME}
 
 
 def _play(protocol: EvaluationProtocol) -> dict[str, Any]:
@@ -165,13 +165,13 @@ def _lives(protocol: EvaluationProtocol) -> dict[str, Any]:
 def _whole_games(protocol: EvaluationProtocol, task: Task, seen: Task | None) -> Task:
     """The whole games of a task, with scores that are not clipped."""
     names = [name for group in ("play", "begin", "lives", "limits") for name in GROUPS[group]]
-    own = {name: getattr(task, name) for name in names if name != "interventions"}
+    own = {name: getattr(task, name) for name in names}
     own["life_loss_info"] = False  # a report that ends nothing
     if own["on_reset"] == "new_game":
         own["on_reset"] = "continue"
     if all(own[name] is None for name in GROUPS["limits"]):
         own["max_num_frames_per_episode"] = protocol.max_frames  # a game may never end by itself
-    return composed(task, **own, **_observation(seen or task, ""))
+    return composed(task, **{**own, **_observation(seen or task, ""), **_of_game(task)})
 
 
 def _check_alone(task: Task, owner: str) -> None:
@@ -188,7 +188,7 @@ def _check_policy(game: Task, protocol: EvaluationProtocol, policy: Task) -> Non
     """Refuse a policy of another game than the one that is played, unless the user asks for this other game."""
     _check_alone(policy, "the policy")
     said, default = game.plain(), Task.of(game.definition).plain()
-    _check_alike(game, policy, "policy", [name for name in _GAME_FIELDS if said[name] == default[name]])
+    _check_alike(game, policy, "policy", [name for name in OF_GAME if said[name] == default[name]])
     if policy.frames != protocol.frames:
         ours, theirs = in_words(protocol.frames), in_words(policy.frames)
         raise ValueError(f"protocol {protocol.name!r} plays {ours} frames an action, the policy {theirs}")
@@ -211,7 +211,7 @@ def _check_id(game: EvaluatedGame, protocol: EvaluationProtocol, policy: Task | 
 def _check_given(task: Task, played: Task, protocol: EvaluationProtocol) -> None:
     """Refuse a task with fields that are not played. Fields with the values of ALE's v5 are not compared."""
     given = Task.of(task.game if task.definition.file is None else task.definition).differences(task)
-    decided = (*GROUPS["game"], *GROUPS["reward"], "interventions")
+    decided = (*GROUPS["game"], *GROUPS["reward"], *OF_GAME)
     pairs = {name: pair for name, pair in task.differences(played).items() if name in given and name not in decided}
     if pairs:
         ours = ", ".join(f"{name}={value!r}" for name, (value, _) in pairs.items())
@@ -226,7 +226,7 @@ def _check_same_game(game: Task, task: Task) -> None:
     """Refuse another game than the game of the protocol's task."""
     if game.game != task.game:
         raise ValueError(f"the protocol is of {task.game}, and the game is {game.game}; pass {task.game!r} as the game")
-    _check_alike(game, task, "protocol", _GAME_FIELDS)
+    _check_alike(game, task, "protocol", OF_GAME)
 
 
 def _check_alike(game: Task, wanted: Task, owner: str, names: Iterable[str]) -> None:
@@ -243,9 +243,10 @@ def _check_alike(game: Task, wanted: Task, owner: str, names: Iterable[str]) -> 
 
 def _flags(task: Task, name: str) -> str:
     """The flags of a command that give a task this field."""
-    value, flag = task.plain()[name], f"--{name.removesuffix('s')}"
+    value, flag = task.plain()[name], f"--{name.removesuffix('s').replace('_', '-')}"
     values = [one.name for one in task.interventions] if name == "interventions" else [value]
-    return " ".join(f"{flag} {one}" for one in values) if value else f"no {flag}"
+    texts = [",".join(map(str, one)) if isinstance(one, tuple) else one for one in values]
+    return " ".join(f"{flag} {text}" for text in texts) if value else f"no {flag}"
 
 
 def _shown(task: Task, name: str) -> str:

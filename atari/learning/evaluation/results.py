@@ -16,6 +16,7 @@ from typing import Any
 from atari.files import durable, json_text
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import EvaluationProtocol
+from atari.task.fields import DEFAULTS, OF_GAME
 
 FORMAT = "atari evaluation 3"
 _OLD_FORMATS = ("atari evaluation 2", "atari evaluation 1")
@@ -55,17 +56,13 @@ class GameResult:
 
     @property
     def changes(self) -> dict[str, Any]:
-        """Mode, difficulty and interventions of the task, those that differ from the game's own.
+        """Mode, difficulty, interventions and delays of the task, those that differ from the game's own.
 
-        Of a game that is not in the package's catalogue, all but an empty list of interventions.
+        Of a game that is not in the package's catalogue, its mode and difficulty, too.
         """
         own = games.get(self.game)
-        usual = {"mode": own.default_mode, "difficulty": 0} if own is not None else {}
-        return {
-            name: value
-            for name in ("mode", "difficulty", "interventions")
-            if (value := self.task.get(name)) not in (None, [], usual.get(name))
-        }
+        usual = {**DEFAULTS, **({"mode": own.default_mode, "difficulty": 0} if own is not None else {})}
+        return {name: value for name in OF_GAME if (value := self.task.get(name)) not in (None, [], usual[name])}
 
     @property
     def truncations(self) -> int:

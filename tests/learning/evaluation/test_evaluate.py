@@ -6,6 +6,7 @@ from dataclasses import replace
 import gymnasium
 import numpy as np
 import pytest
+from field_values import CASES
 
 import atari
 from atari.learning import PROTOCOLS, EvaluationProtocol, Result, ScoresPolicy, evaluate, load_policy, record_games
@@ -13,6 +14,7 @@ from atari.learning.evaluation.evaluate import episode_seed
 from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
 from atari.learning.evaluation.played import resolve_games, usual_protocol
 from atari.task import PRESETS, Task
+from atari.task.fields import OF_GAME
 from atari.wrappers import preset, preset_options
 
 
@@ -351,6 +353,27 @@ def test_the_game_decides_mode_difficulty_and_interventions():
     assert changed.observation == plain.observation  # both have the images of the protocol's preset
     policy.environment = {"mode": 1, "difficulty": 1, "interventions": ["lazy_enemy"]}
     assert evaluate(policy, task, protocol, episodes=1)["pong"].task["mode"] == 1
+
+
+@pytest.mark.parametrize("name", OF_GAME)
+@pytest.mark.parametrize("kind", ["named", "of a task"])
+def test_the_game_decides_its_fields_alone(name, kind):
+    def policy(observations):
+        return [1] * len(observations)
+
+    policy.environment = {"preset": "dopamine"}
+    value = CASES[name].value
+    task = Task.of("breakout", preset="dopamine", **{name: value})
+    own = EvaluationProtocol.of_task(
+        task.replace(max_num_frames_per_episode=400), name="x", source="x", epsilon=0.0, episodes=1
+    )
+    protocol = short("dopamine", 400) if kind == "named" else own
+    result = evaluate(policy, Task.of("breakout", **{name: value}), protocol, episodes=1)["breakout"]
+    assert result.task[name] == json.loads(task.to_json())[name] != json.loads(Task.of("breakout").to_json())[name]
+    assert list(result.changes) == [name]
+    policy.environment = {"preset": "dopamine", name: value}
+    with pytest.raises(ValueError, match=rf"plays breakout with {name}=.*pass atari.Task.of\('breakout', {name}="):
+        evaluate(policy, "breakout", short("dopamine", 400), episodes=1)
 
 
 def test_a_policy_meets_a_mode_and_interventions_that_it_was_not_trained_in():
