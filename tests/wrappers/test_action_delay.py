@@ -89,6 +89,20 @@ class TestFrames:
             env.step(3)
         assert (console.take()[:20] == [RIGHT] * 20) is goes_on
 
+    def test_a_new_game_that_loses_a_life_in_its_noops_begins_a_new_line(self, kind: str) -> None:
+        """The reset goes on after that life with the same game, which it has begun."""
+        lives: dict[str, Any] = {"episodic_life": True, "on_reset": "continue", "seamless_lives": True}
+        options: dict[str, Any] = {**BREAKOUT, "game": "ms_pacman", "noops": (1000, 1000), "action_delay": 20}
+        env, console = made(Task(**options, **lives), kind)
+        env.reset(seed=0)
+        for _ in range(10):
+            env.step(3)
+        assert env.reset()[1]["lives"] < 3
+        console.take()
+        for _ in range(10):
+            env.step(4)
+        assert console.take() == [NOOP] * 20 + [env.unwrapped.task.action_set[4]] * 20
+
     def test_a_number_alone_draws_nothing(self, kind: str) -> None:
         starts = []
         for delay in (0, 5, (5, 5), (5, 6)):

@@ -128,6 +128,27 @@ def test_the_range_is_drawn_after_that_of_actions(kind: str) -> None:
         np.testing.assert_array_equal(seen, frames.rams[max(t - delay, 0)])
 
 
+@pytest.mark.parametrize("obs_type", ["dict", "ram", "rgb_dict"])
+def test_frames_go_on_with_the_stack_after_a_lost_life(obs_type: Any) -> None:
+    """The beginning after the lost life is not shown: its first observation is the last one's."""
+    lives: dict[str, Any] = {"episodic_life": True, "on_reset": "noop", "seamless_lives": True}
+    task = Task("breakout", **lives, obs_type=obs_type, fire="after_noops", noops=(5, 9), observation_delay=(7, 20))
+    envs, seen = [made(task, kind) for kind in KINDS], []
+    for env in envs:
+        env.reset(seed=0)
+        terminated = False
+        while not terminated:
+            last, _, terminated, _, _ = env.step(2)
+        seen.append((last, env.reset()[0], env.step(2)[0]))
+    for one, other in zip(*seen, strict=True):
+        parts = (one, other) if isinstance(one, dict) else ({"": one}, {"": other})
+        for name in parts[0]:
+            np.testing.assert_array_equal(parts[0][name], parts[1][name])
+    rams = [one["ram"] if isinstance(one, dict) else one for one in seen[0]]
+    np.testing.assert_array_equal(rams[0], rams[1])
+    assert (rams[1] != rams[2]).any()
+
+
 def test_sound_is_delayed_by_the_wrapper() -> None:
     env: Any = wrappers.ObservationDelay(AtariEnv("pong", sound_obs=True, frameskip=1), 4)
     seen = [env.reset(seed=0)[0]]
