@@ -68,7 +68,7 @@ class ObservationDelay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         super().__init__(env)
         self._range: tuple[int, int] = delay if isinstance(delay, tuple) else (delay, delay)
         self._skip = next((layer for layer in layers(env) if isinstance(layer, DqnPreprocessing)), None)
-        shown = "screen" if self._skip is not None else _SHOWN[self._atari.task.obs_type]
+        shown = "screen" if self._skip is not None else self._atari.task.kind.method
         self._names = tuple(dict.fromkeys((shown, "ram", *(["audio"] if self._atari.sound_obs else []))))
         self._line: deque[Frame] = deque()
         self._resets = self._began = self._played = False
@@ -143,10 +143,6 @@ class ObservationDelay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             raise ValueError(f"the snapshot is damaged: a delay of {delay} is not within 0..{self._range[1]}")
         frames = ({name: state[name][entry].copy() for name in self._names} for entry in range(delay + 1))
         return {"_line": deque(frames, maxlen=max(delay + 1, 0) or None)}
-
-
-_SHOWN = {"rgb": "screen_rgb", "grayscale": "screen_grayscale", "ram": "ram"}
-"""The method of a core that makes an `AtariEnv`'s observations."""
 
 
 class _Arrived:
