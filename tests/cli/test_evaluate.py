@@ -48,6 +48,7 @@ def test_the_game_that_is_played(capsys):
 
 
 def test_the_game_of_a_run_is_played_with_the_fields_that_are_given(capsys):
+    pytest.importorskip("torch")
     words = (
         "evaluate",
         str(ROOT / "examples" / "breakout-pqn"),

@@ -22,7 +22,7 @@ from atari.learning.evaluation.protocols import find_protocol
 from atari.multiplayer import MultiplayerCore, parallel_env
 from atari.task import Task
 from atari.task.description import summary
-from atari.task.fields import GROUPS, WRAPPED
+from atari.task.fields import GROUPS, OF_GAME, WRAPPED
 from atari.task.resolution import OPTIONS
 
 
@@ -152,7 +152,6 @@ _BY_FRAME = "it plays single frames with all actions"
 _SEEN_BY_A_PERSON = "a person sees the screen and the score"
 _COMPARED = ("mode", "difficulty", "repeat_action_probability", "max_num_frames_per_episode")
 _FRAMES = (*_COMPARED, "interventions")
-_OF_GAMES = ("mode", "difficulty", "interventions")
 _OF_PLAY = of_fields(
     ("continuous", "continuous_action_threshold", *GROUPS["observation"], *GROUPS["reward"]), _SEEN_BY_A_PERSON
 )
@@ -192,7 +191,7 @@ DOORS: tuple[Door, ...] = (
     Door(
         "evaluate",
         _evaluation,
-        all_but((*_OF_GAMES, "reward", "reward_clipping", "actions", "obs_type", "maxpool"), "the protocol says it"),
+        all_but((*OF_GAME, "reward", "reward_clipping", "actions", "obs_type", "maxpool"), "the protocol says it"),
         outside=of_fields(("reward", "reward_clipping"), "scores are the game's own"),
         takes_options=False,
     ),
@@ -208,7 +207,7 @@ DOORS: tuple[Door, ...] = (
     Door("atari causes", _command("causes"), all_but(("mode", "difficulty"), _BY_FRAME)),
     Door("atari verify", _command("verify"), all_but(_COMPARED, _BY_FRAME)),
     Door("atari collect", _command("collect", "-o", "games.h5"), {**_OF_POLICIES, **_NOT_OF_BASELINES}),
-    Door("atari evaluate", _command("evaluate", "random"), all_but(_OF_GAMES, "the protocol says it")),
+    Door("atari evaluate", _command("evaluate", "random"), all_but(OF_GAME, "the protocol says it")),
     Door("atari watch", _command("watch", "random"), {**_OF_POLICIES, **_NOT_OF_BASELINES}),
 )
 
