@@ -126,7 +126,7 @@ class Driver(AleGame):
 
     @property
     def shown(self) -> Core:
-        """What observations are made of: the core, or an object with its methods that read screen, RAM and sound."""
+        """The object that observations read: the core, or one with its methods for screen, RAM and sound."""
         return self.core if self.delayed is None else self.delayed
 
     @property

@@ -128,7 +128,7 @@ class TaskData(TaskFields):
 
     @property
     def kind(self) -> Kind:
-        """What observations show."""
+        """The row of the observation type in `KINDS`."""
         return KINDS[self.obs_type]
 
     @property

@@ -1,4 +1,4 @@
-"""GAME is looked up once, where a user calls the package; the functions behind have what it names."""
+"""Each public function looks GAME up once, and passes on the task or the game that it names."""
 
 import ast
 import functools

@@ -202,7 +202,7 @@ class Episode {
             ? (static_cast<size_t>(settings_.observation_delay.second) + 1) * (frame_size_ + kRamSize)
             : 0);
     Line frame_line_{1, 0};  // of `frames_`
-    bool resets_ = false;    // whether the steps of layers are those of a reset
+    bool resets_ = false;    // true while a reset plays its steps, which are not delayed
     bool begun_ = false;     // whether the last reset has begun a game
     std::chrono::steady_clock::time_point game_began_ = std::chrono::steady_clock::now();
     std::optional<EndedGame> ended_game_;

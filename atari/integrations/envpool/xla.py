@@ -7,7 +7,7 @@ from typing import Any
 def xla(
     functions: tuple[Any, Callable[..., Any], Callable[..., Any], Callable[..., Any]], shown: Callable[[Any], Any]
 ) -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[..., Any]]:
-    """EnvPool's `(handle, recv, send, step)`, made from those of `atari.integrations.jax.xla`.
+    """Make EnvPool's `(handle, recv, send, step)` from the functions of `atari.integrations.jax.xla`.
 
     Args:
         functions: the functions of the vector environment.

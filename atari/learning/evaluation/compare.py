@@ -259,7 +259,7 @@ def _common_protocol(results: Sequence[Result], faults: list[str]) -> Evaluation
 
 
 def _game_faults(results: Sequence[Result]) -> list[str]:
-    """The games that were played with other fields `OF_GAME` than those of the published scores, in words."""
+    """The games that were played in another mode or difficulty, with interventions or with delays, in words."""
     played = [one for result in results for one in result.games if one.game in games and one.changes]
     return [
         f"{one.game} was played with another {' and '.join(one.changes)} than in scores of others" for one in played

@@ -53,7 +53,7 @@ class ShadowCore:
         return core.episode_frame_number < before
 
     def moves(self, info: dict[str, Any]) -> Moves:
-        """What the environment's console got in each frame since `synchronize`, in a step with these infos.
+        """The actions and strengths that the console got in each frame since `synchronize`, in a step with these infos.
 
         A step that only resets the environment has no frames.
         """
