@@ -15,7 +15,6 @@ if find_spec("atari._emulator") is None:  # the source folder, which Python find
     __path__[:] = import_module("atari._sources").installed_modules()
 
 from atari import algorithmic, cores
-from atari._renamed import missing
 from atari._variables import check as check_variables
 from atari._version import __version__ as __version__
 from atari.actions import Action
@@ -71,7 +70,7 @@ def __getattr__(name: str) -> Any:
         return import_module(f"atari.{name}")
     if name in ("to_jax", "to_torch"):
         return getattr(import_module("atari.integrations.arrays"), name)
-    raise missing("atari", name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

@@ -8,14 +8,13 @@ import inspect
 from collections.abc import Mapping, Sequence
 from enum import Enum
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import Any, Literal, get_args
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
 from typing_extensions import Unpack
 
-from atari._renamed import missing_attribute
 from atari.actions import PLAYER_ACTIONS, Action, make_action_space
 from atari.cores import CORES, NativeCore, PlainCore
 from atari.cores.ale_actions import Action as AleAction
@@ -381,11 +380,6 @@ class AtariEnv(EnvState):
                 "Keys stand for discrete actions"
             )
         return {_keys(action): index for index, action in enumerate(self.driver.actions)}
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            raise missing_attribute(self, name)
 
     def _make_window(self) -> Window | None:
         return Window(self.game, self._steps_per_second()) if self.render_mode == "human" else None

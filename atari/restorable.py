@@ -233,8 +233,8 @@ def _state(layer: Environment, number: int, scalars: dict[str, Any], blobs: Mapp
         if isinstance(now, np.ndarray):
             if f"{number}.{name}" not in blobs:
                 raise ValueError(
-                    f"the snapshot has no {name} of {type(layer).__name__}: it is damaged, or of an earlier release, "
-                    "whose snapshots of this wrapper cannot be restored; take a new one"
+                    f"the snapshot has no {name} of {type(layer).__name__}: it is damaged, or of another release; "
+                    "take a new one"
                 )
             state[name] = _array(blobs[f"{number}.{name}"], now)
         elif type(scalars.get(name)) is type(now):

@@ -8,11 +8,9 @@ such as `Breakout (1978) (Atari).a26`, plain or gzip-compressed.
 `atari.roms.locations.folders()` returns these folders, `atari.roms.locations.path()` your own.
 """
 
-from atari._renamed import old_names
 from atari.roms.autorom import install
 from atari.roms.identification import identify
 from atari.roms.importing import import_from
 from atari.roms.search import find, installed, verify
 
 __all__ = ["find", "identify", "import_from", "install", "installed", "verify"]
-__getattr__ = old_names("atari.roms")

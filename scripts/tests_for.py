@@ -66,8 +66,6 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/episode_env.py": ("tests/test_episode_env.py", "tests/vector/test_tasks.py"),
     "atari/restorable.py": ("tests/wrappers/test_snapshots.py",),
     "atari/_version.py": ("tests/cli/test_main.py",),
-    "atari/_renamed.py": ("tests/test_renamed.py",),
-    "atari/protocols.py": ("tests/test_import.py",),
     "atari/env_ids.py": ("tests/conformance/test_ids.py", "tests/test_registration.py"),
     "atari/making.py": ("tests/test_registration.py", "tests/vector/test_registration.py", "tests/task"),
     "atari/task": ("tests/task", "tests/vector/test_tasks.py", "tests/wrappers/test_presets.py"),

@@ -1,6 +1,5 @@
 """What `import atari` does and does not do: each test runs a new interpreter."""
 
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -171,29 +170,6 @@ def test_sources_that_are_not_installed_say_what_to_do(monkeypatch: pytest.Monke
         f"run `{sys.executable} -m pip install"
     )
     assert message in done.stderr
-
-
-@pytest.mark.parametrize(
-    ("imports", "new"),
-    [
-        ("from atari import Protocol", "atari.Task"),
-        ("import atari; atari.Protocol", "atari.Task"),
-        ("from atari.protocols import Protocol", "atari.Task"),
-        ("from atari.wrappers import preset_protocol", "atari.Task.of(game, preset=name)"),
-        ("from atari.recording import RecordVectorReplay", "atari.recording.RecordReplay(envs, path, index)"),
-        ("from atari.play import MultiplayerSession", "atari.play.Session(game, players=n)"),
-        ("from atari.roms import path", "atari.roms.locations.path"),
-    ],
-)
-def test_an_old_name_says_the_new_one(imports: str, new: str) -> None:
-    with pytest.raises(ImportError, match=f"is now {re.escape(new)};"):
-        exec(imports, {})
-
-
-@pytest.mark.parametrize("name", ["play_frames", "play_until", "observers", "make_sound"])
-def test_an_old_attribute_of_an_environment_says_the_new_one(name: str) -> None:
-    with pytest.raises(AttributeError, match=rf"AtariEnv\.{name} is now AtariEnv\.driver\.{name}"):
-        getattr(atari.AtariEnv("pong"), name)
 
 
 def test_an_unknown_name_is_an_attribute_error() -> None:

@@ -18,7 +18,7 @@ import atari.wrappers
 
 ORDER = """
     algorithmic
-    _version _renamed _extras protocols _start _sources _gymnasium validation files notebook _variables _program _progress
+    _version _extras _start _sources _gymnasium validation files notebook _variables _program _progress
     actions games roms _emulator cores
     env_ids task rendering observations
     driver env_state env restorable episode_env wrappers

@@ -8,7 +8,6 @@ Gymnasium has wrappers with some of these names. But its reward and image wrappe
 pickled, and its stack copies each frame twice.
 """
 
-from atari._renamed import old_names
 from atari.wrappers.action_delay import ActionDelay
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
@@ -45,4 +44,3 @@ __all__ = [
     "preset",
     "preset_options",
 ]
-__getattr__ = old_names("atari.wrappers")

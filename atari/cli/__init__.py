@@ -17,8 +17,6 @@ from atari.cli.arguments import Parser
 _COMMANDS = tuple(
     "list info explain roms verify demo record replay play train watch evaluate collect lab causes completion".split()
 )
-_FORMER = {"lab map": "causes", "lab collect": "collect"}
-"""The present names of commands by their names before 0.2."""
 
 _EXAMPLES = """\
 examples:
@@ -48,8 +46,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(argv: Sequence[str] | None) -> int:
     try:
         words = sys.argv[1:] if argv is None else [*argv]
-        if (former := " ".join(words[:2])) in _FORMER:
-            raise ValueError(f"`atari {former}` is now `atari {_FORMER[former]}`")
         args, unknown = _parser(words).parse_known_args(words)
         if unknown and "words" in args:  # `atari train` parses them when it knows the agent
             args.words[:0] = unknown

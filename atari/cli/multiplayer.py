@@ -12,9 +12,6 @@ from atari.task import Task
 from atari.task.arguments import given_options, read_game, task_of
 from atari.task.task import BY_FRAME, look_up
 
-FORMER_FLAGS = {"--obs": "it is --obs-type, as in `{prog} GAME --players 2 --obs-type ram`"}
-"""Flags of earlier releases, and the new calls."""
-
 _OBEYED = ("players", "mode", "difficulty", "obs_type")
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from atari.cli.arguments import GAME_HELP, Commands, HelpFormatter, add_command, add_rom, number
-from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
+from atari.cli.multiplayer import is_match, make_match, match_task
 from atari.cli.printing import print_json
 from atari.play import Session, play
 from atari.play.controls import HELP, HELP_SEVERAL
 from atari.play.window import start_pygame
-from atari.task.arguments import SCREEN, add_former, add_task, given_options, seed, show_task, task_of
+from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
 from atari.task.task import BY_FRAME
 
 
@@ -58,7 +58,6 @@ def register(commands: Commands) -> None:
         leave_out=("continuous", "continuous_action_threshold"),
         fixed=SCREEN,
     )
-    add_former(parser, FORMER_FLAGS)
 
 
 def _play(args: argparse.Namespace) -> int:

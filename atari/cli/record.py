@@ -16,7 +16,7 @@ from atari._program import ctrl_c_as_event, removed_at_ctrl_c
 from atari._progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
 from atari.cli.looks import Looks, add_looks
-from atari.cli.multiplayer import FORMER_FLAGS, is_match, make_match, match_task
+from atari.cli.multiplayer import is_match, make_match, match_task
 from atari.cli.policies import PolicySession, find_played, games_of, replay_of
 from atari.cli.printing import print_json
 from atari.files import durable
@@ -32,7 +32,7 @@ from atari.recording.replay.file_format import SUFFIX, is_replay
 from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
 from atari.task import Task
-from atari.task.arguments import add_former, add_task, read_game, seed, show_task, task_of
+from atari.task.arguments import add_task, read_game, seed, show_task, task_of
 from atari.task.task import FoundGame, look_up
 
 Play = Callable[[Path], bool]
@@ -57,7 +57,6 @@ def register(commands: Commands) -> None:
     )
     length.add_argument("--steps", type=number(int, 1), metavar="N", help="steps of a random, noop or function policy")
     add_task(parser)
-    add_former(parser, FORMER_FLAGS)
     parser.set_defaults(no_video=False)
 
 

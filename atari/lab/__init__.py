@@ -1,6 +1,5 @@
 """The RAM lab: values by name, search, interventions and causes of the 128 bytes of RAM. `docs/ram.md` explains it."""
 
-from atari._renamed import old_names
 from atari.lab.causal.explore import causes
 from atari.lab.causal.files import shipped_causes
 from atari.lab.collect import check_dataset, write_dataset
@@ -24,4 +23,3 @@ __all__ = [
     "show",
     "write_dataset",
 ]
-__getattr__ = old_names(__name__)

@@ -8,7 +8,6 @@ Memory and evaluation need NumPy alone. Agents, trainings, run folders and train
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from atari._renamed import missing
 from atari.learning.environments import TrainingEnvironments
 from atari.learning.evaluation.compare import compare
 from atari.learning.evaluation.evaluate import evaluate, record_games
@@ -64,4 +63,4 @@ _WITH_TORCH = {
 def __getattr__(name: str) -> Any:
     if name in _WITH_TORCH:
         return getattr(import_module(f"{__name__}.{_WITH_TORCH[name]}"), name)
-    raise missing(__name__, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

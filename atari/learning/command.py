@@ -21,7 +21,6 @@ from atari.learning.training import Agent, AgentCode, Training, agent_code
 from atari.task import Task
 from atari.task.arguments import (
     StoreOnce,
-    add_former,
     add_refused,
     add_task,
     advised,
@@ -241,7 +240,6 @@ def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | Non
                 own |= {"nargs": "?", "const": True}
             parser.add_argument(flag, help=text, **own)
     add_task(parser, leave_out=_ALONE)
-    add_former(parser, _OLD_FLAGS)
     add_refused(parser, dict.fromkeys(_OF_SWEEPS, _SWEEP))
     listed, of_ram = (
         ", ".join(f"{name} {shown(value)}" for name, value in options.items()) for options in (agent.fast, FAST_RAM)
@@ -259,16 +257,6 @@ class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print the usage and the error with a suggestion, and exit with code 2."""
         super().error(advised(message, self._option_string_actions))
-
-
-_OLD_FLAGS = {
-    "--obs": "RAM is learned from by an ID of RAM, as in `{prog} Pong-ram-v4`, or by `{prog} GAME --obs-type ram`",
-    "--image-size": "the rows and columns are --img-height and --img-width, as in "
-    "`{prog} GAME --img-height 42 --img-width 42`",
-    **dict.fromkeys(("--stack", "--ram-stack"), "it is --stack-num, as in `{prog} GAME --stack-num 2`"),
-    "--ram-padding": "it is --padding, as in `{prog} GAME --padding reset`",
-}
-"""Flags of earlier releases, and the calls that replace them."""
 
 
 _OF_SWEEPS = ("--seeds", "--jobs", "--protocol", "--episodes", "--compare", "--mixed")

@@ -103,11 +103,6 @@ class TrainingOptions:
     workers: int = 1
     checkpoint_minutes: float = 5.0
 
-    def __new__(cls, *args: Any, **given: Any) -> Any:
-        """Refuse the options of earlier releases."""
-        refuse_old_options(given, cls.__name__)
-        return super().__new__(cls)
-
     @classmethod
     def of(cls: type[_Options], game: GameLike, *, preset: str | None = None, **options: Any) -> _Options:
         """The options of a training in a game.
@@ -125,7 +120,6 @@ class TrainingOptions:
             gymnasium.error.NameNotFound: the ID is not known.
             TypeError, ValueError: an option is not known (the nearest is suggested), or see the class.
         """
-        refuse_old_options(options, cls.__name__)
         own = {field.name for field in dataclasses.fields(cls)} - {"task"}
         known = (*own, *OPTIONS, *ALIASES)
         check_known(cls.__name__, [name for name in options if name not in known], known)
@@ -254,31 +248,6 @@ class TrainingOptions:
         if first + count <= SEEDS:
             return np.arange(first, first + count)
         return np.random.SeedSequence(first).generate_state(count).astype(np.int64)
-
-
-_OLD: Mapping[str, str] = {
-    "protocol": "preset={0!r}",
-    "obs": "obs_type='ram' for RAM, and nothing for images,",
-    "image_size": "img_height={0}, img_width={0}",
-    "stack": "stack_num={0}",
-    "ram_stack": "stack_num={0}",
-    "ram_padding": "padding={0!r}",
-    "sticky": "repeat_action_probability={0}",
-}
-"""Options of earlier releases, and the text of their replacements; {0} is the value."""
-
-
-def refuse_old_options(options: Mapping[str, Any], owner: str) -> None:
-    """Refuse the options of earlier releases.
-
-    Raises:
-        TypeError: `options` has one; the message shows the new call.
-    """
-    for name, new in _OLD.items():
-        if name in options:
-            raise TypeError(
-                f"{owner} has no option {name!r} any more; give {new.format(options[name])} to {owner}.of(GAME, ...)"
-            )
 
 
 def check_task(task: Task) -> None:

@@ -13,7 +13,6 @@ import torch
 from atari.files import durable, json_text
 from atari.learning.evaluation.results import versions
 from atari.learning.memory import ReplayMemory
-from atari.learning.old_runs import migrated, with_flush, with_stacks_in_task
 from atari.learning.programs import program
 from atari.learning.run_log import RunLog, read_rows
 from atari.learning.sealed import load_sealed, sealed
@@ -46,7 +45,7 @@ class RunFolder:
 
     Attributes:
         path: the path of the folder.
-        config: the contents of `config.json`, converted from older formats.
+        config: the contents of `config.json`.
         state: after `resume`, the state of the last checkpoint; None if there is none yet.
         memory: after `resume`, the memory as it was then; otherwise None.
 
@@ -157,16 +156,12 @@ class RunFolder:
                 f"{path} is no run folder: it has no config.json; `atari train` and RunFolder.begin make one"
             )
         config = json_text.read(file)
-        version = config.get("format", 1) if isinstance(config, dict) else None
-        if type(version) is not int or version not in range(1, FORMAT + 1):
+        version = config.get("format") if isinstance(config, dict) else None
+        if type(version) is not int or version != FORMAT:
             raise ValueError(
-                f"{file} has format {version!r:.60}, and this atari-envs reads 1 to {FORMAT}; install a newer release"
+                f"{file} has format {version!r:.60}, and this atari-envs reads {FORMAT}; use the one that wrote it"
             )
         try:
-            if version == 1:
-                config = migrated(config)
-            elif version == 2:
-                config = with_stacks_in_task(config)
             json_text.check_table(
                 config, "the configuration", _KEYS, {"ended": str, "keep_memory": bool, "programs": dict}
             )
@@ -328,7 +323,7 @@ class RunFolder:
         """
         self._check_locked()
         options, file = self.config["options"], self.path / "checkpoint.pt"
-        state = with_flush(load_sealed(file, weights_only=False, must_be_sealed=False)) if file.exists() else {}
+        state = load_sealed(file, weights_only=False) if file.exists() else {}
         done = state.get("step", 0)
         if total_steps <= done:
             raise ValueError(f"{self.path} has made {done:,} steps, so total_steps must be above, got {total_steps:,}")
@@ -352,7 +347,7 @@ class RunFolder:
         file = self.path / "policy.pt"
         if not file.is_file():
             raise FileNotFoundError(f"{file} does not exist: the training was stopped before its first checkpoint")
-        weights = load_sealed(file, weights_only=True, must_be_sealed=self.config["format"] >= 3)
+        weights = load_sealed(file, weights_only=True)
         if not isinstance(weights, dict) or not all(isinstance(value, torch.Tensor) for value in weights.values()):
             raise ValueError(f"{file} is damaged: it has no weights")
         return weights
@@ -446,8 +441,7 @@ class RunFolder:
 
     def _adopt(self, file: Path, num_threads: int) -> Mapping[str, torch.Tensor]:
         """Take the state of a checkpoint, open its memory, and forget the rows of later steps; returns the weights."""
-        content = load_sealed(file, weights_only=False, must_be_sealed=self.config["format"] >= 3)
-        content = with_flush(content)
+        content = load_sealed(file, weights_only=False)
         if not isinstance(content, dict) or content.keys() != {"step", "state", "weights", "flush"}:
             raise ValueError(f"{file} is damaged: it is no checkpoint of a training")
         memory, flush = self.path / "memory.replay", content["flush"]

@@ -24,14 +24,12 @@ def sealed(value: Any) -> bytes:
     return body + b"atari-envs sha256 " + hashlib.sha256(body).hexdigest().encode()
 
 
-def load_sealed(path: Path, *, weights_only: bool, must_be_sealed: bool) -> Any:
+def load_sealed(path: Path, *, weights_only: bool) -> Any:
     """The value of a file, on the CPU.
 
     Args:
         path: the file.
         weights_only: read tensors and containers of them alone. Otherwise the file's pickles are executed.
-        must_be_sealed: refuse a file without a checksum. Otherwise the checksums of its parts are compared, as files
-            of releases before 0.2 have no other.
 
     Raises:
         FileNotFoundError, OSError: there is no such file, or it cannot be read.
@@ -40,16 +38,14 @@ def load_sealed(path: Path, *, weights_only: bool, must_be_sealed: bool) -> Any:
     check_file(path)
     data = path.read_bytes()
     found = _COMMENT.search(data[-_LENGTH:])
-    if found is None and must_be_sealed:
+    if found is None:
         raise ValueError(f"{path} is damaged: its end with the checksum is missing")
-    if found is not None and hashlib.sha256(data[:-_LENGTH]).hexdigest().encode() != found[1]:
+    if hashlib.sha256(data[:-_LENGTH]).hexdigest().encode() != found[1]:
         raise ValueError(f"{path} is damaged: its checksum differs")
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             if any(member.compress_type != zipfile.ZIP_STORED for member in archive.infolist()):
                 raise ValueError("it has compressed parts")
-            if found is None and (bad := archive.testzip()):
-                raise ValueError(f"the checksum of its part {bad!r} differs")
         return torch.load(io.BytesIO(data), map_location="cpu", weights_only=weights_only)
     except Exception as error:  # torch.load raises whatever a damaged file makes of its parsers
         raise ValueError(f"{path} is damaged: {error or type(error).__name__}") from None

@@ -452,8 +452,7 @@ class Training:
 
     def _restore(self, state: Mapping[str, Any]) -> None:
         self.agent.restore(state["agent"])
-        saved = state["scores"]  # a list in runs of earlier releases
-        for game, scores in ({self.options.task.game: saved} if isinstance(saved, list) else saved).items():
+        for game, scores in state["scores"].items():
             self.scores[game].extend(scores)
         self.games, self.seconds = state["games"], state["seconds"]
         self._saved_step = self.agent.steps

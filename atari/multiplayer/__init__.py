@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from atari._extras import install_extra
-from atari._renamed import missing
 from atari.games.pettingzoo import ENVIRONMENTS
 from atari.multiplayer.ale import ALEInterface
 from atari.multiplayer.core import MultiplayerCore
@@ -128,4 +127,4 @@ def __getattr__(name: str) -> Any:
         from atari.multiplayer.parallel import MultiplayerEnv
 
         return MultiplayerEnv
-    raise missing(__name__, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

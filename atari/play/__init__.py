@@ -6,9 +6,7 @@ of both. `speaker` and `window` output sound and frames. Controls, sessions and 
 `loop` connects them.
 """
 
-from atari._renamed import old_names
 from atari.play.loop import play
 from atari.play.session import Session
 
 __all__ = ["Session", "play"]
-__getattr__ = old_names("atari.play")

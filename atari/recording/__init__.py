@@ -1,6 +1,5 @@
 """Recorded gameplay: videos with sound, replays that reproduce a game exactly, and datasets made from replays."""
 
-from atari._renamed import old_names
 from atari.recording.datasets import to_minari
 from atari.recording.replay.record_replay import RecordReplay
 from atari.recording.replay.replay import Replay
@@ -9,4 +8,3 @@ from atari.recording.video.record_video import RecordVideo
 from atari.recording.video.writer import VideoWriter
 
 __all__ = ["RecordReplay", "RecordVideo", "Replay", "VideoWriter", "to_minari", "video_facts"]
-__getattr__ = old_names("atari.recording")

@@ -222,11 +222,6 @@ def show_task(args: argparse.Namespace, task: Task) -> bool:
     return bool(args.print_task)
 
 
-def add_former(parser: argparse.ArgumentParser, flags: Mapping[str, str]) -> None:
-    """Add flags of earlier releases, which raise errors with the new call; `{prog}` in it is the command."""
-    add_refused(parser, {flag: f"there is no option {flag} any more: {new}" for flag, new in flags.items()})
-
-
 def add_refused(parser: argparse.ArgumentParser, flags: Mapping[str, str]) -> None:
     """Add flags that raise errors with these texts; `{prog}` in them is the command."""
     for flag, text in flags.items():

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import gymnasium
 import numpy as np
@@ -21,7 +21,6 @@ from typing_extensions import Unpack
 
 from atari import _emulator
 from atari._gymnasium import AutoresetMode, VectorEnv, adds_episode
-from atari._renamed import missing_attribute
 from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.task.options import VectorTaskOptions
@@ -364,11 +363,6 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         """The environments one by one: their counters, RAM, mode and difficulty."""
         self._open()
         return tuple(Lane(self, index) for index in range(self.num_envs))
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            raise missing_attribute(self, name)
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """The attribute of this name of each lane, or the result of calling it with these arguments."""

@@ -107,12 +107,6 @@ def test_flags_are_in_groups_and_the_usage_is_one_line(capsys: pytest.CaptureFix
     assert titles == ["positional arguments:", "options:", "what is played:", *fields]
 
 
-@pytest.mark.parametrize(("word", "new"), [("collect", "collect"), ("map", "causes")])
-def test_a_former_name_says_the_new_one(word: str, new: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["lab", word, "pong"]) == 1
-    assert capsys.readouterr().err == f"atari: error: `atari lab {word}` is now `atari {new}`\n"
-
-
 @pytest.mark.parametrize(
     ("error", "line"),
     [

@@ -189,8 +189,6 @@ def test_the_command(cluster: Any, dataset: Path, tmp_path: Path, monkeypatch: p
     words += ["--ray", cluster.address, "-o", "games.parquet", "--json"]
     assert main(words) == 0
     assert json.loads(capsys.readouterr().out)["played"] == 2
-    assert main(["lab", *words]) == 1
-    assert "`atari lab collect` is now `atari collect`" in capsys.readouterr().err
     assert main(words) == 0
     assert json.loads(capsys.readouterr().out)["played"] == 0
     expected = digests(dataset)

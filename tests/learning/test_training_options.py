@@ -75,22 +75,12 @@ def test_wrong_options(given: dict[str, Any], text: str) -> None:
     [
         ({"learning_rat": 1}, "TrainingOptions has no option 'learning_rat'; did you mean 'learning_rate'?"),
         ({"img_hight": 1}, "did you mean 'img_height'?"),
-        ({"protocol": "dqn2015"}, "has no option 'protocol' any more; give preset='dqn2015' to TrainingOptions.of("),
-        ({"obs": "ram"}, "obs_type='ram' for RAM"),
-        ({"image_size": 42}, "img_height=42, img_width=42"),
-        ({"stack": 2}, "stack_num=2"),
-        ({"ram_stack": 2}, "stack_num=2"),
-        ({"ram_padding": "zero"}, "padding='zero'"),
-        ({"sticky": 0.25}, "repeat_action_probability=0.25"),
     ],
 )
-def test_unknown_and_old_options(given: dict[str, Any], text: str) -> None:
+def test_unknown_options(given: dict[str, Any], text: str) -> None:
     with pytest.raises(TypeError) as caught:
         TrainingOptions.of("pong", **given)
     assert text in str(caught.value)
-    if "learning_rat" not in given and "img_hight" not in given:
-        with pytest.raises(TypeError, match="any more"):
-            TrainingOptions(task=Task.of("pong", preset="dopamine"), **given)
 
 
 def test_a_task_is_needed() -> None:

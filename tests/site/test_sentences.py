@@ -114,7 +114,7 @@ def flags() -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if page != "from-0.2.md"])  # which has former flags
+@pytest.mark.parametrize("page", PAGES)
 def test_flags_of_a_page_are_flags_of_commands(page: str) -> None:
     named = {flag for code in CODE.findall(sentences(page)) for flag in re.findall(r"(?<![\w-])--[a-z][\w-]*", code)}
     assert named - flags() - OTHERS == set()

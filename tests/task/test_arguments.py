@@ -14,7 +14,6 @@ from atari.cli.arguments import Parser
 from atari.task import Task
 from atari.task.arguments import (
     SCREEN,
-    add_former,
     add_task,
     descriptions,
     given_options,
@@ -196,15 +195,6 @@ def test_a_field_that_does_not_matter_is_said(capsys: pytest.CaptureFixture[str]
     assert not show_task(args, task)
     first = "pong: Pong, as PongNoFrameskip-v4, but mode=1, without frameskip=(2, 5), without obs_type='ram'\n"
     assert capsys.readouterr().out == first
-
-
-def test_former_flags(capsys: pytest.CaptureFixture[str]) -> None:
-    parser = Parser(prog="atari test")
-    add_former(parser, {"--obs": "it is --obs-type, as in `{prog} --obs-type ram`"})
-    with pytest.raises(SystemExit):
-        parser.parse_args(["--obs", "ram"])
-    err = capsys.readouterr().err
-    assert "there is no option --obs any more: it is --obs-type, as in `atari test --obs-type ram`" in err
 
 
 def test_print_task(capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,8 +4,6 @@
 imported when `xla` is called.
 """
 
-from atari._renamed import old_names
 from atari.integrations.jax.functions import xla
 
 __all__ = ["xla"]
-__getattr__ = old_names("atari.integrations.jax")

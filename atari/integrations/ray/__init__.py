@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from atari._extras import install_extra
-from atari._renamed import missing
 
 if TYPE_CHECKING:
     from atari.integrations.ray.collection import collect
@@ -38,7 +37,7 @@ __all__ = ["GameScores", "RolloutActors", "collect", "config", "env_creator", "r
 
 def __getattr__(name: str) -> Any:
     if name not in _MODULES:
-        raise missing("atari.integrations.ray", name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(f"{__name__}.{_MODULES[name]}"), name)
 
 

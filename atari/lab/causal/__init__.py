@@ -3,7 +3,3 @@
 `explore.py` plays a game and its forks in C++ (`emulator/lab/`), `map.py` has the result, `fit.py` the suggestions,
 `picture.py` draws a map, and `data/` has the essence of the maps of all games. `atari.lab` has the functions.
 """
-
-from atari._renamed import old_names
-
-__getattr__ = old_names(__name__)

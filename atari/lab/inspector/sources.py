@@ -68,7 +68,7 @@ def session_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent | N
         data = stream.read(_MOST_BYTES)
     try:
         facts, blobs = snapshot.unpack(data)
-        text = None  # the task, which snapshots of an AtariEnv have since 0.2
+        text = None  # the task, which snapshots of an AtariEnv have
         for _ in range(3):  # a file of `atari play` contains wrappers', then an AtariEnv's, then a core's
             inner = blobs.get("env") or blobs.get("core")
             if facts.get("of") is None or inner is None:

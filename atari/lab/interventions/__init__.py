@@ -3,9 +3,7 @@
 The option `interventions` of `AtariEnv` and `AtariVectorEnv` applies them; `atari.games.interventions` has the files.
 """
 
-from atari._renamed import old_names
 from atari.games.interventions import load
 from atari.lab.interventions.check import check
 
 __all__ = ["check", "load"]
-__getattr__ = old_names(__name__)

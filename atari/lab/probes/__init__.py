@@ -5,9 +5,7 @@ are split into training, validation and test; for each label, a linear classifie
 the features; the result is the F1 score of each label, and the mean of each category.
 """
 
-from atari._renamed import old_names
 from atari.lab.probes.data import play_episodes, split_episodes
 from atari.lab.probes.probe import majority, probe
 
 __all__ = ["majority", "play_episodes", "probe", "split_episodes"]
-__getattr__ = old_names(__name__)

@@ -162,7 +162,7 @@ class EvaluationProtocol:
 
     @classmethod
     def from_json(cls, content: Mapping[str, Any]) -> "EvaluationProtocol":
-        """The protocol from the result of `to_json`, also of an earlier release.
+        """The protocol from the result of `to_json`.
 
         Raises:
             TypeError, ValueError: a field is missing, unknown, or wrong.

@@ -19,8 +19,6 @@ from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.task.fields import DEFAULTS, OF_GAME
 
 FORMAT = "atari evaluation 3"
-_OLD_FORMATS = ("atari evaluation 2", "atari evaluation 1")
-"""Older formats that are read, too. Both have no checksum; in format 1, games and protocols have no task."""
 _LARGEST = 64 << 20
 
 
@@ -151,15 +149,12 @@ class Result:
         path = Path(file)
         what = f"{path} is no result of an evaluation: it"
         content = json_text.read(path, what=what, most_bytes=_LARGEST)
-        if not isinstance(content, dict) or content.get("format") not in (FORMAT, *_OLD_FORMATS):
+        if not isinstance(content, dict) or content.get("format") != FORMAT:
             raise ValueError(
-                f'{path} is no result of an evaluation, or of a newer release: its "format" must be {FORMAT!r} or '
-                f"{' or '.join(map(repr, _OLD_FORMATS))}"
+                f'{path} is no result of an evaluation, or of another release: its "format" must be {FORMAT!r}'
             )
         try:
-            if content["format"] == FORMAT or "sha256" in content:
-                content = json_text.check_seal(content)
-            return _checked_result(content)
+            return _checked_result(json_text.check_seal(content))
         except (TypeError, ValueError) as error:
             raise ValueError(f"{path} is damaged: {error}") from None
 
@@ -172,7 +167,7 @@ _KINDS: dict[str, Any] = {
     "training_frames": (int, NoneType),
 }
 _KINDS_OF_GAME = {
-    "game": str, "scores": list, "frames": list, "truncated": list, "seeds": list, "observation": dict
+    "game": str, "scores": list, "frames": list, "truncated": list, "seeds": list, "observation": dict, "task": dict
 }  # fmt: skip
 
 
@@ -191,7 +186,7 @@ def _checked_result(content: dict[str, Any]) -> Result:
 
 
 def _checked_game(content: Any) -> GameResult:
-    content = json_text.check_table(content, "a game", _KINDS_OF_GAME, {"task": dict})
+    content = json_text.check_table(content, "a game", _KINDS_OF_GAME)
     kinds = {"scores": float, "frames": int, "truncated": bool, "seeds": int}
     lists = {
         name: tuple(json_text.check_kind(one, f"each of {name}", kind) for one in content[name])

@@ -59,19 +59,6 @@ def test_a_file_keeps_everything(tmp_path):
     assert json.loads(file.read_text())["versions"] == {"numpy": "2"}
 
 
-def test_files_of_release_0_2(tmp_path):
-    """Games and protocols of the older format have no task; neither has a checksum."""
-    content = changed(format="atari evaluation 2")
-    (tmp_path / "result.json").write_text(json.dumps(content))
-    assert Result.load(tmp_path / "result.json") == result()
-    content["format"] = "atari evaluation 1"
-    del content["protocol"]["task"]
-    for game in content["games"]:
-        del game["task"]
-    (tmp_path / "result.json").write_text(json.dumps(content))
-    assert Result.load(tmp_path / "result.json") == result()
-
-
 def test_every_flipped_bit_is_found(tmp_path):
     file = tmp_path / "result.json"
     result().save(file)

@@ -35,8 +35,3 @@ def test_a_video_has_the_frames_and_the_sound_of_the_game(tmp_path: Path) -> Non
     assert len(shown) == 120
     assert all(np.array_equal(one[::2, ::4], two) for one, two in zip(shown, frames, strict=True))
     assert np.array_equal(heard, (np.concatenate(samples).astype(np.int32) - 128) * 128)
-
-
-def test_the_name_before_says_the_new_one() -> None:
-    with pytest.raises(ImportError, match=r"record_game is now atari\.recording\.RecordReplay, whose replay"):
-        from atari.multiplayer.video import record_game  # noqa: F401
