@@ -109,7 +109,7 @@ def with_game(**changes):
         "binary": (b"\xff\xfe\x00", "is no result"),
         "list": ([], "format"),
         "foreign": ({"games": []}, "format"),
-        "another version": (changed(format="atari evaluation 4"), "of a newer release"),
+        "another version": (changed(format="atari evaluation 4"), "of another release"),
         "a task of another kind": (with_game(task=[]), "'task' must be dict"),
         "no protocol's task": (
             changed(protocol={**changed()["protocol"], "task": {"game": "pong"}}),
