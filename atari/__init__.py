@@ -5,24 +5,45 @@
 `atari.roms` finds the ROM files.
 """
 
-from atari import _start  # isort: skip # noqa: F401 - before the other imports, which take a second
-
+import sys
 from importlib import import_module
+from importlib.machinery import PathFinder
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-if find_spec("atari._emulator") is None:  # the source folder, which Python finds first if it starts beside it
-    __path__[:] = import_module("atari._sources").installed_modules()
+__version__ = "0.2.0"  # `pyproject.toml` has it, too
 
-from atari import algorithmic, cores
-from atari._variables import check as check_variables
-from atari._version import __version__ as __version__
-from atari.actions import Action
-from atari.algorithmic.registration import register_all as register_algorithmic
+
+def _installed_modules() -> list[str]:
+    """The folders of the installed package. Its Python modules and its compiled module come from one build.
+
+    Raises:
+        ImportError: the package is not installed for this Python.
+    """
+    for folder in sys.path:
+        package = PathFinder.find_spec("atari", [folder])
+        if package and PathFinder.find_spec("atari._emulator", package.submodule_search_locations):
+            return list(package.submodule_search_locations or ())
+    here, clone = __path__[0], __path__[0].removesuffix("atari")
+    raise ImportError(
+        f"{here} is the source folder, and atari is not installed for {sys.executable}; run `{sys.executable} -m pip "
+        f"install {clone}`, or start the Python of the environment that atari is installed in"
+    )
+
+
+if find_spec("atari._emulator") is None:  # the source folder, which Python finds first if it starts beside it
+    __path__[:] = _installed_modules()
+
+from atari.base import start  # isort: skip # noqa: F401 - before the other imports, which take a second
+
+from atari import cores
+from atari.base.variables import check as check_variables
 from atari.env import AtariEnv
+from atari.games.actions import Action
 from atari.games.game import Game
-from atari.making import make
-from atari.registration import explain, register_all, register_game
+from atari.registry.algorithmic import register_all as register_algorithmic
+from atari.registry.making import make
+from atari.registry.registration import explain, register_all, register_game
 from atari.task import PRESETS, Task
 from atari.vector import AtariVectorEnv
 
@@ -38,7 +59,6 @@ __all__ = [
     "AtariVectorEnv",
     "Game",
     "Task",
-    "algorithmic",
     "classic",
     "cores",
     "explain",

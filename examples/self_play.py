@@ -25,7 +25,7 @@ import torch.nn.functional as F
 from torch import Tensor, nn
 
 import atari
-from atari.actions import Action
+from atari.games.actions import Action
 from atari.learning import Encoder, RunFolder
 from atari.learning.agents.ppo import ActorCritic
 from atari.learning.evaluation.elo import elo_ratings

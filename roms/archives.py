@@ -14,7 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
-from atari.files.archives import METHODS
+from atari.base.archives import METHODS
 from atari.roms.image import IMPORTABLE, LIMIT, archive_kind, unpack
 
 _MOST_MEMBERS = 20_000

@@ -15,7 +15,7 @@ from typing import TextIO
 
 from gymnasium.error import DependencyNotInstalled
 
-from atari._extras import install_extra
+from atari.base.extras import install_extra
 from atari.roms.importing import ImportReport, import_from
 
 

@@ -11,8 +11,8 @@ import zlib
 from contextlib import suppress
 from pathlib import Path
 
-from atari.files import magic
-from atari.validation import check_file
+from atari.base import magic
+from atari.base.validation import check_file
 
 LIMIT = 512 * 1024
 """The greatest number of bytes of an image. The largest known cartridge has 64 KiB; ale-py reads up to this limit."""

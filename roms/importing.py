@@ -10,11 +10,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from atari.base.validation import check_file
 from atari.roms.archives import Found, Unpacker
 from atari.roms.identification import by_content, describe, known_images
 from atari.roms.image import IMPORTABLE, archive_kind, read_start, unpack
 from atari.roms.locations import store, stored
-from atari.validation import check_file
 
 # Unknown files are compared with all known games until their sizes add up to this. A comparison also has a fixed cost.
 _COMPARED, _COMPARED_PER_FILE = 4 << 20, 16 << 10

@@ -16,8 +16,8 @@ from pathlib import Path
 
 from platformdirs import user_data_path
 
-from atari._variables import value
-from atari.files import durable
+from atari.base import durable
+from atari.base.variables import value
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms.image import LIMIT, md5, read_image

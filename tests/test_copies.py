@@ -29,9 +29,9 @@ ABSTRACT = {
     "atari.learning.training.Agent": None,
     "atari.policy.Policy": None,
     "atari.policy.ScoresPolicy": None,
-    "atari.algorithmic.environment.AlgorithmicEnv": "atari.algorithmic.tasks.CopyEnv",
-    "atari.algorithmic.grid.GridEnv": "atari.algorithmic.tasks.ReversedAdditionEnv",
-    "atari.algorithmic.tape.TapeEnv": "atari.algorithmic.tasks.CopyEnv",
+    "atari.classic.algorithmic.environment.AlgorithmicEnv": "atari.classic.algorithmic.tasks.CopyEnv",
+    "atari.classic.algorithmic.grid.GridEnv": "atari.classic.algorithmic.tasks.ReversedAdditionEnv",
+    "atari.classic.algorithmic.tape.TapeEnv": "atari.classic.algorithmic.tasks.CopyEnv",
 }
 """Classes without objects of their own, and a class here that stands for them. Policies and agents are the user's own objects."""
 
@@ -178,7 +178,7 @@ def test_what_holds_an_open_file_refuses(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        "atari.env.AtariEnv",
+        "atari.env.env.AtariEnv",
         "atari.vector.env.AtariVectorEnv",
         "atari.cores.native.NativeCore",
         "atari.cores.ale.AleCore",

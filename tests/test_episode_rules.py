@@ -14,7 +14,7 @@ HOMES = ("atari/task/", "atari/wrappers/")
 """The modules that check and print the fields, and the wrappers. The C++ `Episode` gets all fields by name, in `make_episode`."""
 
 OTHERS = {
-    "atari/episode_env.py": "whether a reset takes the options noops and fire, and what wrappers around it must know",
+    "atari/env/episode_env.py": "whether a reset takes the options noops and fire, and what wrappers around it must know",
     "atari/learning/evaluation/protocols.py": "evaluation protocols prescribe them",
     "atari/integrations/envpool/spec.py": "EnvPool's names of them",
     "atari/learning/memory/environments.py": "refuses, by name, what a replay memory does not serve",
@@ -24,7 +24,7 @@ OTHERS = {
 }
 """By module, why it reads some of them."""
 
-ACTIONS = ("atari/actions.py", "atari/env.py", "atari/lab/inspector/session.py", "atari/play/")
+ACTIONS = ("atari/games/actions.py", "atari/env/env.py", "atari/lab/inspector/session.py", "atari/play/")
 """Modules in which `fire` is the button of an action."""
 
 

@@ -32,7 +32,7 @@ def test_in_either_order_the_ids_are_ours(imports: str, tmp_path: Path) -> None:
         "ids = ('ALE/Breakout-v5', 'Breakout-v4', 'BreakoutNoFrameskip-v4')\n"
         "print(*{type(gymnasium.make(env_id).unwrapped).__module__ for env_id in ids})"
     )
-    assert run(program, tmp_path, "-W", "error") == "atari.env\n"
+    assert run(program, tmp_path, "-W", "error") == "atari.env.env\n"
 
 
 def test_heavy_packages_stay_out(tmp_path: Path) -> None:
@@ -148,7 +148,7 @@ def test_the_root_of_the_repository_has_the_installed_package(monkeypatch: pytes
     package, wrappers, env = map(Path, modules.split())
     installed = Path(atari.__file__).parent
     assert package.parent in (ROOT / "atari", installed)  # an editable installation comes before the current folder
-    assert (wrappers, env) == (Path(atari.wrappers.__file__), installed / "env.py")
+    assert (wrappers, env) == (Path(atari.wrappers.__file__), installed / "env" / "__init__.py")
     assert shape == "(210, 160, 3)"
 
 

@@ -20,14 +20,14 @@ SPEC.loader.exec_module(tests_for)
         ("atari/vector/results.py", [["tests/vector/test_results.py"], ["tests/vector"]]),
         ("wrappers/clip_reward.py", [["tests/wrappers/test_clip_reward.py"], ["tests/wrappers"]]),
         (
-            "atari/env.py",
+            "atari/env/env.py",
             [
                 [
-                    "tests/test_env.py",
-                    "tests/test_env_assigned_ale.py",
-                    "tests/test_env_hooks.py",
-                    "tests/test_env_observers.py",
-                    "tests/test_env_snapshots.py",
+                    "tests/env/test_env.py",
+                    "tests/env/test_env_assigned_ale.py",
+                    "tests/env/test_env_hooks.py",
+                    "tests/env/test_env_observers.py",
+                    "tests/env/test_env_snapshots.py",
                 ],
                 ["tests/conformance/test_ale_goldens.py"],
             ],

@@ -12,7 +12,7 @@ from gymnasium.vector import AsyncVectorEnv
 
 def make():
     env = gymnasium.make({env_id!r})
-    assert type(env.unwrapped).__module__ == "atari.env"
+    assert type(env.unwrapped).__module__ == "atari.env.env"
     return env
 
 if __name__ == "__main__":
@@ -64,8 +64,8 @@ def test_a_spawned_worker_repeats_the_imports_of_the_script(tmp_path: Path) -> N
 
 
 def test_a_pool_of_processes(tmp_path: Path) -> None:
-    assert run(KIND + POOL, tmp_path) == "atari.env\n"
+    assert run(KIND + POOL, tmp_path) == "atari.env.env\n"
 
 
 def test_joblib(tmp_path: Path) -> None:
-    assert run(KIND + JOBLIB, tmp_path) == "atari.env\n"
+    assert run(KIND + JOBLIB, tmp_path) == "atari.env.env\n"

@@ -6,7 +6,7 @@ import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores.ale_random import AleRandom
-from atari.restorable import Restorable
+from atari.env.restorable import Restorable
 from atari.wrappers._checks import Environment, require_atari
 
 

@@ -6,9 +6,9 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from atari.actions import Action
 from atari.env import AtariEnv
-from atari.restorable import layers
+from atari.env.restorable import layers
+from atari.games.actions import Action
 
 Environment = gymnasium.Env[Any, Any]
 

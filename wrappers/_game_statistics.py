@@ -6,9 +6,9 @@ import gymnasium
 from gymnasium import logger, spaces
 from gymnasium.utils import RecordConstructorArgs
 
-from atari._gymnasium import adds_episode
-from atari.episode_env import STEPS_WITHOUT_PROGRESS, waiting
-from atari.restorable import Restorable
+from atari.base.gymnasium_versions import adds_episode
+from atari.env.episode_env import STEPS_WITHOUT_PROGRESS, waiting
+from atari.env.restorable import Restorable
 from atari.wrappers._checks import Environment, action_meanings, require_atari
 
 

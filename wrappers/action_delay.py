@@ -11,8 +11,8 @@ import gymnasium
 import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.episode_env import EpisodeEnv
-from atari.restorable import Restorable, State, layers, warn_of_restore
+from atari.env.episode_env import EpisodeEnv
+from atari.env.restorable import Restorable, State, layers, warn_of_restore
 from atari.task.fields import CHECKS
 from atari.wrappers._checks import Environment, draw, require_atari
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing

@@ -7,7 +7,7 @@ from typing import Any, SupportsFloat
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.restorable import Restorable
+from atari.env.restorable import Restorable
 from atari.wrappers._checks import Environment
 
 

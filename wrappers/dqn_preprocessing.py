@@ -19,14 +19,14 @@ from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
-from atari import _emulator
+import atari._emulator as _emulator
+from atari.base.validation import check_integer, check_name
 from atari.cores import ByteArray
 from atari.env import AtariEnv
+from atari.env.restorable import Restorable, State, layers, warn_of_restore
 from atari.games.game import Screen
 from atari.observations.settings import filled, pixel_format
-from atari.restorable import Restorable, State, layers, warn_of_restore
 from atari.task.kinds import KINDS
-from atari.validation import check_integer, check_name
 from atari.wrappers._checks import Environment, require_atari, require_pixels, require_single_frames
 from atari.wrappers.episodic_life import EpisodicLife
 from atari.wrappers.frame_stack import Padding

@@ -12,9 +12,9 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.base.validation import check_name
 from atari.env import AtariEnv
-from atari.restorable import Restorable, State, warn_of_restore
-from atari.validation import check_name
+from atari.env.restorable import Restorable, State, warn_of_restore
 from atari.wrappers._checks import Environment, has_noop, step_named
 
 OnReset = Literal["noop", "continue", "new_game"]

@@ -7,9 +7,9 @@ import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores.rewards import reward_formula
-from atari.episode_env import EpisodeEnv
+from atari.env.episode_env import EpisodeEnv
+from atari.env.restorable import Restorable, State, layers, warn_of_restore
 from atari.games.rewards import as_one_line
-from atari.restorable import Restorable, State, layers, warn_of_restore
 from atari.wrappers._checks import Environment, require_atari
 
 

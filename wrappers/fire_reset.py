@@ -9,8 +9,8 @@ import gymnasium
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.env import options_of_reset
-from atari.restorable import Restorable
+from atari.env.env import options_of_reset
+from atari.env.restorable import Restorable
 from atari.wrappers._checks import Environment, begin_meanings, step_named
 
 

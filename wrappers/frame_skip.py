@@ -10,8 +10,8 @@ import gymnasium
 import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.restorable import Restorable
-from atari.validation import check_integer
+from atari.base.validation import check_integer
+from atari.env.restorable import Restorable
 from atari.wrappers._checks import Environment, require_pixels, require_single_frames
 
 

@@ -13,9 +13,9 @@ import numpy.typing as npt
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.base.validation import check_integer, check_name
 from atari.env import AtariEnv
-from atari.restorable import Restorable, State, warn_of_restore
-from atari.validation import check_integer, check_name
+from atari.env.restorable import Restorable, State, warn_of_restore
 from atari.wrappers._checks import Environment
 
 Padding = Literal["reset", "zero"]

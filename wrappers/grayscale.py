@@ -9,7 +9,7 @@ from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores import ByteArray
-from atari.restorable import Restorable
+from atari.env.restorable import Restorable
 from atari.wrappers._checks import Environment, require_image, require_pixels
 
 

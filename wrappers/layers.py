@@ -20,7 +20,7 @@ from typing import Any
 
 import gymnasium
 
-from atari.episode_env import EpisodeEnv, can_play
+from atari.env.episode_env import EpisodeEnv, can_play
 from atari.wrappers._ale_seeding import AleSeeding
 from atari.wrappers._checks import Environment
 from atari.wrappers._game_statistics import GameStatistics

@@ -9,8 +9,8 @@ from typing import Any
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.episode_env import EpisodeEnv
-from atari.restorable import Restorable, layers
+from atari.env.episode_env import EpisodeEnv
+from atari.env.restorable import Restorable, layers
 from atari.wrappers._checks import Environment, require_atari
 from atari.wrappers.episodic_life import EpisodicLife
 

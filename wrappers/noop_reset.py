@@ -9,10 +9,10 @@ from typing import Any
 import gymnasium
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.env import options_of_reset
-from atari.episode_env import EpisodeEnv
-from atari.restorable import Restorable, layers
-from atari.validation import check_integer
+from atari.base.validation import check_integer
+from atari.env.env import options_of_reset
+from atari.env.episode_env import EpisodeEnv
+from atari.env.restorable import Restorable, layers
 from atari.wrappers._checks import Environment, begin_meanings, draw, step_named
 from atari.wrappers.fire_reset import FireReset
 

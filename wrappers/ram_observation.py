@@ -7,7 +7,7 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.restorable import Restorable
+from atari.env.restorable import Restorable
 from atari.wrappers._checks import Environment, require_atari
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.base.validation import check_integer
 from atari.cores import ByteArray
-from atari.restorable import Restorable
-from atari.validation import check_integer
+from atari.env.restorable import Restorable
 from atari.wrappers._checks import Environment, require_image, require_pixels
 
 

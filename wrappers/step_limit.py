@@ -3,7 +3,7 @@
 import gymnasium
 from gymnasium.wrappers import TimeLimit
 
-from atari.restorable import Restorable
+from atari.env.restorable import Restorable
 
 
 class StepLimit(Restorable, TimeLimit):

@@ -12,9 +12,9 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
+from atari.base.validation import check_action_index, check_probability
 from atari.env import AtariEnv
-from atari.restorable import Restorable, State, warn_of_restore
-from atari.validation import check_action_index, check_probability
+from atari.env.restorable import Restorable, State, warn_of_restore
 from atari.wrappers._checks import Environment, action_meanings, noop_action
 
 

@@ -3,14 +3,14 @@
 from os import PathLike, fspath
 from typing import Any
 
-from atari import _emulator
+import atari._emulator as _emulator
+from atari.base.validation import AleError
 from atari.cores import NativeCore
 from atari.cores.ale_actions import AleEnum
 from atari.cores.ale_game import AleGame
 from atari.cores.ale_interface import AleInterface, AleSettings
 from atari.cores.core import Core
 from atari.games.catalog import games
-from atari.validation import AleError
 
 ALEState = _emulator.State
 """The class of the states that `ALEInterface.cloneState` returns."""

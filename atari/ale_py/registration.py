@@ -1,7 +1,7 @@
 """`ale_py.registration`: IDs for Gymnasium's registry."""
 
-from atari.env_ids import ids, stem
-from atari.registration import register_ids
+from atari.registry.registration import register_ids
+from atari.task.env_ids import ids, stem
 
 
 def rom_id_to_name(rom: str) -> str:

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Callable
 from types import ModuleType, TracebackType
 
-from atari._program import end_imports, run
+from atari.base.program import end_imports, run
 
 
 def run_script(program: str, help_text: str, arguments: list[str], prepare: Callable[[], None]) -> int:

@@ -9,8 +9,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from atari.base import durable
 from atari.classic import error
-from atari.files import durable
 from atari.recording import VideoWriter
 
 _SMALL = 300  # rows; smaller frames are doubled, to keep their colours sharp

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 import atari
-from atari._program import interruptible, run
+from atari.base.program import interruptible, run
 from atari.cli.arguments import Parser
 
 _COMMANDS = tuple(

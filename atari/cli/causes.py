@@ -7,7 +7,7 @@ from os import cpu_count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from atari._progress import ProgressBar
+from atari.base.progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
 from atari.cli.printing import print_json
 from atari.task.arguments import SCREEN, add_task, seed, show_task, task_of

@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from atari._progress import ProgressBar
+from atari.base.progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, number
 from atari.cli.policies import ALONE, UNCLIPPED, find_played, games_of, replay_of
 from atari.cli.printing import print_json

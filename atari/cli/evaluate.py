@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from atari._progress import ProgressBar
+from atari.base.progress import ProgressBar
 from atari.cli.arguments import Commands, add_command, number
 from atari.cli.policies import find_played, games_of
 from atari.cli.printing import print_json, print_table

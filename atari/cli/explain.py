@@ -4,11 +4,11 @@ import argparse
 import json
 from typing import Any
 
-from atari import env_ids, registration
 from atari.cli.arguments import GAME_HELP, Commands, add_command
 from atari.cli.printing import print_json
 from atari.observations.settings import observation_space
-from atari.task import Task
+from atari.registry import registration
+from atari.task import Task, env_ids
 from atari.task.arguments import add_task, given_options, task_of
 
 

@@ -7,17 +7,16 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from atari import env_ids
+from atari.base.json_text import check_kind
 from atari.cli.arguments import GAME_HELP, Commands, add_command, find_game
 from atari.cli.printing import print_json, to_json_types
-from atari.files.json_text import check_kind
 from atari.games.game import Controllers, Game
 from atari.games.manual import Manual
 from atari.games.multiplayer import Multiplayer
 from atari.games.rules import Rules
 from atari.recording import video_facts
 from atari.recording.video.formats import FORMATS
-from atari.task import Task
+from atari.task import Task, env_ids
 
 
 def register(commands: Commands) -> None:

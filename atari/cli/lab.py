@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
-from atari._extras import install_extra
+from atari.base.extras import install_extra
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, find_game, number
 from atari.games.catalog import games
 from atari.roms.search import ENDINGS

@@ -4,12 +4,12 @@ import argparse
 from collections.abc import Iterator
 from typing import Any
 
-from atari import env_ids
 from atari.cli.arguments import Commands, add_command
 from atari.cli.printing import print_json, print_table
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.pettingzoo import ENVIRONMENTS
+from atari.task import env_ids
 
 
 def register(commands: Commands) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from atari.files.json_text import escaped
+from atari.base.json_text import escaped
 
 
 def to_json_types(value: Any) -> Any:

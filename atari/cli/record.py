@@ -12,25 +12,25 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from atari._program import ctrl_c_as_event, removed_at_ctrl_c
-from atari._progress import ProgressBar
+from atari.base import durable
+from atari.base.program import ctrl_c_as_event, removed_at_ctrl_c
+from atari.base.progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
 from atari.cli.looks import Looks, add_looks
 from atari.cli.multiplayer import is_match, make_match, match_task
 from atari.cli.policies import PolicySession, find_played, games_of, replay_of
 from atari.cli.printing import print_json
-from atari.files import durable
 from atari.games.game import Game
 from atari.learning import load_policy
 from atari.learning.evaluation.played import says_nothing
 from atari.learning.evaluation.protocols import MAX_EPISODES
-from atari.making import make_found
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay
 from atari.recording.replay.file_format import SUFFIX, is_replay
 from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
+from atari.registry.making import make_found
 from atari.task import Task
 from atari.task.arguments import add_task, read_game, seed, show_task, task_of
 from atari.task.task import FoundGame, look_up

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from atari import roms
-from atari._program import print_error
+from atari.base.program import print_error
 from atari.cli.arguments import GAME_HELP, Commands, add_command, find_game
 from atari.cli.printing import print_json, print_table, print_warning
 from atari.games.catalog import games

@@ -115,8 +115,8 @@ def _do(args: argparse.Namespace, code: "AgentCode", options: Sequence[str], fol
         KeyboardInterrupt: after Ctrl-C, when all processes have saved and ended.
         RuntimeError: runs have failed.
     """
-    from atari._program import ctrl_c_as_event
-    from atari.files import durable
+    from atari.base import durable
+    from atari.base.program import ctrl_c_as_event
     from atari.learning.sweep.plan import keep_programs
     from atari.learning.sweep.processes import Settings, do_runs
     from atari.learning.sweep.table import Table

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import gymnasium
 
-from atari._extras import install_extra
+from atari.base.extras import install_extra
 from atari.cli.arguments import Commands, add_command, number
 from atari.cli.printing import print_json
 from atari.cli.sweep import add_sweep, is_sweep, run_sweep

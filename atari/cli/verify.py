@@ -10,8 +10,8 @@ from os import cpu_count
 from pathlib import Path
 from typing import Any
 
-from atari._program import children_without_ctrl_c
-from atari._progress import ProgressBar
+from atari.base.program import children_without_ctrl_c
+from atari.base.progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, number
 from atari.cli.printing import print_json
 from atari.cores import CORES

@@ -17,7 +17,8 @@ import gymnasium
 import numpy as np
 from ale_py import ALEInterface, ALEState, LoggerMode
 
-from atari._extras import pip_install
+from atari.base.extras import pip_install
+from atari.base.validation import check_action, check_integer, check_poke, check_strength
 from atari.cores import copies, snapshot
 from atari.cores.core import ByteArray
 from atari.cores.journal import Journal
@@ -26,7 +27,6 @@ from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.interventions import Intervention
 from atari.roms import find
-from atari.validation import check_action, check_integer, check_poke, check_strength
 
 ALEInterface.setLoggerMode(LoggerMode.Error)  # process-wide: no banner, no line per load
 

@@ -2,7 +2,7 @@
 
 from enum import Enum
 
-from atari import actions
+from atari.games import actions
 
 
 class AleEnum(Enum):

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from atari.base.validation import check_integer
 from atari.cores.options import SEED_LIMIT
-from atari.validation import check_integer
 
 _WORDS = 624
 

@@ -9,8 +9,8 @@ import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from atari.actions import PLAYER_ACTIONS
-from atari.validation import check_action, check_poke, check_strength
+from atari.base.validation import check_action, check_poke, check_strength
+from atari.games.actions import PLAYER_ACTIONS
 
 # Events: one byte for an action of full strength (0..17), else a code and its arguments.
 _ACT_WITH_STRENGTH = 0x40

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.cores.native import NativeCore
 
 _ARRAYS = ("ram", "screen", "audio")

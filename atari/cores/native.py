@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from typing_extensions import Self
 
-from atari import _emulator
+import atari._emulator as _emulator
+from atari.base.validation import check_integer, check_poke
 from atari.cores import copies, snapshot, writes
 from atari.cores.options import SEED_LIMIT, CoreOptions, check_difficulty, check_mode
 from atari.cores.readable import with_readable_errors
@@ -24,7 +25,6 @@ from atari.games.game import Game
 from atari.games.interventions import Intervention
 from atari.roms import find
 from atari.roms import image as rom_image
-from atari.validation import check_integer, check_poke
 
 STATE_VERSION: int = _emulator.STATE_VERSION
 """The version of the layout of saved states: `Machine` and `EnvironmentState` of the C++ headers, as in memory."""

@@ -4,8 +4,8 @@ import operator
 from dataclasses import dataclass
 from typing import Any
 
+from atari.base.validation import AleError, check_integer, check_probability
 from atari.games.game import Game
-from atari.validation import AleError, check_integer, check_probability
 
 SEED_LIMIT = 2**32
 _FRAMES_LIMIT = 2**31

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from functools import lru_cache
 
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.cores.native import make_game
 from atari.games.compiler import compile_rules
 from atari.games.game import Game

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from functools import lru_cache
 
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.games.game import Game
 from atari.games.rewards import compile_reward
 

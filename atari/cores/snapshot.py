@@ -4,7 +4,7 @@
     AtariEnv        phase of the episode, the generator np_random,   the core's snapshot
                     score, steps and first frame of the game, task
     wrappers        the task, the wrappers that have a state, with   the snapshot of the AtariEnv, the wrappers' arrays
-                    their arguments (`atari.restorable`)
+                    their arguments (`atari.env.restorable`)
     MultiplayerEnv  the task, the agents that play                   the core's snapshot, the state of the episode
     NativeCore      core, game, ROM, options, version of the state   the state: machine, RAM of the cartridge, episode,
                                                                      framebuffer, sound, held action, generators
@@ -30,8 +30,8 @@ import struct
 from collections.abc import Mapping
 from typing import Any
 
-from atari.files import json_text
-from atari.files.magic import SNAPSHOT
+from atari.base import json_text
+from atari.base.magic import SNAPSHOT
 
 VERSION = 1
 _DIGEST_SIZE = 16

@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from atari.actions import PLAYER_ACTIONS
+from atari.base import durable, json_text
+from atari.base.validation import check_name
 from atari.cores import CORES, ByteArray, Core
-from atari.files import durable, json_text
+from atari.games.actions import PLAYER_ACTIONS
 from atari.games.catalog import games
-from atari.validation import check_name
 
 _ARRAYS = ("ram", "screen", "audio")
 _NUMBERS = ("lives", "game_over", "truncated", "frame_number", "episode_frame_number")

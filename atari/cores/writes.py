@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import MISSING, asdict, fields
 from typing import Any
 
-from atari import _emulator
-from atari.files import json_text
+import atari._emulator as _emulator
+from atari.base import json_text
 from atari.games.game import Game, RamLabel
 from atari.games.interventions import CompiledWrite, Intervention, WriteRule, compile_write
 from atari.games.interventions.writes import NO_VALUE, cases

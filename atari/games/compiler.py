@@ -9,7 +9,7 @@ import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from atari.actions import Action
+from atari.games.actions import Action
 from atari.games.rules import Operation, Rules
 
 OPERATIONS = (

@@ -10,14 +10,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
-from atari.actions import Action, Switch
+from atari.base.notebook import facts
+from atari.games.actions import Action, Switch
 from atari.games.frozen import FrozenDict
 from atari.games.manual import Manual, load_manual
 from atari.games.multiplayer import Multiplayer, parse_multiplayer
 from atari.games.rules import LABEL_ADDRESSES, Rules, check_label_expression, parse_rules
 from atari.games.tables import actions, build, check_keys, check_numbers, check_value, starting_actions
 from atari.games.toml_file import read_toml
-from atari.notebook import facts
 
 _FOLDER = Path(__file__).parent
 

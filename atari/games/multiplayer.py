@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from atari.actions import Action, Switch
+from atari.games.actions import Action, Switch
 from atari.games.frozen import FrozenDict
 from atari.games.rules import Rules, parse_rules
 from atari.games.tables import actions, check_keys, check_value, starting_actions

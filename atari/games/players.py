@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import Any
 
+from atari.base.validation import check_integer
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.multiplayer import Multiplayer
 from atari.games.pettingzoo import ENVIRONMENTS, Environment
-from atari.validation import check_integer
 
 
 def rules_of(game: Game) -> Multiplayer:

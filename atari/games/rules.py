@@ -11,7 +11,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
-from atari.actions import PLAYER_ACTIONS
+from atari.games.actions import PLAYER_ACTIONS
 from atari.games.frozen import FrozenDict
 
 

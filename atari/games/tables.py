@@ -5,7 +5,7 @@ from dataclasses import MISSING, fields
 from types import UnionType
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
-from atari.actions import PLAYER_ACTIONS, Action, Switch
+from atari.games.actions import PLAYER_ACTIONS, Action, Switch
 
 T = TypeVar("T")
 

@@ -5,8 +5,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from atari.files.json_text import check_text
-from atari.validation import check_file
+from atari.base.json_text import check_text
+from atari.base.validation import check_file
 
 if sys.version_info >= (3, 11):
     import tomllib

@@ -5,7 +5,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from atari._extras import pip_install
+from atari.base.extras import pip_install
 
 
 def to_torch(arrays: Any, device: Any = None, pin_memory: bool = False) -> Any:

@@ -18,10 +18,10 @@ import gymnasium
 import numpy as np
 from gymnasium import logger, spaces
 
-from atari._extras import install_extra
-from atari._gymnasium import AutoresetMode
+from atari.base.extras import install_extra
+from atari.base.gymnasium_versions import AutoresetMode
 from atari.cores.options import SEED_LIMIT
-from atari.env import check_reset_options
+from atari.env.env import check_reset_options
 from atari.recording.replay.record_replay import RecordVectorReplay
 from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.task import Task

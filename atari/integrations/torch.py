@@ -6,7 +6,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from atari._extras import pip_install
+from atari.base.extras import pip_install
 from atari.integrations.arrays import to_torch
 from atari.vector.env import vector_of
 

@@ -6,8 +6,8 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from atari._extras import pip_install
-from atari._gymnasium import AutoresetMode
+from atari.base.extras import pip_install
+from atari.base.gymnasium_versions import AutoresetMode
 from atari.integrations.torch import TorchEnvs
 from atari.vector.env import vector_of
 

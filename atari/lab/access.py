@@ -6,11 +6,11 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from atari.base.validation import check_integer
 from atari.cores import Core
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.lab.labels import ByteArray
-from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 
 

@@ -16,13 +16,13 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from atari._extras import import_extra, pip_install
-from atari.files import durable, json_text
-from atari.files.writer_process import write_apart
+from atari.base import durable, json_text
+from atari.base.extras import import_extra, pip_install
+from atari.base.validation import check_file, check_name
+from atari.base.writer_process import write_apart
 from atari.lab.labels import Labels
 from atari.recording.datasets import NO_STEPS, check_new_dataset, import_minari, write_minari
 from atari.recording.episodes import EpisodeArrays, Source, facts_of_replays, load_replays, replayed_episodes
-from atari.validation import check_file, check_name
 
 Format = Literal["minari", "parquet", "hdf5"]
 
@@ -263,7 +263,7 @@ def _write_hdf5(_: Any, file: Path, facts: Mapping[str, str], episodes: Numbered
 
 
 def _hdf5_parts(episodes: Numbered) -> Iterator[tuple[str, Any]]:
-    """The groups and datasets of episodes, in portions; see `atari.files.writer_process`."""
+    """The groups and datasets of episodes, in portions; see `atari.base.writer_process`."""
     for number, (episode, values) in episodes:
         group = f"episode_{number}"
         frames = episode.observations["image"]

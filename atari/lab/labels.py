@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari import _emulator
+import atari._emulator as _emulator
+from atari.base.validation import check_integer
 from atari.games.game import Game, RamLabel
 from atari.games.labels import compile_label
-from atari.validation import check_integer
 
 IntArray = npt.NDArray[np.int32]
 BoolArray = npt.NDArray[np.bool_]

@@ -9,14 +9,14 @@ import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 
 from atari._emulator import RamOf, VectorEngine
-from atari._gymnasium import VectorEnv, VectorWrapper
+from atari.base.gymnasium_versions import VectorEnv, VectorWrapper
+from atari.base.validation import check_arguments, check_name
 from atari.env import AtariEnv
+from atari.env.restorable import Restorable
 from atari.games.game import Game
 from atari.lab import atari_ari
 from atari.lab.labels import Labels, unknown_label
 from atari.recording.vectors import is_vector
-from atari.restorable import Restorable
-from atari.validation import check_arguments, check_name
 from atari.vector import AtariVectorEnv
 
 Names = Literal["game", "atari_ari"]

@@ -7,12 +7,12 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from atari._gymnasium import VectorEnv, VectorWrapper
+from atari.base.gymnasium_versions import VectorEnv, VectorWrapper
+from atari.base.validation import check_arguments, check_name
 from atari.env import AtariEnv
+from atari.env.restorable import Restorable
 from atari.lab.ram import Ram
 from atari.recording.vectors import is_vector
-from atari.restorable import Restorable
-from atari.validation import check_arguments, check_name
 from atari.vector import AtariVectorEnv
 
 Each: TypeAlias = Literal["step", "frame"]

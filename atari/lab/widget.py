@@ -13,9 +13,9 @@ from typing import Any
 
 import gymnasium
 
+from atari.base.notebook import image, png
 from atari.lab.inspector import export, protocol
 from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
-from atari.notebook import image, png
 
 _MODULES = ("dom.js", "screen.js", "bytes.js", "panels.js", "touch.js", "inspector.js", "widget.js")
 

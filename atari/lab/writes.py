@@ -9,12 +9,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from atari import _emulator
+import atari._emulator as _emulator
+from atari.base.validation import check_integer
 from atari.cores.writes import first_free, make_write
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.games.interventions.writes import LATEST_FRAME, WriteRule
-from atari.validation import check_integer
 from atari.vector.env import AtariVectorEnv
 from atari.vector.lanes import Lane
 

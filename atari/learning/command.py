@@ -13,8 +13,8 @@ from typing import Any, NoReturn
 
 import gymnasium
 
-from atari._program import ctrl_c_as_event, interruptible, run
-from atari._progress import ProgressBar
+from atari.base.program import ctrl_c_as_event, interruptible, run
+from atari.base.progress import ProgressBar
 from atari.learning.options import FAST_RAM, TrainingOptions, is_switch, parse, shown
 from atari.learning.run import RunFolder
 from atari.learning.training import Agent, AgentCode, Training, agent_code

@@ -4,7 +4,7 @@ from collections.abc import Callable, Generator
 from contextlib import suppress
 from typing import Any
 
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.cores import ByteArray, Core
 from atari.observations.settings import episode_settings, make_episode
 from atari.task import Task

@@ -13,12 +13,12 @@ from typing import Any, ClassVar, Literal, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from atari.base.validation import check_integer, check_known
 from atari.learning.programs import is_program, module_of, named_in, program
 from atari.policy.needs import in_game
 from atari.task import Task
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.task import GameLike, look_up
-from atari.validation import check_integer, check_known
 
 NETWORKS = ("nature", "small", "mlp", "bits")
 """The names of the networks of this package."""

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari._extras import import_extra, install_extra, pip_install
-from atari.files import json_text
-from atari.files.archives import check_member, read_member
+from atari.base import json_text
+from atari.base.archives import check_member, read_member
+from atari.base.extras import import_extra, install_extra, pip_install
+from atari.base.validation import check_file
 from atari.policy import (
     Accepted,
     Array,
@@ -27,7 +28,6 @@ from atari.policy import (
     show,
     takes_lanes,
 )
-from atari.validation import check_file
 
 _KINDS = "a run folder, an SB3 zip, a TorchScript or ONNX file, or module:name"
 _SB3_VERSION = "_stable_baselines3_version"

@@ -13,8 +13,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from atari.base.validation import check_file
 from atari.learning.trust import sha256, trust
-from atari.validation import check_file
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from typing import Any, Generic, TypeVar
 import torch
 from torch import nn
 
+from atari.base.validation import check_integer
 from atari.learning.options import MOST_WORKERS
-from atari.validation import check_integer
 
 Network = TypeVar("Network", bound=nn.Module)
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from gymnasium.error import DependencyNotInstalled
 
-from atari.files import durable
+from atari.base import durable
 from atari.learning.evaluation.evaluate import evaluate, record_games
 from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result

@@ -10,7 +10,8 @@ from typing import Any, BinaryIO
 
 import torch
 
-from atari.files import durable, json_text
+from atari.base import durable, json_text
+from atari.base.validation import check_file, check_integer
 from atari.learning.evaluation.results import versions
 from atari.learning.memory import ReplayMemory
 from atari.learning.programs import program
@@ -18,7 +19,6 @@ from atari.learning.run_log import RunLog, read_rows
 from atari.learning.sealed import load_sealed, sealed
 from atari.learning.trust import sha256, trust
 from atari.task import Task
-from atari.validation import check_file, check_integer
 
 FORMAT = 3
 """Version of the run folder. A newer one is refused; from 3 on, `checkpoint.pt` and `policy.pt` have checksums."""

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from atari.files import durable
-from atari.validation import check_file
+from atari.base import durable
+from atari.base.validation import check_file
 
 _NUMBERS = count()  # of the files of this process
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import torch
 
-from atari.validation import check_file
+from atari.base.validation import check_file
 
 _COMMENT = re.compile(rb"atari-envs sha256 ([0-9a-f]{64})\Z")
 _LENGTH = len(b"atari-envs sha256 ") + 64

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from platformdirs import user_data_path
 
-from atari.files import durable
+from atari.base import durable
 
 
 def sha256(program: bytes) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
-from atari._extras import install_extra
+from atari.base.extras import install_extra
 from atari.games.pettingzoo import ENVIRONMENTS
 from atari.multiplayer.ale import ALEInterface
 from atari.multiplayer.core import MultiplayerCore

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari import _emulator
+import atari._emulator as _emulator
+from atari.base.validation import AleError
 from atari.cores import ByteArray
 from atari.cores.ale_interface import AleInterface, AleSettings, game_of_rom
 from atari.games.players import choose_mode, rules_of
 from atari.multiplayer.core import MultiplayerCore
-from atari.validation import AleError
 
 Integers = npt.NDArray[np.int32]
 Text = str | bytes

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from os import PathLike
 from typing import Any, ClassVar, Literal
 
-from atari import _emulator
+import atari._emulator as _emulator
+from atari.base.validation import check_integer, check_name
 from atari.cores import writes
 from atari.cores.native import STATE_VERSION, EmulatorCore, as_ale_reads
 from atari.cores.options import SEED_LIMIT
@@ -21,7 +22,6 @@ from atari.task import Task
 from atari.task.checks import check_bool
 from atari.task.fields import DEFAULTS, FIELDS, GROUPS
 from atari.task.task import GameLike
-from atari.validation import check_integer, check_name
 
 Reference = Literal["multi_agent_ale", "ale_py"]
 REFERENCES: tuple[Reference, ...] = ("multi_agent_ale", "ale_py")

@@ -4,13 +4,13 @@ from collections.abc import Callable
 from operator import attrgetter
 from typing import Any
 
-from atari import _emulator
+import atari._emulator as _emulator
+from atari.base.validation import check_integer
 from atari.cores import ByteArray
 from atari.multiplayer.ale import MultiplayerAle
 from atari.roms import find
 from atari.task import Task
 from atari.task.checks import NO_LIMIT
-from atari.validation import check_integer
 
 OBS_TYPES = {"rgb_image": "rgb", "grayscale_image": "grayscale"}
 """The values of `obs_type` by PettingZoo's names."""

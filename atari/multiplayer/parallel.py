@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 from typing_extensions import Self
 
-from atari import _emulator
-from atari.actions import PLAYER_ACTIONS
+import atari._emulator as _emulator
+from atari.base.validation import check_integer, check_known, check_name
 from atari.cores import snapshot
+from atari.games.actions import PLAYER_ACTIONS
 from atari.multiplayer.ale import Console, MultiplayerAle
 from atari.multiplayer.core import OF_CORE, OWN_OPTIONS, REFERENCES, MultiplayerCore
 from atari.multiplayer.names import OBS_TYPES, PettingZooNames
@@ -27,7 +28,6 @@ from atari.task import Task
 from atari.task.checks import NO_LIMIT
 from atari.task.storage import identity, require_same
 from atari.task.task import GameLike
-from atari.validation import check_integer, check_known, check_name
 from atari.vector.results import zero_sum
 from atari.vector.seeds import words_of
 
@@ -218,7 +218,7 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
         screen: NDArray[np.uint8] = self.core.screen_rgb()
         if self.render_mode == "rgb_array":
             return screen
-        from atari.rendering import Window  # it needs pygame
+        from atari.env.rendering import Window  # it needs pygame
 
         if self._window is None:
             self._window = Window(self.core.game, self.core.game.screen.frame_rate)

@@ -7,10 +7,10 @@ from typing import Any, TypeVar
 import numpy as np
 from gymnasium import spaces
 
-from atari import _emulator
-from atari.actions import Action
+import atari._emulator as _emulator
 from atari.cores.native import as_ale_reads
 from atari.cores.rewards import reward_formula
+from atari.games.actions import Action
 from atari.task import Task
 from atari.task.kinds import Kind
 

@@ -6,13 +6,13 @@ from collections import deque
 from pathlib import Path
 from typing import Any, ClassVar
 
-from atari.actions import Action
+from atari.base import durable
+from atari.base.validation import check_file
 from atari.cores import ByteArray, snapshot
-from atari.files import durable
+from atari.games.actions import Action
 from atari.games.game import Game
 from atari.recording import VideoWriter
 from atari.recording.video.facts import PACKAGE
-from atari.validation import check_file
 
 FRAMES_PER_REWIND_POINT = 20
 """Frames from one rewind point to the next."""

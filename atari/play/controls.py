@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from enum import Enum
 from typing import Any
 
-from atari.actions import PLAYER_ACTIONS, Action
+from atari.games.actions import PLAYER_ACTIONS, Action
 
 _ACTIONS = {(action.vertical, action.horizontal, action.fire): action for action in PLAYER_ACTIONS}
 _AXIS_LIMIT = 0.5  # a part of a gamepad stick's full range

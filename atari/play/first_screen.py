@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from atari.actions import Action
+from atari.games.actions import Action
 from atari.games.game import Game
 from atari.play.controls import Keys
 

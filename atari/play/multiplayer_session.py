@@ -6,16 +6,16 @@ from typing import Any, ClassVar, get_args
 
 import numpy as np
 
-from atari.actions import PLAYER_ACTIONS, Action
+from atari.base.validation import check_name
 from atari.cores import ByteArray
 from atari.cores.options import SEED_LIMIT
-from atari.env import ObsType
+from atari.env.env import ObsType
+from atari.games.actions import PLAYER_ACTIONS, Action
 from atari.multiplayer import MultiplayerCore
 from atari.play.base import BaseSession
 from atari.play.player_agent import PlayerAgent
 from atari.recording.replay.players import RecordMatch
 from atari.task.task import GameLike
-from atari.validation import check_name
 
 
 class MultiplayerSession(BaseSession):

@@ -4,13 +4,13 @@ from collections import deque
 from pathlib import Path
 from typing import Any, ClassVar
 
-from atari.actions import Action
 from atari.cores import ByteArray
-from atari.making import make_env
+from atari.games.actions import Action
 from atari.play.base import BaseSession
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.recording import RecordReplay
 from atari.recording.video.facts import facts_of
+from atari.registry.making import make_env
 from atari.task import Task
 from atari.task.arguments import SCREEN
 from atari.task.task import BY_FRAME, GameLike, look_up

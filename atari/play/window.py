@@ -7,8 +7,8 @@ from typing import Any
 import gymnasium
 
 from atari.cores import ByteArray
+from atari.env.rendering import import_pygame, open_display
 from atari.games.game import Game
-from atari.rendering import import_pygame, open_display
 
 _TEXT_HEIGHT = 24
 

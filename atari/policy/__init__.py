@@ -9,8 +9,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 import numpy.typing as npt
 
+from atari.base.validation import check_integer
 from atari.task import Task
-from atari.validation import check_integer
 
 Array = npt.NDArray[Any]
 

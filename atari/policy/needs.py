@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from inspect import signature
 from typing import Any
 
+from atari.base.validation import check_known
 from atari.games.game import Game
 from atari.games.players import rules_of
 from atari.observations.layout import Layout
@@ -14,7 +15,6 @@ from atari.task.fields import DEFAULTS, FIELDS, GROUPS
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.rules import settle
 from atari.task.task import FoundGame
-from atari.validation import check_known
 from atari.vector import AtariVectorEnv
 from atari.vector.ale_names import NAMES
 from atari.vector.options import task_of_lane

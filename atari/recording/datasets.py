@@ -13,11 +13,10 @@ from typing import Any
 
 from gymnasium.envs.registration import EnvSpec, WrapperSpec
 
-from atari._extras import import_extra, install_extra
-from atari.env import ObsType
-from atari.env_ids import stem
-from atari.files import durable
-from atari.files.writer_process import write_apart
+from atari.base import durable
+from atari.base.extras import import_extra, install_extra
+from atari.base.writer_process import write_apart
+from atari.env.env import ObsType
 from atari.recording.episodes import (
     DatasetObsType,
     EpisodeArrays,
@@ -29,6 +28,7 @@ from atari.recording.episodes import (
     replayed_episodes,
 )
 from atari.recording.replay.replay import Replay
+from atari.task.env_ids import stem
 
 NO_STEPS = "the replays have no steps of an environment; record with RecordReplay as the outermost wrapper"
 

@@ -9,8 +9,8 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from atari.actions import Action
-from atari.env import AtariEnv, ObsType
+from atari.env.env import AtariEnv, ObsType
+from atari.games.actions import Action
 from atari.recording.replay.events import Event, Kind
 from atari.recording.replay.replay import Replay
 from atari.wrappers import RamObservation

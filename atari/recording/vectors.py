@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from atari._gymnasium import VectorEnv
+from atari.base.gymnasium_versions import VectorEnv
 from atari.vector import AtariVectorEnv
 
 _SEVERAL = (

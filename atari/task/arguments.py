@@ -12,7 +12,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
-from atari.files import magic
+from atari.base import magic
+from atari.base.validation import check_file, check_integer
 from atari.games.frozen import FrozenDict
 from atari.roms.identification import identify
 from atari.roms.search import ENDINGS
@@ -21,7 +22,6 @@ from atari.task.fields import DEFAULTS, GROUPS, ROWS, TYPES, check_field
 from atari.task.presets import PRESETS, find_preset
 from atari.task.resolution import OPTIONS
 from atari.task.task import FoundGame, GameLike, Task, leave_out, look_up
-from atari.validation import check_file, check_integer
 
 SEEDS = 2**32
 """The bound of the seeds of all commands."""

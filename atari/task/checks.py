@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from atari.actions import PLAYER_ACTIONS, Action
+from atari.base.validation import OptionTypeError, check_frameskip, check_integer, check_name, check_probability
+from atari.games.actions import PLAYER_ACTIONS, Action
 from atari.games.rewards import as_one_line
-from atari.validation import OptionTypeError, check_frameskip, check_integer, check_name, check_probability
 
 Check = Callable[[str, Any], Any]
 

@@ -7,10 +7,11 @@ from typing import Any
 
 from typing_extensions import Self
 
-from atari.actions import PLAYER_ACTIONS, Action
+from atari.base.validation import check_integer
 from atari.cores.options import CoreOptions
 from atari.cores.rewards import reward_formula
 from atari.cores.writes import make_writes
+from atari.games.actions import PLAYER_ACTIONS, Action
 from atari.games.catalog import games
 from atari.games.fingerprint import fingerprint
 from atari.games.game import Game
@@ -19,7 +20,6 @@ from atari.games.players import choose_mode, rules_of
 from atari.task.fields import DEFAULTS, FIELDS, GROUPS, WRAPPED, TaskFields, check_field
 from atari.task.kinds import KINDS, Kind
 from atari.task.rules import check_together, settle
-from atari.validation import check_integer
 
 
 @dataclass(frozen=True, repr=False)

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-from atari import env_ids
 from atari.games.catalog import playable_ids
 from atari.games.players import rules_of
+from atari.task import env_ids
 from atari.task.data import TaskData
 from atari.task.fields import DEFAULTS, GROUPS, ROWS, Group
 from atari.task.presets import PRESETS

@@ -10,7 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypedDict, TypeVar, get_args
 
-from atari.actions import Action
+from atari.base.validation import MOST_FRAMES_SKIPPED
+from atari.games.actions import Action
 from atari.games.frozen import FrozenDict
 from atari.games.interventions import Intervention
 from atari.task.checks import (
@@ -32,7 +33,6 @@ from atari.task.checks import (
     check_threshold,
 )
 from atari.task.kinds import IN_WORDS, ObsType
-from atari.validation import MOST_FRAMES_SKIPPED
 
 Fire = Literal["never", "before_noops", "after_noops"]
 OnReset = Literal["noop", "continue", "new_game"]

@@ -5,17 +5,17 @@ from typing import Any
 
 import gymnasium
 
-from atari import env_ids
+from atari.base.validation import check_known
 from atari.games.catalog import games
 from atari.games.frozen import FrozenDict
 from atari.games.game import Game
+from atari.task import env_ids
 from atari.task.checks import check_bool
 from atari.task.data import TaskData
 from atari.task.fields import DEFAULTS, FIELDS, ROWS, check_field
 from atari.task.kinds import kind_of
 from atari.task.presets import Preset, find_preset
 from atari.task.rules import settle
-from atari.validation import check_known
 
 OPTIONS: tuple[str, ...] = tuple(name for name in FIELDS if name not in ("game", "rules", "rom_md5"))
 """The options of a task: its fields that a user may give beside the game."""
@@ -125,7 +125,7 @@ def fields_of_id(env_id: str) -> tuple[str, dict[str, Any]]:
     return name, translate(options, env_id)[0]
 
 
-ENTRY_POINT = "atari.making:make_AtariEnv"
+ENTRY_POINT = "atari.registry.making:make_AtariEnv"
 """The function that `gymnasium.make` calls for an Atari game. Other programs find Atari games by the word AtariEnv."""
 
 

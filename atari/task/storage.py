@@ -6,8 +6,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
+from atari.base import json_text
 from atari.cores.writes import fact
-from atari.files import json_text
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.task.data import TaskData

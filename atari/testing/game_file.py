@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.cores import NativeCore, PlainCore
 from atari.games.game import Game, RamLabel, load_game
 from atari.games.labels import compile_label

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from gymnasium import spaces
 from gymnasium.vector.utils import batch_space
 
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
 from atari.testing.contract import broken_by, check_maker, refuses, require, require_same
 from atari.testing.env import MakeEnv, some_actions
 from atari.testing.spaces import require_in

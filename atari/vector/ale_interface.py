@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from atari.base.validation import check_strength
 from atari.cores.ale_actions import Action as AleAction
-from atari.validation import check_strength
 
 
 class AleVectorInterface:

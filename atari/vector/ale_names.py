@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
+from atari.base.validation import check_integer, check_name
 from atari.games.frozen import FrozenDict
 from atari.task.checks import NO_LIMIT, check_bool
 from atari.task.kinds import KINDS, with_image
-from atari.validation import check_integer, check_name
 
 _PREPROCESSING = {
     "repeat_action_probability": 0.0,

@@ -19,13 +19,13 @@ from gymnasium import spaces
 from gymnasium.vector.utils import batch_space
 from typing_extensions import Unpack
 
-from atari import _emulator
-from atari._gymnasium import AutoresetMode, VectorEnv, adds_episode
+import atari._emulator as _emulator
+from atari.base.gymnasium_versions import AutoresetMode, VectorEnv, adds_episode
+from atari.base.validation import FirstResetNeeded, check_known, check_name
 from atari.cores import ByteArray
 from atari.games.game import Game
 from atari.task.options import VectorTaskOptions
 from atari.task.task import GameLike
-from atari.validation import FirstResetNeeded, check_known, check_name
 from atari.vector.lanes import AddedWrites, Lane
 from atari.vector.options import VectorOptions, resolve_lanes
 from atari.vector.results import Results, pick_rows

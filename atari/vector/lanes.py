@@ -7,12 +7,12 @@ from typing import Any, cast
 
 import numpy as np
 
-from atari import _emulator
+import atari._emulator as _emulator
+from atari.base.validation import check_name, check_poke
 from atari.cores import ByteArray, NativeCore, writes
 from atari.cores.ale_interface import AleInterface, Player
 from atari.games.game import Game
 from atari.games.players import choices
-from atari.validation import check_name, check_poke
 
 
 def check_lanes(numbers: Iterable[int], count: int) -> list[int]:

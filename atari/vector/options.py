@@ -13,13 +13,14 @@ import numpy.typing as npt
 from gymnasium import spaces
 from gymnasium.vector.utils import batch_space
 
-from atari import _emulator
-from atari._gymnasium import AutoresetMode, autoreset_mode
-from atari.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
+import atari._emulator as _emulator
+from atari.base.gymnasium_versions import AutoresetMode, autoreset_mode
+from atari.base.validation import check_integer, check_known, check_no_name
 from atari.cores.native import compiled
 from atari.cores.players import compiled_for_players
 from atari.cores.rewards import reward_formula
 from atari.cores.writes import make_writes
+from atari.games.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.games.game import Game
 from atari.observations.layout import Layout
 from atari.observations.settings import episode_settings, filled, observation_settings, observation_space
@@ -30,7 +31,6 @@ from atari.task.checks import NO_LIMIT, check_bool
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.storage import identity
 from atari.task.task import FoundGame, GameLike, look_up
-from atari.validation import check_integer, check_known, check_no_name
 from atari.vector.ale_names import NAMES, ale_defaults, as_task_options
 
 _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # looked up once, because every step uses them

@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
 
-from atari import _emulator
-from atari._gymnasium import AutoresetMode
+import atari._emulator as _emulator
+from atari.base.gymnasium_versions import AutoresetMode
 from atari.task import Task
 from atari.vector.options import VectorOptions
 

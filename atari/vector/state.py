@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import gymnasium
 
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.cores import writes
 from atari.games.game import Game
 from atari.task import Task

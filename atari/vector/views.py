@@ -9,11 +9,11 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from atari import _emulator
-from atari.actions import actions_by_motion
+import atari._emulator as _emulator
+from atari.base.notebook import picture, png
 from atari.cores import ByteArray
-from atari.notebook import picture, png
-from atari.rendering import tile
+from atari.env.rendering import tile
+from atari.games.actions import actions_by_motion
 from atari.vector.ale_interface import AleVectorInterface
 from atari.vector.options import VectorOptions
 

@@ -441,7 +441,7 @@ def without_envpool(comparisons: list[Comparison], games: list[str]) -> list[Com
 
 def envpool_task(game: str) -> str:
     """EnvPool's name of a game."""
-    return atari.env_ids.stem(game) + "-v5"
+    return atari.task.env_ids.stem(game) + "-v5"
 
 
 def ale_py_envs(game: str, count: int, **options: Any) -> Any:

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 import atari
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.observations.settings import observation_settings
 from atari.recording import Replay
 

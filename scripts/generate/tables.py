@@ -20,9 +20,9 @@ import numpy as np
 import numpy.typing as npt
 
 import atari
-from atari.env_ids import FAMILIES, Family
 from atari.task import PRESETS, fields
 from atari.task.arguments import descriptions
+from atari.task.env_ids import FAMILIES, Family
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 DOCUMENTS = ("ids.md", "presets.md", "tasks.md", "learning.md")

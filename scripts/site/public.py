@@ -14,6 +14,7 @@ PACKAGES = ("atari", "atari.wrappers", "atari.roms")
 MODULES: dict[str, tuple[str, ...]] = {
     "atari": (),
     "atari.games": (
+        "atari.games.actions.Action",
         "atari.games.catalog.games",
         "atari.games.game.Game",
         "atari.games.game.load_game",
@@ -35,7 +36,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "atari.integrations.jax": (),
     "atari.integrations.ray": (),
     "atari.classic": (),
-    "atari.algorithmic": (),
+    "atari.classic.algorithmic": (),
 }
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import atari
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.cores.rewards import reward_formula
 from attack.findings import attempt
 

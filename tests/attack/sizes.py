@@ -27,7 +27,7 @@ from field_values import task_of, value_of
 from guarded import Guards
 
 import atari
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.games.catalog import games
 from atari.observations.settings import filled
 from atari.task.fields import GROUPS

@@ -23,8 +23,9 @@ from pathlib import Path
 from typing import Any
 
 import atari
-from atari import cli, env_ids
+from atari import cli
 from atari.recording.video.formats import FORMATS
+from atari.task import env_ids
 
 LARGE = "20000"
 LONGEST = 8.0
@@ -297,7 +298,9 @@ def stream(state: str, path: str, mode: str) -> Iterator[Any]:
 def faults(case: Case, ended: Ended) -> Iterator[str]:
     """What is wrong with an end."""
     outside = not re.search(r'File ".*/(atari|roms|wrappers)/.*\.py"', ended.errors)
-    first = re.search(r'File ".*/atari/_start\.py"', ended.errors)  # the module that prepares the process for Ctrl-C
+    first = re.search(
+        r'File ".*/atari/base/start\.py"', ended.errors
+    )  # the module that prepares the process for Ctrl-C
     early = not ended.by_itself and bool(outside or first)  # Python itself was starting, or the user's script ran
     if ended.silent:
         yield ended.silent

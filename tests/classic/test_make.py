@@ -10,9 +10,9 @@ import pytest
 from env_tools import needs_gymnasium_1
 
 import atari.classic as gym
-from atari import env_ids
 from atari.classic import history, lookup, modern
 from atari.classic import logger as classic_logger
+from atari.task import env_ids
 
 LIMITS = {  # Gym 0.20
     "Pong-v0": 10_000,

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from cli_tools import read, read_json
 
-from atari import registration
 from atari.cli import main
+from atari.registry import registration
 from atari.task import Task
 
 

@@ -4,8 +4,8 @@ import pytest
 from cli_tools import read, read_json
 
 import atari
-from atari import env_ids
 from atari.cli import main
+from atari.task import env_ids
 
 
 def test_info_says_what_the_game_file_says(capsys: pytest.CaptureFixture[str]) -> None:

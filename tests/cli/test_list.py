@@ -4,7 +4,7 @@ import pytest
 from cli_tools import read, read_json
 
 import atari
-from atari import env_ids
+from atari.task import env_ids
 
 
 def test_list_has_a_line_for_each_game(capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from atari._program import ctrl_c_as_event, interruptible
-from atari._progress import ProgressBar
+from atari.base.program import ctrl_c_as_event, interruptible
+from atari.base.progress import ProgressBar
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the shell and the signals of POSIX")
 
@@ -70,7 +70,7 @@ def test_ctrl_c_is_reported_at_once_and_a_bounce_is_ignored(capfd: pytest.Captur
 
 
 def test_a_ctrl_c_that_python_drops_is_raised_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("atari._program._said", {})
+    monkeypatch.setattr("atari.base.program._said", {})
 
     class Finalized:
         def __del__(self) -> None:
@@ -88,7 +88,7 @@ def test_a_ctrl_c_that_python_drops_is_raised_again(monkeypatch: pytest.MonkeyPa
 
 def test_ctrl_c_waits_for_the_end_of_an_import(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Torch's C++ code would end the process."""
-    monkeypatch.setattr("atari._program._said", {})
+    monkeypatch.setattr("atari.base.program._said", {})
     monkeypatch.syspath_prepend(tmp_path)
     (tmp_path / "signalling.py").write_text("import signal\nsignal.raise_signal(signal.SIGINT)\nDONE = True\n")
 

@@ -8,7 +8,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import atari
-from atari import env_ids
+from atari.task import env_ids
 
 GAMES = [game.id for game in atari.games.playable()]
 

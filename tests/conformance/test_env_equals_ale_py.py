@@ -5,7 +5,7 @@ all results are compared. The number of emulated frames compared is recorded as 
 `test_ale_goldens.py` compares RAM, grayscale, sound, continuous actions, all modes and all difficulties with check sums
 of ale-py's environment.
 
-Deliberate differences, tested in `tests/test_env.py`: an action outside the space raises (ale-py takes negative
+Deliberate differences, tested in `tests/env/test_env.py`: an action outside the space raises (ale-py takes negative
 indices), so does a step before the first reset; `metadata["render_fps"]` is the true rate, rounded.
 """
 

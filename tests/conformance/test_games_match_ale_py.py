@@ -14,7 +14,7 @@ from ale_py import ALEInterface, LoggerMode
 from rules_interpreter import Interpreter, evaluate
 
 import atari
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.games.game import Game
 
 ROMS = Path(ale_py.__file__).parent / "roms"

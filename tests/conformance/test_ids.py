@@ -6,7 +6,8 @@ import gymnasium
 import pytest
 
 import atari
-from atari import AtariEnv, env_ids
+from atari import AtariEnv
+from atari.task import env_ids
 
 GAMES = [game.id for game in atari.games.playable()]
 

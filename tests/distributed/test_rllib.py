@@ -128,7 +128,7 @@ def test_a_worker_has_the_ids_without_an_import() -> None:
         before = "atari" in sys.modules
         return before, type(gymnasium.make(env_id).unwrapped).__module__
 
-    assert ray.get(kind.remote("atari:ALE/Pong-v5")) == (False, "atari.env")
+    assert ray.get(kind.remote("atari:ALE/Pong-v5")) == (False, "atari.env.env")
 
 
 def test_its_wrappers_return_what_they_return_around_ale_py() -> None:

@@ -9,7 +9,7 @@ import pytest
 from atari_inspection import Console
 from emulator.machines import rom
 
-from atari import _emulator
+import atari._emulator as _emulator
 
 RUNS = "import atari; atari.cores.NativeCore('pong').act(0); print(atari._emulator.translator())"
 

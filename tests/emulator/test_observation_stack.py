@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from own_process import run_program
 
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.cores import CORES, ByteArray, NativeCore
 from atari.observations.settings import filled
 
@@ -185,7 +185,7 @@ def test_calls_in_any_order_with_any_core_crash_nothing() -> None:
     run_program(
         """
         import gc, numpy as np
-        from atari import _emulator
+        import atari._emulator as _emulator
         from atari.cores import NativeCore
         from atari.observations.settings import filled
         random = np.random.default_rng(0)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from atari_inspection import SimdLevel
 
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.cores import ByteArray
 
 LEVELS = [level for level in SimdLevel if level.value <= atari_inspection.best_simd_level().value]

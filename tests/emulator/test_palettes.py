@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from atari import AtariEnv, _emulator, games
+import atari._emulator as _emulator
+from atari import AtariEnv, games
 
 
 @pytest.mark.parametrize("game", ["pitfall", "video_pinball", "solaris", "yars_revenge", "pacman", "turmoil"])

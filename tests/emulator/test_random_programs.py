@@ -17,7 +17,7 @@ from emulator import wild_programs
 from emulator.programs import cpu_program, tia_program
 from emulator.reference import GAME
 
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.games.catalog import games
 from atari.games.compiler import compile_rules
 

@@ -8,7 +8,7 @@ import pytest
 from emulator import wild_programs
 from emulator.wild_programs import SIZES
 
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.games.catalog import games
 from atari.games.compiler import CompiledRules, compile_rules
 from atari.games.rules import parse_rules

@@ -13,7 +13,7 @@ from rules_interpreter import evaluate
 
 import atari
 from atari import Action
-from atari.actions import Switch
+from atari.games.actions import Switch
 from atari.games.game import Controllers, RamLabel, Rom, Screen, load_game
 from atari.games.rules import _OPERATION_KEYS, HELPERS, Rules
 from atari.roms import find

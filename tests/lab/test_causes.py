@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import atari
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.cli import main
 from atari.cores.native import NativeCore, compiled
 from atari.lab import causes, shipped_causes

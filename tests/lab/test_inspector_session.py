@@ -5,9 +5,9 @@ import pytest
 from inspector_tools import LIVES, PADDLE, SCORE, Sweeper, new_session, play
 from numpy.testing import assert_array_equal
 
-from atari import _emulator
-from atari.actions import Action
+import atari._emulator as _emulator
 from atari.env import AtariEnv
+from atari.games.actions import Action
 from atari.lab.inspector import timeline
 from atari.lab.inspector.session import Session
 

@@ -9,7 +9,7 @@ import pytest
 from rules_interpreter import evaluate
 
 import atari
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.games.game import parse_game
 from atari.lab.labels import Labels, byte_index
 

@@ -8,8 +8,8 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from atari import AtariVectorEnv
-from atari.actions import Action
 from atari.cores import NativeCore
+from atari.games.actions import Action
 from atari.learning.frame_agent import FrameAgent
 from atari.learning.frame_episode import PlayedFrames
 from atari.task import Task

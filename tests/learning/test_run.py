@@ -18,8 +18,8 @@ torch = pytest.importorskip("torch")
 from small_trainings import SUPPORT, make_options  # noqa: E402
 
 import atari  # noqa: E402
+from atari.base import durable  # noqa: E402
 from atari.cli import main  # noqa: E402
-from atari.files import durable  # noqa: E402
 from atari.learning import ReplayMemory, load_policy, record_games  # noqa: E402
 from atari.learning.command import Lines  # noqa: E402
 from atari.learning.report import draw_levels, finish, learning_curves  # noqa: E402

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from atari import Task, _emulator
+import atari._emulator as _emulator
+from atari import Task
 from atari.cores import NativeCore
 from atari.cores.rewards import reward_formula
 from atari.multiplayer import MultiplayerCore

@@ -26,7 +26,7 @@ from mutate import KINDS, Mutant, mutants  # noqa: E402
 from tests_for import runs  # noqa: E402
 
 PARTS = {
-    "options": ("atari/vector/options.py", "atari/task/*.py", "atari/validation.py", "atari/making.py"),
+    "options": ("atari/vector/options.py", "atari/task/*.py", "atari/base/validation.py", "atari/registry/making.py"),
     "episode": ("atari/emulator/vector/*.cpp",),
     "wrappers": ("wrappers/*.py",),
     "jit": ("atari/emulator/fast/jit/*.cpp",),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from atari import AtariEnv
-from atari.env_ids import stem
+from atari.task.env_ids import stem
 from atari.wrappers import preset, preset_options
 from atari.wrappers.layers import wrap
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from on_ale_py import on_ale_py
 
-from atari import env_ids
+from atari.task import env_ids
 
 pytestmark = pytest.mark.peers
 

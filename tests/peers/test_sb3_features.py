@@ -211,7 +211,7 @@ if __name__ == "__main__":
 def test_spawned_processes_that_do_not_import_the_package(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(SPAWN)
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, timeout=300)
-    assert (done.returncode, done.stdout) == (0, "atari.making:make_AtariEnv\n"), done.stderr
+    assert (done.returncode, done.stdout) == (0, "atari.registry.making:make_AtariEnv\n"), done.stderr
     ours = make()
     ours.seed(5)
     expected = [ours.reset(), *(ours.step(np.array([2, 3]))[0] for _ in range(30))]
@@ -271,6 +271,6 @@ def test_the_zoo_trains_and_plays(algorithm: str, tmp_path: Path, monkeypatch: p
     monkeypatch.setattr(sys, "argv", ["train.py", *common, "--seed", "1", *training])
     train.train()
     assert list(tmp_path.glob(f"logs/{algorithm}/BreakoutNoFrameskip-v4_1/BreakoutNoFrameskip-v4.zip"))
-    assert str(gymnasium.spec("BreakoutNoFrameskip-v4").entry_point) == "atari.making:make_AtariEnv"
+    assert str(gymnasium.spec("BreakoutNoFrameskip-v4").entry_point) == "atari.registry.making:make_AtariEnv"
     monkeypatch.setattr(sys, "argv", ["enjoy.py", *common, "-f", "logs", "--exp-id", "1", "--no-render", "-n", "40"])
     enjoy.enjoy()

@@ -6,7 +6,7 @@ import pygame
 import pytest
 
 import atari
-from atari.actions import PLAYER_ACTIONS, Action
+from atari.games.actions import PLAYER_ACTIONS, Action
 from atari.play.controls import HELP, Command, Controls
 
 

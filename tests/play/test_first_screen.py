@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import atari
-from atari.actions import Action
 from atari.cores import NativeCore
+from atari.games.actions import Action
 from atari.games.game import Game
 from atari.play.controls import ALL_KEYS, LEFT_KEYS, NO_KEYS, RIGHT_KEYS
 from atari.play.first_screen import first_screen

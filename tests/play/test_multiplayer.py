@@ -9,8 +9,8 @@ import numpy as np
 import pygame
 import pytest
 
-from atari.actions import PLAYER_ACTIONS, Action
 from atari.cli import main
+from atari.games.actions import PLAYER_ACTIONS, Action
 from atari.multiplayer import MultiplayerCore
 from atari.play.base import FRAMES_PER_REWIND_POINT
 from atari.play.controls import HELP, HELP_SEVERAL, LEFT_KEYS, RIGHT_KEYS, Command, SharedControls

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from atari import AtariVectorEnv
-from atari.actions import Action
 from atari.cores import NativeCore
+from atari.games.actions import Action
 from atari.learning import ScoresPolicy
 from atari.learning.frame_agent import FrameAgent
 from atari.learning.options import TrainingOptions

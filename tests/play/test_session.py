@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from atari import AtariEnv
-from atari.actions import Action
 from atari.cores import snapshot
+from atari.games.actions import Action
 from atari.play.base import FRAMES_PER_REWIND_POINT
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.play.session import Session

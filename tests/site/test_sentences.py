@@ -42,7 +42,9 @@ def public() -> dict[str, list[Any]]:
         "atari",
         *(info.name for info in pkgutil.walk_packages(atari.__path__, "atari.", lambda name: None)),
     ]:
-        if module.startswith(("atari.atari", "atari.classic")) or any(part[0] == "_" for part in module.split(".")):
+        if (
+            module.startswith(("atari.atari", "atari.classic")) and not module.startswith("atari.classic.algorithmic")
+        ) or any(part[0] == "_" for part in module.split(".")):
             continue
         with contextlib.suppress(ImportError, gymnasium.error.DependencyNotInstalled):
             for name in getattr(importlib.import_module(module), "__all__", ()):

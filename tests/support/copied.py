@@ -16,7 +16,7 @@ import numpy as np
 import atari
 import atari.classic as gym
 from atari import ale_py, wrappers
-from atari.actions import Action
+from atari.games.actions import Action
 from atari.integrations import envpool
 from atari.lab import Freeze, Poke, Ram, RamLabels, Search, Watch
 from atari.learning import PROTOCOLS, Published, ReplayMemory, Result, TrainingEnvironments, TrainingOptions
@@ -387,8 +387,8 @@ def played(environments: TrainingEnvironments) -> list[Any]:
 
 
 CASES: Mapping[str, Case] = {
-    "atari.actions.Action": (lambda: Action.UPFIRE, itself),
-    "atari.env.AtariEnv": (lambda: started(atari.AtariEnv("seaquest", frameskip=(2, 5), sound_obs=True)), steps),
+    "atari.games.actions.Action": (lambda: Action.UPFIRE, itself),
+    "atari.env.env.AtariEnv": (lambda: started(atari.AtariEnv("seaquest", frameskip=(2, 5), sound_obs=True)), steps),
     "atari.vector.env.AtariVectorEnv": (lambda: vector(preset="baselines", interventions=["infinite_lives"]), steps),
     "atari.games.game.Game": (lambda: atari.games["ms_pacman"], itself),
     "atari.task.task.Task": (lambda: atari.Task.of("pong", preset="dqn2015"), itself),
@@ -489,11 +489,11 @@ CASES: Mapping[str, Case] = {
     "atari.classic.core.ObservationWrapper": (lambda: classic(Inverted), steps),
     "atari.classic.core.RewardWrapper": (lambda: classic(Halved), steps),
     "atari.classic.core.GoalEnv": (Reached, lambda env: [plain(env.step(1)[0]) for _ in range(3)]),
-    "atari.algorithmic.tasks.CopyEnv": (lambda: task("Copy-v0"), steps),
-    "atari.algorithmic.tasks.DuplicatedInputEnv": (lambda: task("DuplicatedInput-v0"), steps),
-    "atari.algorithmic.tasks.RepeatCopyEnv": (lambda: task("RepeatCopy-v0"), steps),
-    "atari.algorithmic.tasks.ReversedAdditionEnv": (lambda: task("ReversedAddition-v0"), steps),
-    "atari.algorithmic.tasks.ReverseEnv": (lambda: task("Reverse-v0"), steps),
+    "atari.classic.algorithmic.tasks.CopyEnv": (lambda: task("Copy-v0"), steps),
+    "atari.classic.algorithmic.tasks.DuplicatedInputEnv": (lambda: task("DuplicatedInput-v0"), steps),
+    "atari.classic.algorithmic.tasks.RepeatCopyEnv": (lambda: task("RepeatCopy-v0"), steps),
+    "atari.classic.algorithmic.tasks.ReversedAdditionEnv": (lambda: task("ReversedAddition-v0"), steps),
+    "atari.classic.algorithmic.tasks.ReverseEnv": (lambda: task("Reverse-v0"), steps),
 }
 """By the path of a public class: a function that makes an object, and one that plays it and returns the results."""
 

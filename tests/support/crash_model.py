@@ -1,6 +1,6 @@
 """What a kill, or a loss of power, leaves of a folder, at any durable operation of a training.
 
-`Disk` stands before the operations of `atari.files.durable`. Before each it can make an image of the folder: as a
+`Disk` stands before the operations of `atari.base.durable`. Before each it can make an image of the folder: as a
 process that is killed leaves it, or as a loss of power can leave it, when any pages that were written since the last
 sync of their file, and any names that changed since the last sync of the folder, are lost.
 """
@@ -14,10 +14,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from atari.files import durable
+from atari.base import durable
 
 OPERATIONS = ("write", "sync", "sync_map", "replace", "remove", "truncate", "sync_folder")
-"""The functions of `atari.files.durable` that change a disk."""
+"""The functions of `atari.base.durable` that change a disk."""
 
 _PAGE = 4096
 
@@ -130,7 +130,7 @@ class FullDisk(Disk):
 
 @contextmanager
 def on(disk: Disk) -> Iterator[None]:
-    """Put a disk before the operations of `atari.files.durable`."""
+    """Put a disk before the operations of `atari.base.durable`."""
     before = {name: getattr(durable, name) for name in OPERATIONS}
 
     def through(name: str, operation: Callable[..., Any]) -> Callable[..., Any]:

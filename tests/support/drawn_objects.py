@@ -15,7 +15,7 @@ import tomllib
 from label_situations import endless, pure
 
 import atari
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.cores import NativeCore
 from atari.games.game import Game, RamLabel
 from atari.games.labels import compile_label

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from atari.actions import PLAYER_ACTIONS
+from atari.games.actions import PLAYER_ACTIONS
 from atari.games.game import Game
 from atari.games.interventions import load
 from atari.task import Task

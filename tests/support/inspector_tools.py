@@ -5,8 +5,8 @@ import json
 from collections.abc import Awaitable, Callable
 from typing import Any
 
-from atari.actions import Action
 from atari.env import AtariEnv
+from atari.games.actions import Action
 from atari.lab.inspector.session import Session
 
 LIVES, PADDLE, SCORE = 57, 72, 77

@@ -12,7 +12,7 @@ import numpy as np
 from gymnasium import spaces
 
 import atari
-from atari.making import make_env
+from atari.registry.making import make_env
 from atari.task import Task
 
 COUNTERS = ("lives", "frame_number", "episode_frame_number")

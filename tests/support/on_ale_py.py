@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
-from atari import env_ids
+from atari.task import env_ids
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from typing import Any
 
 from atari import Task
 from atari.env import AtariEnv
-from atari.making import make_env
+from atari.registry.making import make_env
 from atari.task.task import look_up
 from atari.wrappers.layers import wrap
 

@@ -6,7 +6,7 @@ import ale_py
 import numpy as np
 
 import atari
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
 
 ale_py.ALEInterface.setLoggerMode(ale_py.LoggerMode.Error)
 

@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from task_strategies import tasks
 
 import atari
-from atari.actions import Action
+from atari.games.actions import Action
 from atari.games.catalog import games
 from atari.task import PRESETS, Task
 from atari.task.arguments import descriptions

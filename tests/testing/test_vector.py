@@ -8,7 +8,7 @@ import pytest
 from env_tools import needs_gymnasium_1
 
 import atari
-from atari._gymnasium import AutoresetMode, VectorWrapper
+from atari.base.gymnasium_versions import AutoresetMode, VectorWrapper
 from atari.testing import ContractError, check_vector
 
 OPTIONS: dict[str, Any] = {"obs_type": "ram", "max_episode_steps": 15}

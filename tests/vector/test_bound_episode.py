@@ -14,7 +14,7 @@ import pytest
 from tasks import nested
 
 import atari
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.cores import AleCore, NativeCore
 from atari.observations.settings import make_episode
 from atari.task import Task

@@ -8,7 +8,7 @@ import pytest
 from env_tools import needs_gymnasium_1
 
 import atari
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
 from atari.lab import RamLabels
 from atari.testing import check_vector
 

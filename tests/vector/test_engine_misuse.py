@@ -4,7 +4,7 @@ from own_process import run_program
 
 SETUP = """
 import sys, numpy as np, atari
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.vector.results import Results
 from atari.observations.settings import filled
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import atari
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
 
 
 def make(num_envs: int = 4, **options: Any) -> atari.AtariVectorEnv:

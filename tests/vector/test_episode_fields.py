@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import atari
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.observations.settings import episode_settings, filled_by_name
 from atari.task import Task
 from atari.task.fields import FIELDS

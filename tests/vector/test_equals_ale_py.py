@@ -6,7 +6,7 @@ import pytest
 from vector_peer import compare, option_sets
 
 import atari
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
 
 GAMES = [game.id for game in atari.games.playable()]
 

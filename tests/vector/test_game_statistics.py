@@ -13,7 +13,7 @@ from gymnasium.wrappers import RecordEpisodeStatistics
 
 import atari
 from atari import wrappers
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
 
 vector: Any = pytest.importorskip("gymnasium.wrappers.vector", reason="Gymnasium 0.29 has no wrappers of vectors")
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import atari
-from atari import env_ids
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
+from atari.task import env_ids
 
 pytestmark = pytest.mark.skipif(
     gymnasium.__version__ < "1", reason="Gymnasium 0.29's make_vec passes the options of an ID to no vector entry point"
@@ -31,7 +31,7 @@ def test_make_vec_is_that_of_ale_py() -> None:
 def test_only_ids_of_ale_v5_are_preprocessed() -> None:
     """As in ale-py; any other ID is one environment, single and in a vector."""
     assert {spec.vector_entry_point for spec in map(gymnasium.spec, env_ids.ids())} == {
-        "atari.making:make_AtariVectorEnv"
+        "atari.registry.making:make_AtariVectorEnv"
     }
     preprocessed = [env_id for env_id in env_ids.ids() if env_ids.is_ale_py_vector(env_id)]
     assert preprocessed == [f"ALE/{env_ids.stem(game.id)}-v5" for game in atari.games.playable()]

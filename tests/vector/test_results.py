@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import atari
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.vector.results import Results
 
 

@@ -20,7 +20,7 @@ from tasks import nested
 import atari
 from atari import wrappers
 from atari.env import AtariEnv
-from atari.making import make_env
+from atari.registry.making import make_env
 from atari.task import Task
 from atari.wrappers.layers import layers_of
 

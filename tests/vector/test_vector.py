@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import atari
-from atari._gymnasium import AutoresetMode
-from atari.actions import Action
+from atari.base.gymnasium_versions import AutoresetMode
+from atari.games.actions import Action
 
 
 def play(envs: atari.AtariVectorEnv, steps: int, seed: int = 5) -> list[bytes]:

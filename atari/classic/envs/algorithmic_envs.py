@@ -1,8 +1,8 @@
-"""The algorithmic tasks: copy, reverse and add the content of a tape (see `atari.algorithmic`)."""
+"""The algorithmic tasks: copy, reverse and add the content of a tape (see `atari.classic.algorithmic`)."""
 
 from typing import Any
 
-from atari import algorithmic
+from atari.classic import algorithmic
 from atari.classic.envs.adapted import Adapted
 
 __all__ = ["CopyEnv", "DuplicatedInputEnv", "RepeatCopyEnv", "ReverseEnv", "ReversedAdditionEnv"]

@@ -7,7 +7,7 @@ from os import replace
 from pathlib import Path
 from typing import IO, Any
 
-from atari.files import durable
+from atari.base import durable
 
 __all__ = ["atomic_write", "replace"]
 

@@ -120,7 +120,7 @@ NB_MODULE(_emulator, m) {
         return;
     }
     // Another library or the program itself may hold objects until the interpreter has ended: these are no leak of this
-    // package, and its users can do nothing about nanobind's messages. tests/test_ends_of_programs.py turns them on.
+    // package, and its users can do nothing about nanobind's messages. tests/base/test_ends_of_programs.py turns them on.
     nb::set_leak_warnings(false);
     m.def(
         "report_leaks", [] { nb::set_leak_warnings(true); },

@@ -8,7 +8,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
 
-from atari.actions import Action
+from atari.base.validation import check_integer
+from atari.games.actions import Action
 from atari.games.catalog import games
 from atari.games.frozen import FrozenDict
 from atari.games.game import Game
@@ -21,7 +22,6 @@ from atari.games.interventions.writes import (
     unknown,
 )
 from atari.games.toml_file import read_toml
-from atari.validation import check_integer
 
 _FOLDER = Path(__file__).parent / "data"
 _MOST_WRITES = 64

@@ -10,11 +10,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal, cast
 
+from atari.base.validation import check_integer
 from atari.games.compiler import compile_expression
 from atari.games.game import Game, RamLabel
 from atari.games.labels import value_source
 from atari.games.rules import ANY_ADDRESSES, HELPERS, LABEL_ADDRESSES, Helper, check_expression
-from atari.validation import check_integer
 
 _HELPERS = {**HELPERS, "random": Helper(2, 2, 0)}
 _FEW = 12

@@ -9,15 +9,15 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from atari._gymnasium import AutoresetMode, VectorEnv
+from atari.base.gymnasium_versions import AutoresetMode, VectorEnv
+from atari.base.validation import check_integer
 from atari.cores.options import SEED_LIMIT
+from atari.env.rendering import Window
 from atari.integrations.envpool.spec import EnvPoolSpec, import_dm, make_spec, task_ids
 from atari.integrations.envpool.xla import xla
 from atari.integrations.jax import xla as vector_xla
-from atari.rendering import Window
 from atari.task import Task
 from atari.task.task import GameLike
-from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 from atari.vector.results import pick_rows
 

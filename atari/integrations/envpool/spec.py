@@ -12,16 +12,16 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from atari._extras import import_extra, pip_install
-from atari.env_ids import stem
+from atari.base.extras import import_extra, pip_install
+from atari.base.validation import check_integer
 from atari.games.catalog import playable_ids
 from atari.integrations.envpool.arrays import ArraySpec, action_arrays, state_arrays
 from atari.observations.settings import image_shape
 from atari.task import Task
 from atari.task.checks import check_bool
+from atari.task.env_ids import stem
 from atari.task.kinds import with_image
 from atari.task.task import FoundGame, GameLike, look_up
-from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 
 _MOST = 2**31 - 1

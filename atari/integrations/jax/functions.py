@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import gymnasium
 import numpy as np
 
-from atari import _emulator
-from atari._extras import pip_install
+import atari._emulator as _emulator
+from atari.base.extras import pip_install
 from atari.integrations.jax.results import ResultParts
 
 _registered = False

@@ -4,8 +4,8 @@ from typing import Any
 
 from gymnasium import spaces
 
-from atari import _emulator
-from atari._gymnasium import AutoresetMode
+import atari._emulator as _emulator
+from atari.base.gymnasium_versions import AutoresetMode
 from atari.vector.results import COUNTERS, GAME_INFO
 
 

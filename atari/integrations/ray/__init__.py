@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
-from atari._extras import install_extra
+from atari.base.extras import install_extra
 
 if TYPE_CHECKING:
     from atari.integrations.ray.collection import collect

@@ -12,7 +12,8 @@ from typing import Any, Literal
 
 import ray
 
-from atari.files import durable, json_text
+from atari.base import durable, json_text
+from atari.base.validation import check_integer, check_name
 from atari.lab.collect import Format, check_output, output_format, write_dataset
 from atari.lab.labels import Labels
 from atari.learning import load_policy
@@ -21,7 +22,6 @@ from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
 from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games, usual_protocol
 from atari.task import Task
 from atari.task.task import GameLike
-from atari.validation import check_integer, check_name
 
 _MANIFEST = "_manifest.jsonl"
 _SEEDS = 2**32

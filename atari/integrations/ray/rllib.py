@@ -14,10 +14,10 @@ import ray
 from ray.rllib.callbacks.callbacks import RLlibCallback
 from ray.tune.registry import register_env
 
-from atari._gymnasium import AutoresetMode, VectorWrapper, autoreset_mode
+from atari.base.gymnasium_versions import AutoresetMode, VectorWrapper, autoreset_mode
+from atari.base.validation import check_name
 from atari.cores.options import SEED_LIMIT
 from atari.task.task import GameLike, look_up
-from atari.validation import check_name
 from atari.vector.env import AtariVectorEnv
 
 ALGORITHMS = ("PPO", "DQN", "IMPALA", "APPO")

@@ -14,13 +14,13 @@ from typing import Any
 import ray
 from ray.exceptions import ObjectLostError, OutOfMemoryError, RayActorError, RaySystemError
 
+from atari.base.validation import check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.integrations.ray.rollout import Rollout
 from atari.integrations.ray.rollout_worker import Played, Position, RolloutWorker, WorkerSettings
 from atari.learning.policies import load_policy
 from atari.policy import makes_policy
 from atari.task.task import GameLike
-from atari.validation import check_integer
 from atari.vector.options import OF_TASKS, resolve_lanes
 
 _LOST = (RayActorError, ObjectLostError, OutOfMemoryError, RaySystemError)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
 from atari.cores.options import SEED_LIMIT
 from atari.integrations.ray.rollout import Frames, Rollout
 from atari.learning.policies import load_policy

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from atari import _emulator
+import atari._emulator as _emulator
+from atari.base.validation import check_integer
 from atari.cores.native import NativeCore, compiled
 from atari.lab.causal.fit import suggest
 from atari.lab.causal.map import ByteCauses, CausalMap
 from atari.roms import find
 from atari.roms import image as rom_image
 from atari.task.task import GameLike, resolve_frames
-from atari.validation import check_integer
 
 _LONGEST_EPISODE = 3000  # frames
 _CALLS = 20  # to the engine, for progress

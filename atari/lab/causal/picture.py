@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from atari.files import durable
+from atari.base import durable
 from atari.games.game import Game
 from atari.lab.causal.map import ByteCauses, CausalMap
 from atari.lab.causal.suggestion import Suggestion

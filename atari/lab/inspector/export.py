@@ -5,8 +5,8 @@ from typing import Any
 
 import tomli_w
 
+from atari.base import durable
 from atari.env import AtariEnv
-from atari.files import durable
 from atari.lab.inspector.session import Session
 from atari.lab.inspector.timeline import Timeline
 from atari.recording import RecordReplay, VideoWriter

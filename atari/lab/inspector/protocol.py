@@ -30,8 +30,8 @@ from typing import Any
 
 import numpy as np
 
-from atari import _emulator
-from atari.files import json_text
+import atari._emulator as _emulator
+from atari.base import json_text
 from atari.lab.inspector.session import HISTORY, SPEEDS, Session
 
 VERSION = 1

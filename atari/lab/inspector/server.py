@@ -22,7 +22,7 @@ from urllib.parse import quote
 
 import gymnasium
 
-from atari._extras import install_extra
+from atari.base.extras import install_extra
 
 try:
     from aiohttp import WSCloseCode, web

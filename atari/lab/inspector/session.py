@@ -8,15 +8,15 @@ from typing import Any, Protocol
 import gymnasium
 import numpy as np
 
-from atari.actions import PLAYER_ACTIONS, Action
+from atari.base.json_text import escaped
+from atari.base.validation import check_action, check_integer, check_name
 from atari.cores import ByteArray, Core
 from atari.env import AtariEnv
-from atari.files.json_text import escaped
+from atari.games.actions import PLAYER_ACTIONS, Action
 from atari.lab.inspector.effects import ahead, causes_of, changed_pixels
 from atari.lab.inspector.readings import Readings
 from atari.lab.inspector.timeline import NEW_GAME, Frame, Timeline
 from atari.lab.search import Search
-from atari.validation import check_action, check_integer, check_name
 
 _log = logging.getLogger(__name__)
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from atari.base.validation import check_file
 from atari.cores import snapshot
 from atari.env import AtariEnv
 from atari.games.catalog import games
@@ -11,7 +12,6 @@ from atari.lab.inspector.timeline import MOST_FRAMES, NEW_GAME, Frame, Timeline
 from atari.recording import Replay
 from atari.recording.replay.events import Kind
 from atari.task import Task
-from atari.validation import check_file
 
 _MOST_BYTES = 64 << 20
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari.actions import Action
 from atari.cores import NativeCore
+from atari.games.actions import Action
 from atari.games.game import Game
 from atari.games.interventions import Check, Intervention, resolve
 from atari.games.interventions.file import CHECK_NAMES, split_calls

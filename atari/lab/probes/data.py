@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from atari.base.validation import check_integer, check_probability
 from atari.cores import ByteArray
 from atari.games.catalog import games
 from atari.lab import atari_ari
@@ -16,7 +17,6 @@ from atari.task import Task
 from atari.task.kinds import KINDS, with_image
 from atari.task.resolution import is_id
 from atari.task.task import GameLike
-from atari.validation import check_integer, check_probability
 from atari.vector import AtariVectorEnv
 from atari.vector.results import ends_of_stacks
 

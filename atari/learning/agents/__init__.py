@@ -5,8 +5,8 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
-from atari._extras import install_extra
-from atari._start import PROGRAM
+from atari.base.extras import install_extra
+from atari.base.start import PROGRAM
 
 AGENTS = {"ppo": "PPO", "pqn": "PQN", "dqn": "DQN"}
 """The class of each agent by the name of its module."""

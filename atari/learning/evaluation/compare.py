@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from atari.files import durable
+from atari.base import durable
+from atari.base.validation import check_integer
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences, refusal
 from atari.learning.evaluation.published import Published
@@ -22,7 +23,6 @@ from atari.learning.evaluation.statistics import (
     estimate_of_runs,
 )
 from atari.learning.evaluation.tables import read_table
-from atari.validation import check_integer
 
 References = Mapping[str, tuple[float, float]]
 """By game, the score of random play and of a human."""

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from atari.base.validation import check_integer
 from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy, IntArray
 from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games
 from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_protocol
@@ -22,7 +23,6 @@ from atari.policy import LoadedPolicy
 from atari.recording.replay.record_replay import RecordVectorReplay
 from atari.task import Task
 from atari.task.task import GameLike
-from atari.validation import check_integer
 from atari.vector import AtariVectorEnv
 
 _MOST_LANES = 64

@@ -7,8 +7,8 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from atari._extras import install_extra
-from atari.files import durable
+from atari.base import durable
+from atari.base.extras import install_extra
 from atari.learning.evaluation.statistics import profile
 
 try:

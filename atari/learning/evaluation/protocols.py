@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 from types import SimpleNamespace
 from typing import Any, Literal
 
+from atari.base.validation import check_frameskip, check_integer, check_name, check_probability
 from atari.games.frozen import FrozenDict
 from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.tables import check_known_name, read_table
@@ -13,7 +14,6 @@ from atari.task import PRESETS, Task
 from atari.task.description import summary
 from atari.task.fields import DEFAULTS, GROUPS
 from atari.task.presets import OTHER_NAMES
-from atari.validation import check_frameskip, check_integer, check_name, check_probability
 
 MAX_EPISODES = 1_000_000
 

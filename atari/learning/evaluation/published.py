@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from atari.base.validation import check_integer
 from atari.learning.evaluation.tables import check_known_name, read_table
-from atari.validation import check_integer
 
 Floats = npt.NDArray[np.float64]
 

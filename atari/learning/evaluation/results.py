@@ -13,7 +13,7 @@ from statistics import fmean, median, pstdev
 from types import NoneType
 from typing import Any
 
-from atari.files import durable, json_text
+from atari.base import durable, json_text
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.task.fields import DEFAULTS, OF_GAME

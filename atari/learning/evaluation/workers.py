@@ -3,8 +3,8 @@
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, Protocol, TypeVar
 
-from atari._extras import import_extra, install_extra
-from atari.validation import check_name
+from atari.base.extras import import_extra, install_extra
+from atari.base.validation import check_name
 
 Task = TypeVar("Task")
 Done = TypeVar("Done")

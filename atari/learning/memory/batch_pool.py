@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari import _emulator
+import atari._emulator as _emulator
 from atari.learning.memory.batches import Batch, Sequences, make_batch, target_of
 from atari.learning.memory.options import MemoryOptions
 

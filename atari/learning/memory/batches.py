@@ -7,11 +7,11 @@ from typing import Any, cast
 
 import numpy as np
 
-from atari import _emulator
-from atari._extras import import_extra, pip_install
+import atari._emulator as _emulator
+from atari.base.extras import import_extra, pip_install
+from atari.base.validation import check_integer
 from atari.learning.memory.options import MemoryOptions, as_numpy, check_stack
 from atari.task.checks import check_bool
-from atari.validation import check_integer
 
 Array = Callable[[tuple[int, ...], Any], Any]
 

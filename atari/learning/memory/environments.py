@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
 from atari.vector import AtariVectorEnv
 from atari.vector.env import vector_of
 

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari import _emulator
-from atari._gymnasium import AutoresetMode
-from atari._gymnasium import autoreset_mode as known_mode
-from atari.files import json_text
-from atari.validation import check_integer
+import atari._emulator as _emulator
+from atari.base import json_text
+from atari.base.gymnasium_versions import AutoresetMode
+from atari.base.gymnasium_versions import autoreset_mode as known_mode
+from atari.base.validation import check_integer
 
 Shape = tuple[int, ...]
 _MODES = {AutoresetMode.NEXT_STEP: 0, AutoresetMode.SAME_STEP: 1, AutoresetMode.DISABLED: 2}

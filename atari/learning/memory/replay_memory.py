@@ -11,8 +11,9 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from atari import _emulator
-from atari._gymnasium import AutoresetMode, autoreset_mode
+import atari._emulator as _emulator
+from atari.base.gymnasium_versions import AutoresetMode, autoreset_mode
+from atari.base.validation import check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.learning.memory import storage
 from atari.learning.memory.atomic import atomic
@@ -22,7 +23,6 @@ from atari.learning.memory.final_frames import final_observations
 from atari.learning.memory.options import MemoryOptions, Part, as_numpy
 from atari.learning.memory.step_arrays import StepArrays
 from atari.task.checks import check_bool
-from atari.validation import check_integer
 
 _SEQUENCE_MOST = 2**20
 _UNWRITTEN = np.frombuffer(bytes.fromhex("9e3779b97f4a7c15f39cc0605cedc834"), np.uint8)

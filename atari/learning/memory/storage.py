@@ -22,9 +22,9 @@ from typing import Any, BinaryIO
 import numpy as np
 import numpy.typing as npt
 
-from atari.files import durable, json_text
+from atari.base import durable, json_text
+from atari.base.validation import check_file
 from atari.learning.memory.options import MemoryOptions
-from atari.validation import check_file
 
 Block = npt.NDArray[np.uint8]
 

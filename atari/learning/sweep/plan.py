@@ -8,7 +8,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from atari.files import durable
+from atari.base import durable
+from atari.base.validation import check_file
 from atari.learning.evaluation.played import EvaluatedGame, played_task
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol
 from atari.learning.options import SEEDS, TrainingOptions
@@ -16,7 +17,6 @@ from atari.learning.programs import Program, is_program, program
 from atari.learning.run import RunFolder
 from atari.learning.training import AgentCode, read_options
 from atari.learning.trust import sha256
-from atari.validation import check_file
 
 MOST_SEEDS = 1000
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
-from atari.files import durable
+from atari.base import durable
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.evaluation.results import Result
 from atari.learning.run import RunFolder

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from string import Template
 
-from atari.files import durable
+from atari.base import durable
 from atari.learning.evaluation.compare import Comparison
 from atari.learning.evaluation.results import Result
 from atari.learning.report import STYLE, learning_curves

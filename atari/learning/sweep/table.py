@@ -5,7 +5,7 @@ import time
 from collections.abc import Sequence
 from typing import TextIO
 
-from atari.files.json_text import escaped
+from atari.base.json_text import escaped
 from atari.learning.evaluation.results import aligned
 from atari.learning.sweep.processes import Progress
 

@@ -34,7 +34,7 @@ from enum import IntEnum
 from io import BytesIO
 from typing import NamedTuple
 
-from atari.actions import PLAYER_ACTIONS
+from atari.games.actions import PLAYER_ACTIONS
 
 ACTS_PER_CHUNK = 4096
 """The most frames of actions in one chunk."""

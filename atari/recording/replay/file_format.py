@@ -44,8 +44,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from atari.files import durable, json_text, magic
-from atari.validation import check_file
+from atari.base import durable, json_text, magic
+from atari.base.validation import check_file
 
 FORMAT, FORMAT_OF_PLAYERS = 1, 2
 SUFFIX = ".a26r"

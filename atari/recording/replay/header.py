@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from os import PathLike
 from typing import Any
 
-from atari.env import ALE_OPTIONS
+from atari.base.validation import check_name
+from atari.env.env import ALE_OPTIONS
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.interventions import resolve
@@ -15,7 +16,6 @@ from atari.task import Task
 from atari.task.fields import DEFAULTS
 from atari.task.resolution import translate
 from atari.task.rules import settle
-from atari.validation import check_name
 
 _MAY_BE_NONE = ("mode", "difficulty", "max_num_frames_per_episode", "interventions")
 """The options that may be None in a header."""

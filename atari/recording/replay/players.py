@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any
 
-from atari._version import __version__
+from atari import __version__
 from atari.games.game import Game
 from atari.multiplayer.core import MultiplayerCore
 from atari.recording.replay.events import Event, Kind

@@ -8,17 +8,17 @@ import gymnasium
 import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 
-from atari._gymnasium import VectorEnv, VectorWrapper
+from atari.base.gymnasium_versions import VectorEnv, VectorWrapper
+from atari.base.validation import check_arguments, check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.env import AtariEnv
+from atari.env.restorable import Restorable
 from atari.multiplayer.core import MultiplayerCore
 from atari.recording.replay.events import Kind
 from atari.recording.replay.players import RecordMatch
 from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, header_of, not_copied
 from atari.recording.replay.vector_shadow import LaneShadow, shadow_env
 from atari.recording.vectors import is_vector, not_recorded, recorded_vector
-from atari.restorable import Restorable
-from atari.validation import check_arguments, check_integer
 from atari.vector.seeds import seed_words
 
 

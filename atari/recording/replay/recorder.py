@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from atari._version import __version__
+from atari import __version__
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.recording.deferred_error import DeferredErrorMixin

@@ -17,12 +17,13 @@ from typing import Any, Literal
 
 import numpy as np
 
+from atari.base import json_text
+from atari.base.notebook import animation, picture, pooled
+from atari.base.validation import check_integer, check_name
 from atari.cores import CORES, Core, snapshot
 from atari.env import AtariEnv
-from atari.files import json_text
 from atari.games.game import Game
 from atari.games.interventions import resolve
-from atari.notebook import animation, picture, pooled
 from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
@@ -36,7 +37,6 @@ from atari.recording.video.formats import has_sound, is_picture
 from atari.recording.video.overlay import Overlay
 from atari.recording.video.writer import VideoWriter, frame_rate, shown_rate
 from atari.task import Task
-from atari.validation import check_integer, check_name
 
 _CHUNKS_PER_CHECKPOINT = 4
 _SECONDS_SHOWN = 20  # in a notebook

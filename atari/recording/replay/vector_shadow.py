@@ -6,7 +6,7 @@ has the same seed and plays the same actions, so its RAM and frame numbers must 
 
 from typing import Any
 
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
 from atari.env import AtariEnv
 from atari.observations.settings import make_episode
 from atari.vector.env import AtariVectorEnv

@@ -7,9 +7,9 @@ from typing import Any
 
 import cv2
 
-from atari._extras import import_extra, install_extra
+from atari.base import durable
+from atari.base.extras import import_extra, install_extra
 from atari.cores import ByteArray
-from atari.files import durable
 from atari.recording.video.audio import AudioEncoder
 from atari.recording.video.formats import is_picture
 from atari.recording.video.images import Palette

@@ -5,12 +5,12 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from atari._version import __version__
-from atari.files import json_text
+from atari import __version__
+from atari.base import json_text
+from atari.base.validation import check_file
 from atari.recording.video.encoder import import_av
 from atari.task import Task
 from atari.task.storage import to_short_json
-from atari.validation import check_file
 
 PACKAGE = f"atari-envs {__version__}"
 

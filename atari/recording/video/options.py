@@ -8,9 +8,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from atari.base.validation import check_integer
 from atari.recording.video.formats import FORMATS, Format, is_picture
 from atari.recording.video.images import line_height
-from atari.validation import check_integer
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from atari.actions import Action
 from atari.cores import ByteArray
+from atari.games.actions import Action
 
 OVERLAYS = ("score", "action", "ram", "curve")
 CURVE_ROWS = 32

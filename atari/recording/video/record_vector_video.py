@@ -16,15 +16,15 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium.utils import RecordConstructorArgs
 
-from atari._gymnasium import AutoresetMode, VectorWrapper
+from atari.base.gymnasium_versions import AutoresetMode, VectorWrapper
+from atari.base.validation import check_integer
+from atari.env.rendering import tile
 from atari.recording.vectors import recorded_vector
 from atari.recording.video.record_video_base import RecordVideoBase, make_folder
 from atari.recording.video.recorder import VideoSettings
 from atari.recording.video.schedule import Schedule, Trigger
 from atari.recording.video.shadow_core import ShadowCore
 from atari.recording.video.writer import shown_rate
-from atari.rendering import tile
-from atari.validation import check_integer
 
 
 class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):

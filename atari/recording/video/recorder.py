@@ -8,6 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from atari.base.validation import check_name
 from atari.cores import ByteArray, Core
 from atari.recording.deferred_error import DeferredErrorMixin
 from atari.recording.video.encoder import import_av
@@ -17,7 +18,6 @@ from atari.recording.video.options import VideoOptions
 from atari.recording.video.overlay import Overlay
 from atari.recording.video.writer import VideoWriter
 from atari.task import Task
-from atari.validation import check_name
 
 
 class VideoSettings:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from math import inf
 from typing import Any
 
-from atari.validation import check_integer
+from atari.base.validation import check_integer
 
 Trigger = Callable[[int], bool]
 

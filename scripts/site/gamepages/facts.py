@@ -3,11 +3,11 @@
 from functools import cache
 from types import MappingProxyType
 
-from atari.actions import Action
 from atari.cores import NativeCore
-from atari.env_ids import FAMILIES, Family
+from atari.games.actions import Action
 from atari.games.game import Game
 from atari.play.controls import ALL_KEYS
+from atari.task.env_ids import FAMILIES, Family
 
 _ARROWS = MappingProxyType({"up": "↑", "down": "↓", "left": "←", "right": "→"})
 

@@ -9,8 +9,8 @@ import numpy as np
 from pictures import Image, png, strip
 
 import atari
-from atari.actions import Action
 from atari.cores import NativeCore
+from atari.games.actions import Action
 from atari.games.game import Game
 from atari.multiplayer import MultiplayerCore
 from atari.recording import Replay, VideoWriter

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from atari.actions import PLAYER_ACTIONS
+from atari.games.actions import PLAYER_ACTIONS
 from atari.games.game import Game, RamLabel
 from atari.games.labels import value_source
 from gamepages.facts import keys

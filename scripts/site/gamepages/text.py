@@ -3,10 +3,10 @@
 import re
 from collections.abc import Iterator
 
-from atari.env_ids import stem
 from atari.games.game import Game
 from atari.multiplayer import ENVIRONMENTS
 from atari.task import PRESETS
+from atari.task.env_ids import stem
 from gamepages import facts, scores, settings
 from gamepages.contents import MODES, SCREEN, VIDEO, VIEWS, modes
 from gamepages.markup import code, folded, pictures, table, text

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from atari.files import json_text
+from atari.base import json_text
 from atari.learning import PROTOCOLS, Result
 from atari.learning.evaluation.results import GameResult
 

@@ -20,7 +20,7 @@ import pytest
 from memory_streams import FIELDS, Stream, everything, same
 from naive_memory import NaiveMemory
 
-from atari.files import durable
+from atari.base import durable
 from atari.learning import ReplayMemory
 
 SHAPE = (30, 60)

@@ -9,7 +9,7 @@ from env_tools import needs_autoreset_modes
 
 import atari
 from atari import Task
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
 from atari.learning import ReplayMemory
 
 MODES = [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP, AutoresetMode.DISABLED]

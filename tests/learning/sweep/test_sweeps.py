@@ -219,7 +219,7 @@ def test_the_processes_of_an_agent_of_your_own_have_a_copy_of_its_file(
 def test_a_folder_has_one_sweep_at_a_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from atari.files import durable
+    from atari.base import durable
 
     monkeypatch.chdir(tmp_path)
     Path("runs").mkdir()

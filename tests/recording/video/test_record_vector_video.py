@@ -13,10 +13,10 @@ from video_reader import NTSC, sound, video_frames
 
 import atari
 from atari import AtariVectorEnv
-from atari._gymnasium import AutoresetMode
+from atari.base.gymnasium_versions import AutoresetMode
+from atari.env.rendering import tile
 from atari.recording import RecordReplay, RecordVideo
 from atari.recording.video.audio import to_16_bit
-from atari.rendering import tile
 
 OPTIONS: list[dict[str, Any]] = [
     {},

@@ -1,0 +1,1 @@
+"""What every part uses: checks of arguments, durable files, files of strangers, optional packages, and programs."""

@@ -1,1 +1,0 @@
-"""Files that are written durably, and files of strangers that are read with care."""

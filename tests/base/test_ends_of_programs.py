@@ -1,0 +1,186 @@
+"""Programs of many kinds run to their end, and nothing of this package is left then.
+
+nanobind would print what is left. Users do not see it, because what they or other libraries hold until the end is no
+leak. Here it is printed, but for programs that hold objects on purpose.
+"""
+
+import pytest
+from programs import REPORTING, printed_at_end
+
+ENDS = {
+    "an environment": """
+        import atari
+        env = atari.make("pong", preset="dqn2015")
+        env.reset(seed=0)
+        env.step(0)
+    """,
+    "a vector that plays": """
+        import atari, numpy as np
+        envs = atari.AtariVectorEnv("breakout", 4, num_threads=3)
+        observations, info = envs.reset(seed=0)
+        envs.send(np.zeros(4, int))
+    """,
+    "games of all kinds": """
+        import atari
+        cores = [atari.cores.NativeCore(game) for game in list(atari.games)[:70]]
+        states = [core.clone_state() for core in cores]
+        names = [atari.lab.Ram(core) for core in cores if core.game.ram_labels]
+        values = [ram[next(iter(ram._labels))] for ram in names]
+    """,
+    "several players": """
+        from atari.multiplayer import env, parallel_env
+        games = [env("pong_v3"), parallel_env("joust", preset="multiplayer_dqn")]
+        for game in games:
+            game.reset(seed=0)
+    """,
+    "a memory and its batches": """
+        import atari, numpy as np
+        from atari.learning import ReplayMemory
+        envs = atari.AtariVectorEnv("pong", 2, stack_num=1)
+        memory = ReplayMemory.for_env(envs, 100)
+        memory.reset(envs.reset(seed=0)[0])
+        for _ in range(30):
+            actions = np.zeros(2, int)
+            _, *results = envs.step(actions, out=memory.frames())
+            memory.add(actions, *results)
+        batches = [memory.sample(4) for _ in range(3)]
+        own = memory.make_batch(4)
+        memory.sample(4, out=own)
+    """,
+    "the RAM lab": """
+        import atari
+        from atari.lab import Freeze, Poke, RamLabels, Watch
+        env = Watch(RamLabels(atari.AtariEnv("pong")), "ball_x", each="frame")
+        env.reset(seed=0)
+        held = Freeze(env, ball_x=90), Poke(env, {"ball_x": 80}, frame=3)
+        env.step(0)
+    """,
+    "recorders": """
+        import atari, tempfile
+        from atari.recording import RecordReplay, RecordVideo, Replay
+        folder = tempfile.mkdtemp()
+        env = RecordReplay(RecordVideo(atari.AtariEnv("pong"), folder), f"{folder}/a.a26r")
+        env.reset(seed=0)
+        env.step(0)
+        env.stop()
+        replay = Replay.load(f"{folder}/a.a26r")
+        assert replay.verify()
+    """,
+    "a cycle of references": """
+        import atari, gc
+        gc.disable()
+        env, envs = atari.AtariEnv("pong"), atari.AtariVectorEnv("pong", 2)
+        env.itself, envs.itself, env.reset_again = env, envs, env.reset
+        del env, envs
+    """,
+    "threads that have ended": """
+        import atari
+        from concurrent.futures import ThreadPoolExecutor
+        def play(seed):
+            env = atari.AtariEnv("pong")
+            env.reset(seed=seed)
+            return [env.step(0)[1] for _ in range(10)]
+        with ThreadPoolExecutor(4) as pool:
+            results = list(pool.map(play, range(8)))
+    """,
+    "a function that is called at the end": """
+        import atari, atexit
+        envs = atari.AtariVectorEnv("pong", 2)
+        envs.reset(seed=0)
+        atexit.register(lambda: envs.step([0, 0]))
+    """,
+    "child processes": """
+        import atari, multiprocessing
+        env = atari.AtariEnv("pong")
+        env.reset(seed=0)
+        child = multiprocessing.get_context("fork").Process(target=env.step, args=(0,))
+        child.start()
+        child.join()
+    """,
+    "copies": """
+        import atari, copy, pickle
+        envs = atari.AtariVectorEnv("pong", 2)
+        copies = [copy.deepcopy(envs), pickle.loads(pickle.dumps(atari.cores.NativeCore("pong")))]
+    """,
+    "old gym": """
+        import atari.classic as gym
+        env = gym.make("Pong-v0")
+        env.reset()
+        env.step(0)
+    """,
+}
+"""Programs that hold their objects in variables at their end."""
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_nothing_is_left(name: str) -> None:
+    program = REPORTING + "".join(line.removeprefix("        ") + "\n" for line in ENDS[name].splitlines())
+    assert printed_at_end(program) == ""
+
+
+def test_the_report_finds_what_is_left() -> None:
+    """A capsule of ctypes is never released."""
+    program = """
+        import atari._emulator as _emulator
+        _emulator.report_leaks()
+        import atari, ctypes
+        core = atari.cores.NativeCore("pong")
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(core))
+    """
+    assert "leaked" in printed_at_end(program)
+
+
+HELD = {
+    "a reference that C code holds": """
+        import atari, ctypes
+        core = atari.cores.NativeCore("pong")
+        ctypes.pythonapi.Py_IncRef(ctypes.py_object(core))
+    """,
+    "a daemon thread that plays": """
+        import atari, threading
+        env, started = atari.AtariEnv("pong"), threading.Event()
+        def play():
+            env.reset(seed=0)
+            while True:
+                env.step(0)
+                started.set()
+        threading.Thread(target=play, daemon=True).start()
+        started.wait()
+    """,
+    "a daemon thread that plays a vector": """
+        import atari, threading
+        started = threading.Event()
+        def play():
+            envs = atari.AtariVectorEnv("pong", 4, num_threads=2)
+            envs.reset(seed=0)
+            while True:
+                envs.step([0] * 4)
+                started.set()
+        threading.Thread(target=play, daemon=True).start()
+        started.wait()
+    """,
+}
+"""Programs that hold objects for ever: Python leaves the stack of a daemon thread as it is."""
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_nothing_is_printed_of_what_a_program_holds_for_ever(name: str) -> None:
+    assert printed_at_end(HELD[name]) == ""
+
+
+def test_an_error_is_all_that_is_printed() -> None:
+    program = REPORTING + (
+        "import atari\nenv = atari.AtariEnv('pong')\nenvs = atari.AtariVectorEnv('pong', 2, num_threads=2)\n"
+        "envs.reset(seed=0)\nenv.step(99)\n"
+    )
+    lines = printed_at_end(program, status=1).splitlines()
+    assert lines[0] == "Traceback (most recent call last):"
+    assert lines[-1].startswith("gymnasium.error.ResetNeeded") or "99" in lines[-1]
+    assert not any("nanobind" in line for line in lines)
+
+
+def test_an_exit_in_the_middle_prints_nothing() -> None:
+    program = REPORTING + (
+        "import atari, sys\nenvs = atari.AtariVectorEnv('pong', 2, num_threads=2)\nenvs.reset(seed=0)\nsys.exit(3)\n"
+    )
+    assert printed_at_end(program, status=3) == ""

@@ -1,0 +1,170 @@
+"""What environments, games and replays show in a notebook."""
+
+import base64
+import re
+import zlib
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from replay_tools import record
+
+import atari
+from atari.base import notebook
+from atari.lab.inspector.session import Session
+from atari.lab.widget import static_html
+from atari.recording import Replay
+from atari.recording.replay.file_format import SUFFIX
+
+
+def pictures(page: str) -> list[bytes]:
+    return [base64.b64decode(data) for data in re.findall(r"data:image/png;base64,([^\"]+)", page)]
+
+
+def shown(data: bytes) -> np.ndarray:
+    return cv2.cvtColor(cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
+
+
+def chunks(data: bytes) -> list[tuple[bytes, bytes]]:
+    """Kind and content of each chunk of a PNG file; wrong checksums fail."""
+    found, at = [], 8
+    while at < len(data):
+        size, kind = int.from_bytes(data[at : at + 4], "big"), data[at + 4 : at + 8]
+        content = data[at + 8 : at + 8 + size]
+        assert zlib.crc32(kind + content) == int.from_bytes(data[at + 8 + size : at + 12 + size], "big")
+        found.append((kind, content))
+        at += 12 + size
+    return found
+
+
+def played(data: bytes) -> list[np.ndarray]:
+    """The images that a browser shows of an animated PNG."""
+    screen, images, part = np.zeros(0), [], (0, 0, 0, 0)
+    for number, (kind, content) in enumerate(found := chunks(data)):
+        if kind == b"IHDR":
+            width, height = (int.from_bytes(content[at : at + 4], "big") for at in (0, 4))
+            screen = np.zeros((height, width, 3), np.uint8)
+        elif kind == b"fcTL":
+            wide, high, left, top = (int.from_bytes(content[at : at + 4], "big") for at in (4, 8, 12, 16))
+            part = (top, left, top + high, left + wide)
+        elif kind in (b"IDAT", b"fdAT") and found[number - 1][0] == b"fcTL":
+            raw = zlib.decompress(content if kind == b"IDAT" else content[4:])
+            top, left, bottom, right = part
+            rows = np.frombuffer(raw, np.uint8).reshape(bottom - top, 1 + 3 * (right - left))
+            screen[top:bottom, left:right] = rows[:, 1:].reshape(bottom - top, right - left, 3)
+            images.append(screen.copy())
+    return images
+
+
+def test_an_environment_shows_its_screen() -> None:
+    env = atari.AtariEnv("breakout")
+    assert "not reset yet" in env._repr_html_()
+    env.reset(seed=0)
+    for _ in range(10):
+        observation, *_ = env.step(1)
+    page = env._repr_html_()
+    assert "Breakout: frame 40, score 0, lives 5" in page
+    assert (shown(pictures(page)[0]) == observation).all()
+    env.close()
+    assert env._repr_html_() is None
+    env.reset()
+    assert env._repr_html_()
+
+
+def test_a_vector_shows_its_first_screens() -> None:
+    envs = atari.AtariVectorEnv(["pong", "breakout"], stack_num=1)
+    envs.reset(seed=0)
+    page = envs._repr_html_()
+    assert "2 environments: Pong, Breakout" in page
+    assert (shown(pictures(page)[0]) == envs.mosaic()).all()
+    envs.send(np.zeros(2, np.int64))
+    assert envs._repr_html_() is None or "2 environments" in envs._repr_html_()
+    envs.recv()
+    envs.close()
+    assert envs._repr_html_() is None
+
+    many = atari.AtariVectorEnv("pong", 40)
+    many.reset(seed=0)
+    page = many._repr_html_()
+    assert "40 environments: Pong, the first 36" in page
+    assert shown(pictures(page)[0]).shape == (6 * 210, 6 * 160, 3)
+
+
+def test_a_browser_shows_each_image_with_the_aspect_of_its_attributes(tmp_path: Path) -> None:
+    """`height:auto` alone takes the aspect of the file, whose pixels are the console's and narrower."""
+    env = atari.AtariEnv("air_raid")
+    env.reset(seed=0)
+    envs = atari.AtariVectorEnv("pong", 3)
+    envs.reset(seed=0)
+    replay = Replay.load(record(tmp_path / f"game{SUFFIX}", "pong", steps=4))
+    pages = [shown._repr_html_() for shown in (env, envs, replay)]
+    pages.append(static_html(Session(env)))
+    for page in pages:
+        (tag,) = re.findall(r"<img[^>]*>", page)
+        width, height = (int(re.search(rf'{name}="(\d+)"', tag)[1]) for name in ("width", "height"))
+        assert f"height:auto;aspect-ratio:{width}/{height}" in tag
+    tag = pages[0]
+    assert 'width="320" height="250"' in tag, "two columns for each pixel, as on a television"
+
+
+@pytest.mark.parametrize("game", atari.games)
+def test_a_game_shows_its_facts(game: str) -> None:
+    page = atari.games[game]._repr_html_()
+    assert f'<td style="text-align:left">{game}</td>' in page
+    manual = atari.games[game].manual
+    if manual is not None and manual.year is not None:
+        assert str(manual.year) in page
+
+
+def test_markup_in_facts_is_text() -> None:
+    page = notebook.facts("<b>", [("<i>", "<script>"), ("nothing", None), ("empty", "")], "a & b")
+    assert "<b>" not in page
+    assert "<script>" not in page
+    assert "a &amp; b" in page
+    assert "nothing" not in page
+    assert "empty" not in page
+
+
+def test_a_replay_plays(tmp_path: Path) -> None:
+    replay = Replay.load(record(tmp_path / "game.a26r", "breakout", steps=100))
+    page = replay._repr_html_()
+    [file] = pictures(page)
+    frames = [frame.screen for frame in replay.frames()]
+    expected = [np.maximum.reduce(frames[at : at + 2]) for at in range(0, len(frames), 2)]
+    assert f"Breakout: {len(frames)} frames, score" in page
+    images = played(file)
+    assert len(images) == len(expected)
+    assert all((image == right).all() for image, right in zip(images, expected, strict=True))
+    assert (shown(file) == expected[0]).all()  # what a viewer without animation shows
+
+
+def test_a_replay_without_frames_shows_nothing(tmp_path: Path) -> None:
+    assert Replay.load(record(tmp_path / "game.a26r", steps=0))._repr_html_() is None
+
+
+def test_a_replay_of_players_shows_itself(tmp_path: Path) -> None:
+    from atari.multiplayer import MultiplayerCore
+    from atari.recording import RecordReplay
+
+    with RecordReplay(MultiplayerCore("pong"), tmp_path / "game.a26r") as match:
+        match.reset()
+        for _ in range(10):
+            match.act_players([0, 0])
+    assert "score" in Replay.load(tmp_path / "game.a26r")._repr_html_()
+
+
+def test_an_animation_ends_before_it_is_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(notebook, "MAX_ANIMATION_SIZE", 50_000)
+    generator = np.random.default_rng(0)
+    file, count = notebook.animation((generator.integers(0, 256, (50, 80, 3), np.uint8) for _ in range(20)), 30)
+    assert count == 4
+    assert len(file) < 51_000
+    assert len(played(file)) == 4
+    large = np.zeros((50, 80, 3), np.uint8)
+    assert notebook.animation([large, large], 30)[1] == 2  # without a change
+
+
+def test_an_animation_needs_an_image() -> None:
+    with pytest.raises(ValueError, match="needs an image"):
+        notebook.animation([], 30)

@@ -1,0 +1,59 @@
+"""The environment variables of the package: one table, which the code, the documentation and the errors agree with."""
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import atari
+import atari.roms
+import atari.wrappers
+from atari.base.variables import VARIABLES
+
+ROOT = Path(__file__).parents[2]
+
+
+def sources() -> Iterator[Path]:
+    for module in (atari, atari.roms, atari.wrappers):
+        yield from Path(str(module.__file__)).parent.rglob("*.py")
+    yield from (ROOT / "atari/emulator").rglob("*.[ch]pp")
+
+
+def test_the_package_reads_no_other_variable() -> None:
+    found = set()
+    for path in sources():
+        read = re.findall(r'(?:getenv\(|environ\b.*?)"(ATARI_\w+)"', path.read_text(encoding="utf-8"))
+        found |= set(read)
+        assert path.suffix == ".cpp" or not read, f"{path} reads {read} past atari/base/variables.py"
+    assert found == {"ATARI_SIMD", "ATARI_JIT"}
+    assert found < {*VARIABLES}
+
+
+def test_the_documentation_has_them_all() -> None:
+    page = (ROOT / "docs/command-line.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(ATARI_\w+)` \| (.*?) \| .+ \|$", page, re.M)
+    assert rows == [(name, variable.values) for name, variable in VARIABLES.items()]
+
+
+@pytest.mark.parametrize("name", [name for name in VARIABLES if name != "ATARI_ROMS"])
+@pytest.mark.parametrize("words", [("-m", "atari", "list"), ("-m", "atari.classic"), ("-m", "atari.cli.sweep", "list")])
+def test_a_wrong_value_ends_a_program_with_one_sentence(name: str, words: tuple[str, ...]) -> None:
+    done = subprocess.run(
+        [sys.executable, *words], env={**os.environ, name: "?"}, capture_output=True, text=True, timeout=120
+    )
+    assert (done.returncode, done.stdout) == (1, "")
+    assert re.fullmatch(rf"atari: error: the environment variable {name} .*\'\?\'.*\n", done.stderr)
+
+
+@pytest.mark.parametrize("name", [name for name in VARIABLES if name != "ATARI_ROMS"])
+def test_a_wrong_value_is_a_value_error_for_a_users_program(name: str) -> None:
+    program = "try: import atari\nexcept ValueError as error: print(error)"
+    done = subprocess.run(
+        [sys.executable, "-c", program], env={**os.environ, name: "?"}, capture_output=True, text=True, timeout=120
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert f"the environment variable {name}" in done.stdout
