@@ -3,6 +3,7 @@
 A drawn object leaves its place when a byte of its place changes. If the screens stay equal, nothing shows the object.
 """
 
+import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -11,8 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tomllib
 from label_situations import endless, pure
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 import atari
 import atari._emulator as _emulator

@@ -52,6 +52,7 @@ class EnvPool:
     """
 
     is_vector_env = True
+    closed = True  # until the constructor ends: old releases of Gymnasium close an open one that is deleted
     has_discount = False  # whether results have `zero_discount_on_life_loss`
 
     def __init__(
