@@ -38,11 +38,8 @@ def rows() -> list[str]:
     lines = []
     for game, name in INTERVENTIONS:
         intervention = load(game)[name]
-        plan = intervention.check
-        assert plan, f"{game}: {name} has no check"
-        factor = f", by {plan.by:g}" if plan.kind != "holds" and plan.by > 1 else ""
-        shown = f"{plan.kind}: `{plan.expression}`{factor}"
-        lines.append(f"| {games[game].title} | `{name}` | {intervention.description} | {shown} |")
+        assert intervention.check, f"{game}: {name} has no check"
+        lines.append(f"| {games[game].title} | `{name}` | {intervention.description} |")
     return lines
 
 
