@@ -34,14 +34,15 @@ def test_the_package_has_many_interventions() -> None:
 
 
 def rows() -> list[str]:
-    """The rows of the table in the documentation."""
-    lines = []
+    """The rows of the table in the documentation: a game and its interventions, but for the one that many games have."""
+    lines: dict[str, str] = {}
     for game, name in INTERVENTIONS:
         intervention = load(game)[name]
         assert intervention.check, f"{game}: {name} has no check"
         if name != "infinite_lives":
-            lines.append(f"| {games[game].title} | `{name}` | {intervention.description} |")
-    return lines
+            title = games[game].title
+            lines[title] = f"{lines.get(title, f'| {title} |')} `{name}`: {intervention.description}"
+    return [f"{line} |" for line in lines.values()]
 
 
 def test_the_documentation_lists_all() -> None:
