@@ -32,6 +32,7 @@ from typing import Any
 
 from atari.base import json_text
 from atari.base.magic import SNAPSHOT
+from atari.cores import writes
 
 VERSION = 1
 _DIGEST_SIZE = 16
@@ -72,6 +73,27 @@ def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
     if _digest(body) != data[_HEAD - _DIGEST_SIZE : _HEAD]:
         raise ValueError("the snapshot is damaged or truncated: its checksum does not match its content")
     return _parse(body)
+
+
+class CopiedBySnapshot:
+    """The base of cores that `pickle` and `copy` copy: a new core of the same arguments continues from a snapshot."""
+
+    snapshot: Any
+    restore: Any
+
+    def _arguments(self) -> dict[str, Any]:
+        """The arguments that make such a core."""
+        raise NotImplementedError
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickling and copying keep the position in the game, and the writes of `Freeze` and `Poke`."""
+        slots = writes.definitions(writes.slots(self))
+        return {"arguments": self._arguments(), "writes": slots, "snapshot": self.snapshot()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        type(self).__init__(self, **state["arguments"])
+        writes.restore(self, state["writes"])
+        self.restore(state["snapshot"])
 
 
 def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:

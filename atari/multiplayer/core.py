@@ -9,9 +9,9 @@ from typing import Any, ClassVar, Literal
 import atari._emulator as _emulator
 from atari.base.validation import check_integer, check_name
 from atari.cores import writes
+from atari.cores.compiled import compiled_for_players
 from atari.cores.native import STATE_VERSION, EmulatorCore, as_ale_reads
 from atari.cores.options import SEED_LIMIT
-from atari.cores.players import compiled_for_players
 from atari.games.game import Game
 from atari.games.multiplayer import Multiplayer
 from atari.games.players import choose_mode, rules_of

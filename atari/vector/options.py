@@ -16,9 +16,7 @@ from gymnasium.vector.utils import batch_space
 import atari._emulator as _emulator
 from atari.base.gymnasium_versions import AutoresetMode, autoreset_mode
 from atari.base.validation import check_integer, check_known, check_no_name
-from atari.cores.native import compiled
-from atari.cores.players import compiled_for_players
-from atari.cores.rewards import reward_formula
+from atari.cores.compiled import compiled, compiled_for_players, reward_formula
 from atari.cores.writes import make_writes
 from atari.games.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.games.game import Game

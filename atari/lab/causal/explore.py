@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 import atari._emulator as _emulator
 from atari.base.validation import check_integer
-from atari.cores.native import NativeCore, compiled
+from atari.cores.compiled import compiled
+from atari.cores.native import NativeCore
 from atari.lab.causal.fit import suggest
 from atari.lab.causal.map import ByteCauses, CausalMap
 from atari.roms import find
