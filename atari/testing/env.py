@@ -15,8 +15,7 @@ from gymnasium import spaces
 from gymnasium.utils import env_checker
 
 from atari.env import AtariEnv
-from atari.testing.contract import broken_by, check_maker, refuses, require, require_same
-from atari.testing.spaces import require_in
+from atari.testing.contract import broken_by, check_maker, refuses, require, require_in, require_same
 
 Env = gymnasium.Env[Any, Any]
 MakeEnv = Callable[[], Env]

@@ -13,9 +13,8 @@ from gymnasium import spaces
 from gymnasium.vector.utils import batch_space
 
 from atari.base.gymnasium_versions import AutoresetMode
-from atari.testing.contract import broken_by, check_maker, refuses, require, require_same
+from atari.testing.contract import broken_by, check_maker, refuses, require, require_in, require_same
 from atari.testing.env import MakeEnv, some_actions
-from atari.testing.spaces import require_in
 
 MakeVector = Callable[[], Any]
 """The function returns a `gymnasium.vector.VectorEnv`."""

@@ -461,6 +461,11 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         return np.ascontiguousarray(mask)
 
 
+def is_vector(env: Any) -> bool:
+    """Whether `env` is a vector environment, in any wrappers."""
+    return isinstance(env, VectorEnv) or isinstance(getattr(env, "unwrapped", None), AtariVectorEnv)
+
+
 def vector_of(envs: Any, num_envs: int | None, options: Mapping[str, Any], **defaults: Any) -> Any:
     """A vector environment: `envs` if it is one, else a new one of a game.
 

@@ -7,17 +7,21 @@ other origins.
 
 import asyncio
 import contextlib
+import ctypes
 import errno
 import hmac
 import logging
 import secrets
 import tempfile
+import threading
 import time
 from collections.abc import Awaitable, Callable, Mapping
+from concurrent.futures import Future
 from functools import partial
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from queue import SimpleQueue
+from typing import Any, TypeVar
 from urllib.parse import quote
 
 import gymnasium
@@ -25,15 +29,13 @@ import gymnasium
 from atari.base.extras import install_extra
 
 try:
-    from aiohttp import WSCloseCode, web
+    from aiohttp import WSCloseCode, WSMsgType, web
     from aiohttp.http_exceptions import HttpProcessingError
 except ImportError as error:
     raise gymnasium.error.DependencyNotInstalled(f"the inspector needs aiohttp: {install_extra('lab')}") from error
 
-from atari.lab.inspector import export
+from atari.lab.inspector import export, protocol
 from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
-from atari.lab.inspector.tab import SECONDS_AFTER_ERROR, SECONDS_TO_CLOSE, Tab
-from atari.lab.inspector.worker import Worker
 
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 _MOST_MESSAGE = 1 << 13  # bytes
@@ -48,6 +50,149 @@ _HEADERS = {
     "X-Content-Type-Options": "nosniff",
 }
 _CLOSE_TAKEN = 4001  # the session went on in another tab
+
+MOST_COMMANDS = 1000
+"""The most commands of a page that wait; a page that sends more is disconnected."""
+
+SECONDS_AFTER_ERROR = 1.0
+"""Between the repetitions of an error."""
+
+SECONDS_TO_CLOSE = 0.3
+_TOO_MANY = 4002
+_SECONDS_UNTIL_REFRESH = 0.25
+
+T = TypeVar("T")
+_SECONDS_TO_END = 0.3
+_ENDED = "the inspector has ended"
+
+
+class Worker:
+    """A thread that runs one call after another. It ends with the process, also in the middle of a call."""
+
+    def __init__(self) -> None:
+        self._calls: SimpleQueue[tuple[Future[Any], Callable[..., Any], tuple[Any, ...]] | None] = SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name="atari lab", daemon=True)
+        self._thread.start()
+
+    async def call(self, function: Callable[..., T], *arguments: Any) -> T:
+        """The result of a call, or its error. A call that is cancelled before it begins is left out.
+
+        Raises:
+            ConnectionError: the thread has ended.
+        """
+        future: Future[T] = Future()
+        self._calls.put((future, function, arguments))
+        if not self._thread.is_alive():
+            self._drop_calls()
+        return await asyncio.wrap_future(future)
+
+    def stop(self) -> None:
+        """End the thread, also in the middle of a call: Ctrl-C must not wait for an export of half an hour of play."""
+        self._calls.put(None)
+        self._thread.join(_SECONDS_TO_END)
+        if self._thread.is_alive():
+            thread = ctypes.c_ulong(self._thread.ident or 0)
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(SystemExit))
+            self._thread.join(_SECONDS_TO_END)
+        self._drop_calls()
+
+    def _drop_calls(self) -> None:
+        while not self._calls.empty():
+            if (call := self._calls.get()) and call[0].set_running_or_notify_cancel():
+                call[0].set_exception(ConnectionError(_ENDED))
+
+    def _run(self) -> None:
+        while (call := self._calls.get()) is not None:
+            future, function, arguments = call
+            if not future.set_running_or_notify_cancel():
+                continue
+            try:
+                future.set_result(function(*arguments))
+            except Exception as error:
+                future.set_exception(error)
+            except SystemExit:  # of `stop`
+                future.set_exception(ConnectionError(_ENDED))
+                return
+
+
+class Tab:
+    """A page. Its commands run one after another; it gets the newest frame, as often as it can take one.
+
+    Args:
+        socket: the connection, prepared.
+        session: the session.
+        worker: the thread that uses the session.
+    """
+
+    def __init__(self, socket: web.WebSocketResponse, session: Session, worker: Worker) -> None:
+        self.socket = socket
+        self._session = session
+        self._worker = worker
+        self._commands: asyncio.Queue[str] = asyncio.Queue(MOST_COMMANDS)
+        self._due = asyncio.Event()
+        self._sent = (-1, 0.0)  # version and time of the newest frame that was sent
+        self._state = ""  # the state that the page has
+
+    async def serve(self) -> None:
+        """Send frames and run commands until the connection ends."""
+        for first in (protocol.hello, protocol.state):
+            await self.socket.send_json(await self._worker.call(first, self._session))
+        tasks = [asyncio.create_task(self._repeat(step)) for step in (self._run_command, self._send_frame)]
+        try:
+            async for message in self.socket:
+                if message.type == WSMsgType.TEXT:
+                    self._commands.put_nowait(message.data)
+        except asyncio.QueueFull:
+            await self.close(_TOO_MANY, f"the page sent too many commands: {MOST_COMMANDS} were waiting")
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def close(self, code: int, reason: str, refused: str = "") -> None:
+        """Close the connection; the page shows `refused` or the reason. A page that does not read is not waited for."""
+
+        async def close() -> None:
+            if refused:
+                await self.socket.send_json({"refused": refused})
+            await self.socket.close(code=code, message=reason.encode())
+
+        with contextlib.suppress(asyncio.TimeoutError, ConnectionError):
+            await asyncio.wait_for(close(), SECONDS_TO_CLOSE)
+
+    def update(self) -> None:
+        """Send a frame if the session has changed since the last one, or that was a while ago."""
+        version, sent = self._sent
+        if self._session.version != version or time.perf_counter() - sent >= _SECONDS_UNTIL_REFRESH:
+            self._due.set()
+
+    async def _repeat(self, step: Callable[[], Awaitable[Any]]) -> None:
+        """Repeat a step until the connection ends. The page shows errors."""
+        while True:
+            try:
+                await step()
+            except ConnectionError:
+                return
+            except Exception as error:
+                self._session.fail(error)
+                await self.socket.send_json({"error": self._session.error})
+                await asyncio.sleep(SECONDS_AFTER_ERROR)
+
+    async def _run_command(self) -> None:
+        for answer in await self._worker.call(protocol.run, self._session, await self._commands.get()):
+            await self.socket.send_json(answer)
+
+    async def _send_frame(self) -> None:
+        await self._due.wait()
+        self._due.clear()
+        self._sent = self._session.version, time.perf_counter()
+        frame, (self._state, messages) = await self._worker.call(self._present)
+        await self.socket.send_bytes(frame)
+        for message in messages:
+            await self.socket.send_json(message)
+
+    def _present(self) -> tuple[bytes, tuple[str, list[dict[str, Any]]]]:
+        return protocol.frame(self._session), protocol.news(self._session, self._state)
 
 
 class Inspector:

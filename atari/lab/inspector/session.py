@@ -13,8 +13,7 @@ from atari.base.validation import check_action, check_integer, check_name
 from atari.cores import ByteArray, Core
 from atari.env import AtariEnv
 from atari.games.actions import PLAYER_ACTIONS, Action
-from atari.lab.inspector.effects import ahead, causes_of, changed_pixels
-from atari.lab.inspector.readings import Readings
+from atari.lab.inspector.readings import Readings, ahead, causes_of, changed_pixels
 from atari.lab.inspector.timeline import NEW_GAME, Frame, Timeline
 from atari.lab.search import Search
 

@@ -27,10 +27,9 @@ from atari.games.interventions import resolve
 from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
-from atari.recording.replay.frames import difference, frames_of
 from atari.recording.replay.header import emulator_task, game_of_header
 from atari.recording.replay.players import PlayersRunner, make_core
-from atari.recording.replay.results import Divergence, Episode, Frame, Verification
+from atari.recording.replay.results import Divergence, Episode, Frame, Verification, difference, frames_of
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
 from atari.recording.video.facts import PACKAGE
 from atari.recording.video.formats import has_sound, is_picture

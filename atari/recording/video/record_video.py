@@ -11,12 +11,13 @@ from atari.base.gymnasium_versions import VectorEnv
 from atari.base.validation import check_arguments
 from atari.env import AtariEnv
 from atari.env.restorable import Restorable
-from atari.recording.vectors import is_vector, not_recorded
+from atari.recording.recorders import not_recorded
 from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.recording.video.record_video_base import RecordVideoBase, make_folder
 from atari.recording.video.recorder import VideoRecorder, VideoSettings
 from atari.recording.video.schedule import Schedule, Trigger
 from atari.recording.video.writer import shown_rate
+from atari.vector.env import is_vector
 
 
 class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
