@@ -105,7 +105,7 @@ def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
     for name, value in expected.items():
         if facts.get(name) != value:
             raise ValueError(
-                f"the snapshot was taken with {name} = {_shown(facts.get(name))}, but this environment has {value!r}; "
+                f"the snapshot was taken with {name} = {_words(facts.get(name))}, but this environment has {value!r}; "
                 "restore it into one made with the same options"
             )
 
@@ -175,7 +175,7 @@ def _parse(body: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
     return facts, blobs
 
 
-def _shown(fact: Any) -> str:
+def _words(fact: Any) -> str:
     """A fact for a message; any value but a scalar is only named, because it can be nested too deeply for `repr`."""
     return repr(fact) if fact is None or isinstance(fact, (bool, int, float, str)) else f"a {type(fact).__name__}"
 

@@ -40,7 +40,7 @@ RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
 class AtariEnv(EnvState):
     """A game of the Atari 2600.
 
-    `game` is an environment ID or an `atari.Task`, which decide the whole task, or a name alone. A name has ale-py's
+    `game` is an environment ID or an `atari.Task`, which decide the whole task, or a game's name. A name has ale-py's
     defaults: those of ALE's v5 IDs without a limit of frames. `task` is the result. `AtariEnv` refuses options that
     wrappers play, such as `noops`: `atari.make` adds the wrappers.
 
@@ -220,9 +220,9 @@ class AtariEnv(EnvState):
 
     def observe(self) -> Any:
         """The observation of the present frame, a new array."""
-        shown = self.driver.shown
-        image = getattr(shown, KINDS[self._obs_type].method)()
-        return {"image": image, "sound": shown.audio()} if self.sound_obs else image
+        observed = self.driver.observed
+        image = getattr(observed, KINDS[self._obs_type].method)()
+        return {"image": image, "sound": observed.audio()} if self.sound_obs else image
 
     # ale-py's names, which programs read, set and override
 
@@ -411,7 +411,7 @@ _IN_ONE_CALL = (NativeCore, PlainCore)
 """The cores that play a step by one call; a subclass may have methods of its own."""
 
 _BASE = {"max_num_frames_per_episode": None}
-"""The fields in which a game's name alone differs from ALE's v5, as in ale-py."""
+"""The fields in which a game's name differs from its v5 ID, as in ale-py."""
 
 ALE_OPTIONS = frozenset(inspect.signature(AtariEnv.__init__).parameters) - {
     "self",

@@ -115,7 +115,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         self._reset_seeds()
         self._reset_options()
         self.reset_infos = _split(info)
-        return _shown(observation)
+        return _as_sb3(observation)
 
     def step_async(self, actions: Any) -> None:
         """Begin a step; it raises the errors of `AtariVectorEnv.send`.
@@ -131,7 +131,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         played = self._atari.recv() if self.vector is self._atari else self.vector.step(self._actions)
         observation, rewards, terminations, truncations, info = played
         dones = terminations | truncations
-        shown, infos = _shown(observation), _split(info)
+        shown, infos = _as_sb3(observation), _split(info)
         for one, truncated in zip(infos, (truncations & ~terminations).tolist(), strict=True):
             one["TimeLimit.truncated"] = truncated
         if dones.any():
@@ -139,7 +139,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         return shown, np.float32(rewards), dones, infos
 
     def _note_ends(self, dones: Any, info: dict[str, Any], shown: Any, infos: list[dict[str, Any]]) -> None:
-        final = _shown(info["final_obs"])
+        final = _as_sb3(info["final_obs"])
         for index in np.flatnonzero(dones).tolist():
             # With `life_loss_info` an episode continues after a termination.
             source = final if info["_final_obs"][index] else shown
@@ -231,7 +231,7 @@ def _split(info: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _channels_first(space: spaces.Space[Any]) -> spaces.Space[Any]:
-    """The space of the observations that `_shown` returns."""
+    """The space of the observations that `_as_sb3` returns."""
     if isinstance(space, spaces.Dict):
         return spaces.Dict({name: _channels_first(part) for name, part in space.spaces.items()})
     shape = space.shape or ()
@@ -241,10 +241,10 @@ def _channels_first(space: spaces.Space[Any]) -> spaces.Space[Any]:
     return spaces.Box(0, 255, (stack * colours, height, width), np.uint8)
 
 
-def _shown(observation: Any) -> Any:
+def _as_sb3(observation: Any) -> Any:
     """Observations in Stable-Baselines3's form: RGB copied, with stack and channels in one first axis."""
     if isinstance(observation, dict):
-        return {name: _shown(part) for name, part in observation.items()}
+        return {name: _as_sb3(part) for name, part in observation.items()}
     if observation.ndim != 5:
         # With channels last, the networks then compute in the same order as with Stable-Baselines3's own environments.
         return np.ascontiguousarray(observation)

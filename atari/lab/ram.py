@@ -86,7 +86,7 @@ class Ram:
         """
         rams = self._access.read()
         if isinstance(place, str):
-            return self._shown(*evaluate_label(place, self._lanes, rams))
+            return self._value_of(*evaluate_label(place, self._lanes, rams))
         column = rams[:, byte_index(place)]
         return int(column[0]) if self._access.single else column.copy()
 
@@ -141,7 +141,7 @@ class Ram:
     def items(self) -> list[tuple[str, Any]]:
         """The names of the labels and their values, all of one reading of RAM."""
         rams = self._access.read()
-        return [(name, self._shown(*evaluate_label(name, self._lanes, rams))) for name in self._labels]
+        return [(name, self._value_of(*evaluate_label(name, self._lanes, rams))) for name in self._labels]
 
     def label(self, name: str) -> RamLabel:
         """The entry of a label in the game's file.
@@ -209,7 +209,7 @@ class Ram:
             raise unknown_label(name, tuple(self._lanes))
         return name
 
-    def _shown(self, values: IntArray, visible: BoolArray) -> Any:
+    def _value_of(self, values: IntArray, visible: BoolArray) -> Any:
         if self._access.single:
             return int(values[0]) if visible[0] else None
         return np.ma.MaskedArray(values, ~visible)

@@ -48,7 +48,7 @@ Infos = dict[str, dict[str, Any]]
 class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
     """All agents act in each step. Without `agent_indicator`, they see the same observation.
 
-    A name alone, without a preset, has the spaces, rewards, ends and infos of PettingZoo's Atari environments. Any task
+    A name without a preset has the spaces, rewards, ends and infos of PettingZoo's Atari environments. Any task
     for several players is played like in `AtariVectorEnv`, with the channels of images last. `parallel_env` and `env`
     put PettingZoo's checks around this fast class.
 

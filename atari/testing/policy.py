@@ -10,7 +10,7 @@ import numpy.typing as npt
 from typing_extensions import Unpack
 
 from atari.games.catalog import games
-from atari.policy import LoadedPolicy, makes_policy, show
+from atari.policy import LoadedPolicy, describe, makes_policy
 from atari.policy.needs import in_game, needs_of
 from atari.task import Task
 from atari.task.options import VectorTaskOptions
@@ -129,7 +129,7 @@ def _played(
 
 def _call(policy: LoadedPolicy, observations: Any, lanes: IntArray) -> _Call:
     before = _copied(observations)
-    call = f"policy({show(observations)}, {lanes.tolist()})"
+    call = f"policy({describe(observations)}, {lanes.tolist()})"
     with broken_by(call):
         returned, extras = policy.choose(observations, lanes)
     require_same(before, _copied(observations), "the observation", f"{call} must not write to the observations")

@@ -38,7 +38,7 @@ NAMES = ("noop_max", "use_fire_reset", "grayscale")
 
 
 def ale_defaults(options: Mapping[str, Any], several: bool = False) -> Mapping[str, Any]:
-    """The defaults of ale-py's vector environment, which a name alone has without a preset.
+    """The defaults of ale-py's vector environment, which a game's name has without a preset.
 
     `several` says that the name is of a game for several players; the option `players` says so, too.
     """

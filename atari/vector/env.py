@@ -42,8 +42,8 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
     """Environments of one game, or of several, played together in C++.
 
     `game` is an environment ID or an `atari.Task`, which decide the whole task, or a name. A name with a preset plays
-    ALE's v5 with that preset. A name alone has the defaults of ale-py's class of this name, which docs/vector.md lists.
-    `envs.task` is the result. `step` documents observations, rewards and `info`.
+    ALE's v5 with that preset. A name without a preset has the defaults of ale-py's class of this name, which
+    docs/vector.md lists. `envs.task` is the result. `step` documents observations, rewards and `info`.
 
     Threads may share the object: one call runs at a time. In a forked process all methods but `close` raise
     RuntimeError.

@@ -47,7 +47,7 @@ def resolve_lanes(
     options: Mapping[str, Any],
     others: Iterable[str] = (),
 ) -> tuple[tuple[Task, ...], bool]:
-    """The task of each environment of a vector, and whether ale-py's defaults apply: a game is a name alone.
+    """The task of each environment of a vector, and whether ale-py's defaults apply, as for a name without a preset.
 
     Equal tasks are made once. `others` are names of other options of `AtariVectorEnv`, for the suggestion in an error.
 
@@ -142,7 +142,7 @@ class VectorOptions:
 
     @classmethod
     def check(cls, tasks: tuple[Task, ...], bare: bool, given: Mapping[str, Any]) -> "VectorOptions":
-        """The options of `AtariVectorEnv`, checked. If `bare`, a game was a name alone: `game_info` is then False.
+        """The options of `AtariVectorEnv`, checked. `bare`: a game was a name without a preset; `game_info` is False.
 
         Raises:
             TypeError, ValueError: an option is of the wrong kind or out of range.

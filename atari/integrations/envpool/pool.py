@@ -125,7 +125,7 @@ class EnvPool:
         observation, info = self.vector.reset(seed=seed, options=chosen)
         none = np.zeros(len(info["env_id"]), np.bool_)
         results = (observation, none.astype(np.float32), none, none.copy(), info)
-        return self._shown(results if rows is None or self.is_async else pick_rows(results, rows), reset=True)
+        return self._results(results if rows is None or self.is_async else pick_rows(results, rows), reset=True)
 
     def step(self, action: Any, env_id: Any = None) -> Any:
         """Play a step of all environments, or of those in `env_id`; then the results have only their rows.
@@ -156,7 +156,7 @@ class EnvPool:
         Raises:
             gymnasium.error.NoAsyncCallError: nothing has been sent.
         """
-        return self._shown(self.vector.recv(), reset, return_info)
+        return self._results(self.vector.recv(), reset, return_info)
 
     def async_reset(self) -> None:
         """Begin a reset of all environments; `recv` returns the first results."""
@@ -196,7 +196,7 @@ class EnvPool:
         Raises:
             gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0.
         """
-        return xla(vector_xla(self.vector), partial(shown, returns_done=self.returns_done))
+        return xla(vector_xla(self.vector), partial(as_envpool, returns_done=self.returns_done))
 
     def close(self, **_: Any) -> None:
         """Join the threads and release the environments."""
@@ -231,12 +231,12 @@ class EnvPool:
             raise ValueError(f"env_id must name each environment once, got {env_id!r}")
         return array.astype(np.int64)
 
-    def _shown(self, results: Any, reset: bool, return_info: bool = True) -> Any:
+    def _results(self, results: Any, reset: bool, return_info: bool = True) -> Any:
         """Results of the vector environment in EnvPool's form."""
         if reset:
-            image, *_, info = shown(results, self.returns_done)
+            image, *_, info = as_envpool(results, self.returns_done)
             return (image, info) if self._reset_returns_info and return_info else image
-        return shown(results, self.returns_done)
+        return as_envpool(results, self.returns_done)
 
 
 def resized(screen: npt.NDArray[np.uint8], width: int | None, height: int | None) -> npt.NDArray[np.uint8]:
@@ -249,7 +249,7 @@ def resized(screen: npt.NDArray[np.uint8], width: int | None, height: int | None
     return np.asarray(cv2.resize(screen, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 
-def shown(results: Any, returns_done: bool) -> tuple[Any, ...]:
+def as_envpool(results: Any, returns_done: bool) -> tuple[Any, ...]:
     """Results of the vector environment in the form of EnvPool's `step`, as arrays of NumPy or of JAX.
 
     Args:

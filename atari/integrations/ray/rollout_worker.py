@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from atari.base.gymnasium_versions import AutoresetMode
 from atari.cores.options import SEED_LIMIT
-from atari.integrations.ray.rollout import Frames, Rollout
+from atari.integrations.ray.rollout import FrameTable, Rollout
 from atari.learning.policies import load_policy
 from atari.policy.needs import needs_of
 from atari.task import Task
@@ -121,7 +121,7 @@ class RolloutWorker:
         self._renewed = self._ended  # lanes in which the next step also begins a stack of images
         shape = self._observations.shape
         stacked = settings.unstacked and len(shape) > 3 and shape[1] > 1
-        self._frames = Frames(settings.steps, shape) if stacked else None
+        self._frames = FrameTable(settings.steps, shape) if stacked else None
         self._table: npt.NDArray[np.uint8] | None = None
         self._position: Position | None = position
 

@@ -29,12 +29,12 @@ from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
 from atari.recording.replay.header import emulator_task, game_of_header
 from atari.recording.replay.players import PlayersRunner, make_core
-from atari.recording.replay.results import Divergence, Episode, Frame, Verification, difference, frames_of
+from atari.recording.replay.results import Divergence, EpisodeSummary, Frame, Verification, difference, frames_of
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
 from atari.recording.video.facts import PACKAGE
 from atari.recording.video.formats import has_sound, is_picture
 from atari.recording.video.overlay import Overlay
-from atari.recording.video.writer import VideoWriter, frame_rate, shown_rate
+from atari.recording.video.writer import VideoWriter, frame_rate, video_rate
 from atari.task import Task
 
 _CHUNKS_PER_CHECKPOINT = 4
@@ -126,7 +126,7 @@ class Replay:
         return {**self.header["options"], **({"frameskip": tuple(skip)} if isinstance(skip, list) else {})}
 
     @cached_property
-    def episodes(self) -> tuple[Episode, ...]:
+    def episodes(self) -> tuple[EpisodeSummary, ...]:
         """The episodes. If the recording was cut, the replay is played to count them.
 
         An episode has the number of its `frames`, its `score`, and its `end`: "game over", "truncated" by the
@@ -139,9 +139,10 @@ class Replay:
         """
         end = self._content.end
         try:
-            episodes = [Episode(**episode) for episode in (end["episodes"] if end else self._play_for_episodes())]
+            found = end["episodes"] if end else self._play_for_episodes()
+            episodes = tuple(EpisodeSummary(**episode) for episode in found)
             if all(self._is_episode(episode) for episode in episodes):
-                return tuple(episodes)
+                return episodes
             raise TypeError
         except (KeyError, TypeError):
             raise Corrupt(f"the replay is damaged: the end of {self.path} has no episodes") from None
@@ -163,7 +164,7 @@ class Replay:
             raise ValueError(f"{self.path} has no episodes")
         return scores.index(max(scores))
 
-    def _is_episode(self, episode: Episode) -> bool:
+    def _is_episode(self, episode: EpisodeSummary) -> bool:
         if (type(episode.frames), type(episode.score), type(episode.end)) != (int, int, str):
             return False
         if self.players == 1:
@@ -379,7 +380,7 @@ class Replay:
                 start = stop - 1
             frames = self.frames(start, stop, core=core, sound=audible)
         size, lines = shown.size(self.game.screen.shape), shown.caption_lines
-        rate = shown_rate(self.game, Path(path).suffix, speed=speed)
+        rate = video_rate(self.game, Path(path).suffix, speed=speed)
         comment = json.dumps(self.facts)
         with VideoWriter(path, size, rate, scale=scale, sound=audible, caption_lines=lines, comment=comment) as video:
             last_drawn, last = None, -1

@@ -35,7 +35,7 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Episode:
+class EpisodeSummary:
     """An episode of a replay; `Replay.episodes` documents the fields."""
 
     frames: int

@@ -24,7 +24,7 @@ from atari.recording.recorders import recorded_vector
 from atari.recording.video.record_video_base import RecordVideoBase, make_folder
 from atari.recording.video.recorder import VideoSettings
 from atari.recording.video.schedule import Schedule, Trigger
-from atari.recording.video.writer import shown_rate
+from atari.recording.video.writer import video_rate
 from atari.vector import AtariVectorEnv
 
 Moves = Sequence[tuple[int, float]]
@@ -139,7 +139,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         self._index = check_integer("index", index, 0, inner.num_envs - 1)
         filmed = [self._index] if record_first_only else list(range(inner.num_envs))
         self._columns = _columns([inner.games[i].screen.shape for i in filmed], video_aspect_ratio)
-        rate = shown_rate(inner.games[self._index], f".{format}", fps, speed)
+        rate = video_rate(inner.games[self._index], f".{format}", fps, speed)
         size = tile([np.zeros((*inner.games[i].screen.shape, 3), np.uint8) for i in filmed], self._columns).shape
         self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)

@@ -16,7 +16,7 @@ from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.recording.video.record_video_base import RecordVideoBase, make_folder
 from atari.recording.video.recorder import VideoRecorder, VideoSettings
 from atari.recording.video.schedule import Schedule, Trigger
-from atari.recording.video.writer import shown_rate
+from atari.recording.video.writer import video_rate
 from atari.vector.env import is_vector
 
 
@@ -49,7 +49,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
             raise not_recorded(env, "RecordVideo", "; for other environments use gymnasium.wrappers.RecordVideo")
         super().__init__(env)
         self._atari = inner
-        rate = shown_rate(inner.game, f".{format}", fps, speed)
+        rate = video_rate(inner.game, f".{format}", fps, speed)
         self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay, keep)
         self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
         self.disable_logger, self.gc_trigger = disable_logger, gc_trigger
