@@ -118,7 +118,7 @@ def _checked(name: str, kind: type, value: Any) -> Any:
 
 
 class Player(Protocol):
-    """The player of the game of an `AleInterface`: the driver of an environment."""
+    """The player of the game of an `AleInterface`: the driver of an environment, or a console without one."""
 
     ale_settings: AleSettings
 
@@ -127,13 +127,15 @@ class Player(Protocol):
         """The emulator core."""
 
     def game_was_reset(self) -> None:
-        """Note that the emulator was reset."""
+        """Note that the emulator was reset. A console counts nothing."""
+        return
 
     def load_game(self) -> None:
         """Load the game again, with the settings."""
 
     def restore_state(self, state: Any) -> None:
         """Continue from a state that `clone_state` returned."""
+        self.emulated.restore_state(state)
 
 
 class AleInterface:
@@ -324,12 +326,13 @@ def game_of_rom(rom: str | PathLike[str]) -> Game | None:
         return None
 
 
-def _filled(name: str, read: Any, buffer: ByteArray | None) -> ByteArray:
-    """A new array, or the buffer, which `read` has filled.
+def no_game() -> AleError:
+    """The error for a method that needs a game before `loadROM` was called."""
+    return AleError("no game is loaded; call loadROM first, for example with the result of roms.get_rom_path")
 
-    Raises:
-        AleBufferError: the buffer is of another kind or shape.
-    """
+
+def _filled(name: str, read: Any, buffer: ByteArray | None) -> ByteArray:
+    """A new array, or the buffer, which `read` has filled."""
     try:
         array: ByteArray = read(buffer)
     except ValueError as error:
@@ -342,11 +345,7 @@ def _filled(name: str, read: Any, buffer: ByteArray | None) -> ByteArray:
 
 
 def _choose(choose: Any, number: int) -> None:
-    """Set a mode or a difficulty.
-
-    Raises:
-        RuntimeError: the game has no such one. ale-py's tests accept no subclass.
-    """
+    """Set a mode or a difficulty."""
     try:
         choose(number)
     except ValueError as error:

@@ -154,11 +154,7 @@ def check_generator(state: Any, kind: type[Any]) -> Any:
 
 
 def _parse(body: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """The facts and blobs in the bytes after the checksum.
-
-    Raises:
-        ValueError: the facts are not a JSON object, or the blobs do not fill the rest.
-    """
+    """The facts and blobs in the bytes after the checksum."""
     start = 4 + struct.unpack_from("<I", body)[0]
     try:
         facts = json_text.parse(body[4:start], "the snapshot", most_bytes=_MOST_FACTS, most_number=2**128)

@@ -26,7 +26,7 @@ from atari.env.rendering import Window
 from atari.env.state import EnvState
 from atari.games.actions import PLAYER_ACTIONS, Action, make_action_space
 from atari.games.interventions import Intervention
-from atari.observations.settings import pixel_format
+from atari.observations.settings import observation_space, pixel_format
 from atari.roms import find
 from atari.task import Task
 from atari.task.fields import UNSET, AddedOptions, Interventions
@@ -141,7 +141,8 @@ class AtariEnv(EnvState):
         own_results = kind._get_obs is not kind.observe or kind.observe is not AtariEnv.observe
         self._calls_methods = self.sound_obs or own_results or kind._get_info is not AtariEnv._get_info
         self.action_space = make_action_space(task.action_set, self.continuous)
-        self.observation_space = self._make_observation_space()
+        seen, sound = observation_space(task), spaces.Box(0, 255, (512,), np.uint8)
+        self.observation_space = spaces.Dict({"image": seen, "sound": sound}) if self.sound_obs else seen
         self.metadata = {**self.metadata, "render_fps": max(1, round(self._steps_per_second()))}
         self._window = self._make_window()
         self._frames = []
@@ -208,7 +209,7 @@ class AtariEnv(EnvState):
         """
         driver = self.driver
         number, strength = driver.ale_action(action)
-        frames = self._frameskip if type(self._frameskip) is int else self._draw_frameskip()
+        frames = self._frameskip if isinstance(self._frameskip, int) else driver.draw(*self._frameskip)
         if self._plays_in_one_call():
             results = driver.play_step(number, strength, _PIXELS[self._obs_type], frames=frames)
             self.show()
@@ -384,19 +385,9 @@ class AtariEnv(EnvState):
     def _make_window(self) -> Window | None:
         return Window(self.game, self._steps_per_second()) if self.render_mode == "human" else None
 
-    def _make_observation_space(self) -> spaces.Space[Any]:
-        kind = KINDS[self._obs_type]
-        image = spaces.Box(0, 255, (*self.game.screen.shape, *kind.colours) if kind.image else (128,), np.uint8)
-        return spaces.Dict({"image": image, "sound": spaces.Box(0, 255, (512,), np.uint8)}) if self.sound_obs else image
-
     def _steps_per_second(self) -> float:
         """Steps in a second of play: the frame rate of a video with one frame for each step."""
         return 2 * self.game.screen.frame_rate / (sum(self._task.frames) - 1)
-
-    def _draw_frameskip(self) -> int:
-        if isinstance(self._frameskip, int):
-            return self._frameskip
-        return self.driver.draw(*self._frameskip)
 
     def show(self) -> None:
         """Show the present screen in the window, or keep it for `render`, as the render mode says."""

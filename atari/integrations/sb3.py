@@ -27,6 +27,7 @@ from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.task import Task
 from atari.task.task import GameLike
 from atari.vector.env import AtariVectorEnv
+from atari.vector.results import pick
 
 try:
     from stable_baselines3.common.monitor import Monitor
@@ -143,7 +144,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         for index in np.flatnonzero(dones).tolist():
             # With `life_loss_info` an episode continues after a termination.
             source = final if info["_final_obs"][index] else shown
-            infos[index]["terminal_observation"] = _row(source, index)
+            infos[index]["terminal_observation"] = pick(source, index)
         seconds = round(time.time() - self._made_at, 6)
         for games in (info, info["final_info"]):  # The step's game replaces one that ended inside the reset after it.
             for index in np.flatnonzero(games.get("_episode", ())).tolist():
@@ -224,7 +225,6 @@ def _called_by(kind: type[Any], frame: FrameType | None) -> bool:
 
 
 def _split(info: dict[str, Any]) -> list[dict[str, Any]]:
-    """The info of each environment."""
     names = [name for name in ("lives", "frame_number", "episode_frame_number", "action_mask") if name in info]
     columns = [list(info[name]) if name == "action_mask" else info[name].tolist() for name in names]
     return [dict(zip(names, values, strict=True)) for values in zip(*columns, strict=True)]
@@ -250,12 +250,6 @@ def _as_sb3(observation: Any) -> Any:
         return np.ascontiguousarray(observation)
     count, stack, height, width, colours = observation.shape
     return observation.transpose(0, 1, 4, 2, 3).reshape(count, stack * colours, height, width)
-
-
-def _row(observation: Any, index: int) -> Any:
-    if isinstance(observation, dict):
-        return {name: part[index] for name, part in observation.items()}
-    return observation[index]
 
 
 class _Recorder(VecEnvWrapper):  # type: ignore[misc]

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import atari._emulator as _emulator
 from atari.base.validation import AleError
 from atari.cores import ByteArray
-from atari.cores.ale_interface import AleInterface, AleSettings, game_of_rom
+from atari.cores.ale_interface import AleInterface, AleSettings, Player, game_of_rom, no_game
 from atari.games.players import choose_mode, rules_of
 from atari.multiplayer.core import MultiplayerCore
 
@@ -203,7 +203,7 @@ class ALEInterface(MultiplayerAle):
             self._player.load(MultiplayerCore(core.game, rom=core.rom, mode=mode))
 
 
-class Console:
+class Console(Player):
     """The player of a `MultiplayerAle`: the core of an owner, and the settings for its next load.
 
     Args:
@@ -221,7 +221,7 @@ class Console:
     def emulated(self) -> Any:
         """The core, which may be a recorded one."""
         if self._owner.core is None:
-            raise AleError("no game is loaded; call loadROM first, for example with the result of roms.get_rom_path")
+            raise no_game()
         return self._owner.core
 
     def load_game(self) -> None:
@@ -246,13 +246,6 @@ class Console:
         core.seed(self.ale_settings.seed())
         self._owner.core, self._loaded, self.ale_settings.stale = core, wanted, False
 
-    def game_was_reset(self) -> None:
-        """Nothing is counted."""
-
-    def restore_state(self, state: Any) -> None:
-        """Continue from a state."""
-        self.emulated.restore_state(state)
-
 
 _NEW = AleSettings(repeat_action_probability=0.0).core_options()
 """The settings of a new `MultiplayerCore`."""
@@ -271,11 +264,7 @@ _WITHOUT = {
 
 
 def _fill(values: ByteArray, buffer: ByteArray | None) -> ByteArray:
-    """The values, or the buffer, which is filled with them.
-
-    Raises:
-        TypeError, ValueError: the buffer is no uint8 array, or has another size.
-    """
+    """The values, or the buffer, which is filled with them."""
     if buffer is None:
         return np.array(values)
     if not isinstance(buffer, np.ndarray) or buffer.dtype != np.uint8:

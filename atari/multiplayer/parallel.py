@@ -270,11 +270,7 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
         return make_episode(self._task, idle=idle, seed=seed)
 
     def _continued(self, state: bytes) -> _emulator.Episode:
-        """A new episode of the task in the state of another.
-
-        Raises:
-            ValueError: the task is another.
-        """
+        """A new episode of the task in the state of another."""
         episode = self._make_episode()
         episode.load(state)
         return episode

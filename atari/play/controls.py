@@ -4,10 +4,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import Enum
 from typing import Any
 
-from atari.games.actions import PLAYER_ACTIONS, Action
+from atari.games.actions import Action, nearest_action
 from atari.games.game import Game
 
-_ACTIONS = {(action.vertical, action.horizontal, action.fire): action for action in PLAYER_ACTIONS}
 _AXIS_LIMIT = 0.5  # a part of a gamepad stick's full range
 
 _ONE_PLAYER = """\
@@ -136,10 +135,9 @@ class Controls:
         if self._paddle:
             vertical, horizontal = 0, (horizontal + vertical > 0) - (horizontal + vertical < 0)
         fire = "fire" in held or any(name.startswith("button ") for name in self._held)
-        wanted = [(vertical, horizontal, fire), (vertical, horizontal, False), (0, horizontal, fire)]
-        wanted += [(vertical, 0, fire), (0, 0, fire), (0, horizontal, False), (vertical, 0, False), (0, 0, False)]
         allowed = tuple(legal)
-        return next((_ACTIONS[motion] for motion in wanted if _ACTIONS[motion] in allowed), allowed[0])
+        found = nearest_action(vertical, horizontal, fire, allowed)
+        return allowed[0] if found is None else found
 
     def release(self) -> None:
         """Release all keys, axes and buttons."""

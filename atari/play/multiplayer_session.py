@@ -178,11 +178,7 @@ class MultiplayerSession(BaseSession):
         return rewards
 
     def _decide(self, player: int, agent: PlayerAgent) -> int:
-        """The action of a policy.
-
-        Raises:
-            RuntimeError: the policy fails, or returns no action. A window would show a ValueError and continue.
-        """
+        """The action of a policy."""
         core: Any = self.core
         try:
             if self._agents_are_new:

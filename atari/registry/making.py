@@ -55,7 +55,9 @@ def make(game_or_id: GameLike, *, preset: str | None = None, **options: Unpack[M
         if env_id not in known_ids():
             raise env_ids.not_found(game_or_id, known_ids())
         if env_id not in env_ids.ids() and not is_ours(gymnasium.registry[env_id].entry_point):
-            return _make_other(env_id, preset, options)
+            if preset is not None:
+                raise ValueError(f"a preset is for Atari games, and {env_id!r} is none; make it without {preset=}")
+            return gymnasium.make(env_id, **options)
     known = ("preset", *OPTIONS, *ALIASES, *_RUN_OPTIONS, *_options_of_gymnasium())
     check_known("atari.make", [name for name in options if name not in known], known)
     fields = {name: value for name, value in options.items() if name in OPTIONS or name in ALIASES}
@@ -92,13 +94,6 @@ def _make_plain(task: Task, env_id: str | None, options: dict[str, Any]) -> Env:
     changed = {name: getattr(task, name) for name in base.differences(task) if name != "max_episode_steps"}
     spec = env_id if is_ours(gymnasium.registry[env_id].entry_point) else spec_of_id(env_id)
     return gymnasium.make(spec, **{**changed, **limited, **options})
-
-
-def _make_other(env_id: str, preset: str | None, options: Mapping[str, Any]) -> Env:
-    """An environment of this package that is no Atari game."""
-    if preset is not None:
-        raise ValueError(f"a preset is for Atari games, and {env_id!r} is none; make it without preset={preset!r}")
-    return gymnasium.make(env_id, **options)
 
 
 def spec_of_id(env_id: str) -> EnvSpec:

@@ -1,6 +1,8 @@
 """`ContractError`, and the comparisons that all checks share."""
 
-from collections.abc import Iterator, Mapping
+import copy
+import pickle
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -133,3 +135,24 @@ def require_in(space: spaces.Space[Any], value: Any, call: str) -> None:
             fits = isinstance(value, np.ndarray) and (value.dtype, value.shape) == (space.dtype, space.shape)
             require(fits, f"{call} must return an observation {space.dtype} {space.shape}, got {seen}")
         require(value in space, f"{call} returned an observation that is not in {space}: {value!r:.80}")
+
+
+def check_copies(original: Any, play: Callable[[Any], Any], calls: tuple[str, str], what: str) -> None:
+    """Check that a deep copy and a pickle of an environment continue where it is.
+
+    Args:
+        original: the environment.
+        play: plays an environment, and returns its results.
+        calls, what: the names of copy and pickle, and of the environment, in messages.
+
+    Raises:
+        ContractError: it cannot be copied, or a copy plays on otherwise.
+    """
+    copies = []
+    for call, through_pickle in zip(calls, (False, True), strict=True):
+        with broken_by(f"{call} (copies=False leaves this check out)"):
+            copies.append(pickle.loads(pickle.dumps(original)) if through_pickle else copy.deepcopy(original))
+    expected = play(original)
+    for call, other in zip(calls, copies, strict=True):
+        require_same(expected, play(other), "results", f"{call} must continue where {what} is")
+        other.close()

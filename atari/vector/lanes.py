@@ -254,17 +254,12 @@ class Lane:
 
 
 def _require_write(write: Any) -> None:
-    """Raise TypeError for what is no write."""
     if not isinstance(write, _emulator.Write):
         raise TypeError(f"a write is a Freeze's or a Poke's, see atari.lab; got {write!r:.80}")
 
 
 def _copied(array: ByteArray, out: ByteArray | None) -> ByteArray:
-    """The array, or `out` with its content.
-
-    Raises:
-        ValueError: `out` is not a uint8 array of this shape.
-    """
+    """The array, or `out` with its content."""
     if out is None:
         return array
     if not isinstance(out, np.ndarray) or out.shape != array.shape or out.dtype != np.uint8:

@@ -165,7 +165,7 @@ _Step = tuple[Any, Any, Any, Any, dict[str, Any]]
 
 def pick_rows(results: _Step, rows: npt.NDArray[np.int64]) -> _Step:
     """Copies of some rows of the results of `Results.read`. Ends of other rows are left out of `info`."""
-    observation, *signals, info = (_picked(part, rows) for part in results)
+    observation, *signals, info = (pick(part, rows) for part in results)
     for name in ("final_obs", "final_info", "episode"):
         if f"_{name}" in info and not info[f"_{name}"].any():
             del info[name], info[f"_{name}"]
@@ -173,9 +173,10 @@ def pick_rows(results: _Step, rows: npt.NDArray[np.int64]) -> _Step:
     return observation, reward, terminated, truncated, info
 
 
-def _picked(part: Any, rows: npt.NDArray[np.int64]) -> Any:
+def pick(part: Any, rows: Any) -> Any:
+    """The rows of an array with these numbers, or the row of one; of a dict, those of each array in it."""
     if isinstance(part, dict):
-        return {name: _picked(value, rows) for name, value in part.items()}
+        return {name: pick(value, rows) for name, value in part.items()}
     return part[rows]
 
 

@@ -2,6 +2,7 @@
 
 import inspect
 import sys
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -14,8 +15,7 @@ from atari.base.validation import check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.env.rendering import Window
 from atari.integrations.envpool.spec import EnvPoolSpec, import_dm, make_spec, task_ids
-from atari.integrations.envpool.xla import xla
-from atari.integrations.jax import xla as vector_xla
+from atari.integrations.jax import xla
 from atari.task import Task
 from atari.task.task import GameLike
 from atari.vector import AtariVectorEnv
@@ -196,7 +196,7 @@ class EnvPool:
         Raises:
             gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0.
         """
-        return xla(vector_xla(self.vector), partial(as_envpool, returns_done=self.returns_done))
+        return _xla(xla(self.vector), partial(as_envpool, returns_done=self.returns_done))
 
     def close(self, **_: Any) -> None:
         """Join the threads and release the environments."""
@@ -276,6 +276,28 @@ def as_envpool(results: Any, returns_done: bool) -> tuple[Any, ...]:
     return (image, reward.astype(np.float32), *ends, info)
 
 
+def _xla(
+    functions: tuple[Any, Callable[..., Any], Callable[..., Any], Callable[..., Any]], convert: Callable[[Any], Any]
+) -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[..., Any]]:
+    """Make EnvPool's `(handle, recv, send, step)` from the functions of `atari.integrations.jax.xla`.
+
+    Args:
+        functions: the functions of the vector environment.
+        convert: converts the vector environment's results to EnvPool's; compiled functions may keep it.
+    """
+    handle, vector_recv, send, vector_step = functions
+
+    def recv(handle: Any) -> tuple[Any, Any]:
+        handle, results = vector_recv(handle)
+        return handle, convert(results)
+
+    def step(handle: Any, action: Any, env_id: Any = None) -> tuple[Any, Any]:
+        handle, results = vector_step(handle, action, env_id)
+        return handle, convert(results)
+
+    return handle, recv, send, step
+
+
 class GymnasiumEnvPool(EnvPool, VectorEnv, gymnasium.Env[Any, Any]):  # type: ignore[misc]
     """An `EnvPool` for Gymnasium's wrappers of single and of vector environments, like EnvPool's own.
 
@@ -341,7 +363,6 @@ def make_dm(task_id: GameLike, **options: Any) -> EnvPool:
 
 
 def _made(kind: Any, task_id: GameLike, options: dict[str, Any], **form: Any) -> Any:
-    """An `EnvPool` of this class."""
     render = {name: options.pop(name) for name in _RENDER_OPTIONS if name in options}
     return kind(make_spec(task_id, **options), **render, **form)
 

@@ -164,7 +164,8 @@ class RolloutWorker:
         table = self._frames.table if self._frames else table
         rollout = rows.rollout(self._index, self._number, version, table, index)
         self._number += 1
-        return Played(rollout, self._snapshot() if take_snapshot else None, self._policy_state())
+        state = self._policy.state() if hasattr(self._policy, "state") else None
+        return Played(rollout, self._snapshot() if take_snapshot else None, pickle.dumps(state, 5))
 
     def _begin(self) -> npt.NDArray[np.uint8]:
         """Begin a rollout with the last observations; returns the array for whole observations."""
@@ -184,12 +185,7 @@ class RolloutWorker:
     def _snapshot(self) -> bytes:
         return zlib.compress(pickle.dumps((self._envs.snapshot(), self._ended, self._renewed), 5), 1)
 
-    def _policy_state(self) -> bytes:
-        state = self._policy.state() if hasattr(self._policy, "state") else None
-        return pickle.dumps(state, 5)
-
     def _begin_policy(self) -> None:
-        """Begin with the policy."""
         played, needs = self._envs.task, needs_of(self._policy, self._envs.games[0])
         if needs.task is not None:
             fields = needs.task.differences(played)

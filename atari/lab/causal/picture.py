@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from atari.base import durable
 from atari.games.game import Game
-from atari.lab.causal.map import ByteCauses, CausalMap
-from atari.lab.causal.suggestion import Suggestion
+from atari.lab.causal.map import ByteCauses, CausalMap, Suggestion
 
 Picture = NDArray[np.uint8]
 _Colour = tuple[int, int, int]

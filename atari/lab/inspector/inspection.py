@@ -12,7 +12,7 @@ from atari.base.json_text import escaped
 from atari.base.validation import check_action, check_integer, check_name
 from atari.cores import ByteArray, Core
 from atari.env import AtariEnv
-from atari.games.actions import PLAYER_ACTIONS, Action
+from atari.games.actions import Action, nearest_action
 from atari.lab.inspector.readings import Readings, ahead, causes_of, changed_pixels
 from atari.lab.inspector.timeline import NEW_GAME, FrameInput, Timeline
 from atari.lab.search import Search
@@ -27,7 +27,6 @@ _ROUNDING = 1e-6
 _MOST_LAG = 0.25  # seconds; after a longer delay the lost time is dropped
 _GAME_OVER = "the game is over; begin a new one (R), or go back in time"
 _PAUSED = "the game is paused; Play (P) goes on"
-_ACTIONS = {(action.vertical, action.horizontal, action.fire): action for action in PLAYER_ACTIONS}
 
 
 FILTERS = {
@@ -247,11 +246,7 @@ class Inspection:
         """
         vertical = check_integer("vertical", vertical, -1, 1)
         horizontal = check_integer("horizontal", horizontal, -1, 1)
-        wanted = [(vertical, horizontal, bool(fire)), (vertical, horizontal, False), (0, horizontal, bool(fire))]
-        wanted += [(vertical, 0, bool(fire)), (0, 0, bool(fire)), (0, horizontal, False), (vertical, 0, False)]
-        legal = self.game.legal_actions
-        found = (_ACTIONS[motion] for motion in wanted if _ACTIONS[motion] in legal)
-        self.action = next(found, Action.NOOP)
+        self.action = nearest_action(vertical, horizontal, bool(fire), self.game.legal_actions) or Action.NOOP
         if self.action != Action.NOOP:
             dropped = self.main.end - self.main.at
             if dropped:
@@ -477,11 +472,7 @@ class Inspection:
             timeline.play(FrameInput(action, held=tuple(timeline.frozen.items())))
 
     def _ask_agent(self, agent: Agent) -> int:
-        """The agent's action.
-
-        Raises:
-            RuntimeError: the agent, which is the user's code, has raised an error.
-        """
+        """The agent's action."""
         try:
             if self._agent_is_new:
                 agent.begin(self.main.core)

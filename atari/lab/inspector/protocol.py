@@ -183,11 +183,7 @@ def run(inspection: Inspection, text: str) -> list[dict[str, Any]]:
 
 
 def _parse(text: str) -> tuple[str, dict[str, Any]]:
-    """The name and the arguments of a command.
-
-    Raises:
-        ValueError: `text` is no command.
-    """
+    """The name and the arguments of a command."""
     message = json_text.parse(text, "a command", most_bytes=_MOST_BYTES, most_depth=_MOST_DEPTH)
     name = message.pop("do", None) if isinstance(message, dict) else None
     if not isinstance(name, str) or name not in _COMMANDS:

@@ -180,11 +180,7 @@ class _Training:
 
 
 def _features(torch: Any, encoder: Encoder, split: Split) -> Any:
-    """The features of a split, (n, width) float32.
-
-    Raises:
-        ValueError: there is no row for each observation, or they are not finite.
-    """
+    """The features of a split, (n, width) float32."""
     parts = []
     for start in range(0, len(split), _BATCH):
         observations = split.observations[start : start + _BATCH]

@@ -61,7 +61,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
     def _watch(self) -> None:
         inner = self._atari  # the recorder must not refer to this wrapper, which ends the video when it is collected
         self._make_recorder(lambda: inner.task)
-        self._atari.driver.observers.append(FrameObserver(self._atari, self._recorder))
+        self._atari.driver.observers.append(FrameWriter(self._atari, self._recorder))
 
     @property
     def render_history(self) -> list[Any]:
@@ -188,7 +188,7 @@ class RecordVideo(RecordEnvVideo):
         return RecordVectorVideo(env, *args, **kwargs) if kind is RecordVectorVideo else super().__new__(cls)
 
 
-class FrameObserver:
+class FrameWriter:
     """An observer of an environment that writes each frame to a `VideoRecorder`."""
 
     def __init__(self, env: AtariEnv, recorder: VideoRecorder) -> None:
