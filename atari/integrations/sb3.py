@@ -27,7 +27,7 @@ from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.task import Task
 from atari.task.task import GameLike
 from atari.vector.env import AtariVectorEnv
-from atari.vector.results import pick
+from atari.vector.results import indexed
 
 try:
     from stable_baselines3.common.monitor import Monitor
@@ -144,7 +144,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         for index in np.flatnonzero(dones).tolist():
             # With `life_loss_info` an episode continues after a termination.
             source = final if info["_final_obs"][index] else shown
-            infos[index]["terminal_observation"] = pick(source, index)
+            infos[index]["terminal_observation"] = indexed(source, index)
         seconds = round(time.time() - self._made_at, 6)
         for games in (info, info["final_info"]):  # The step's game replaces one that ended inside the reset after it.
             for index in np.flatnonzero(games.get("_episode", ())).tolist():

@@ -1,8 +1,7 @@
 """`MultiplayerEnv`: a task of two to four players as a parallel environment of PettingZoo."""
 
 import copy
-from collections.abc import Callable, Mapping, Sequence
-from operator import itemgetter
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any
 
@@ -28,7 +27,7 @@ from atari.task import Task
 from atari.task.checks import NO_LIMIT
 from atari.task.storage import identity, require_same
 from atari.task.task import GameLike
-from atari.vector.results import zero_sum
+from atari.vector.results import indexed, zero_sum
 from atari.vector.seeds import words_of
 
 AGENTS = ("first_0", "second_0", "third_0", "fourth_0")
@@ -289,11 +288,10 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
 
     def _seen_by(self, agents: Sequence[str], observation: Any) -> dict[str, Any]:
         """The observation of each agent, from one of the engine."""
-        batch = _changed(observation, lambda part: part[None])
-        seen = _changed(self._layout.apply(batch), itemgetter(0))
+        seen = indexed(self._layout.apply(indexed(observation, np.newaxis)), 0)
         if not self._task.agent_indicator:
             return dict.fromkeys(agents, seen)
-        return {agent: _changed(seen, itemgetter(self.possible_agents.index(agent))) for agent in agents}
+        return {agent: indexed(seen, self.possible_agents.index(agent)) for agent in agents}
 
 
 def _largest(probability: Any) -> float:
@@ -303,13 +301,6 @@ def _largest(probability: Any) -> float:
 
 def _checked(seed: Any) -> int:
     return check_integer("seed", seed, 0, 2**63 - 1)
-
-
-def _changed(observation: Any, change: Callable[[Any], Any]) -> Any:
-    """An observation, which may be a dict, with each array changed."""
-    if isinstance(observation, dict):
-        return {name: change(part) for name, part in observation.items()}
-    return change(observation)
 
 
 def _space(observation: Any) -> spaces.Space[Any]:

@@ -184,7 +184,7 @@ class MultiplayerSession(BaseSession):
             if self._agents_are_new:
                 agent.begin(core, (self._seed + player + self._games * core.players) % SEED_LIMIT)
             return agent.act(core)
-        except Exception as error:
+        except Exception as error:  # a window would show a ValueError and continue
             raise RuntimeError(f"the policy of player {player + 1} failed: {type(error).__name__}: {error}") from error
 
     def _snapshot(self) -> bytes:

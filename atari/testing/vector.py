@@ -14,7 +14,7 @@ from gymnasium.vector.utils import batch_space
 from atari.base.gymnasium_versions import AutoresetMode
 from atari.testing.contract import broken_by, check_copies, check_maker, refuses, require, require_in, require_same
 from atari.testing.env import MakeEnv, some_actions
-from atari.vector.results import pick
+from atari.vector.results import indexed
 
 MakeVector = Callable[[], Any]
 """The function returns a `gymnasium.vector.VectorEnv`."""
@@ -146,8 +146,8 @@ def _check_results(envs: Any, mode: AutoresetMode, actions: list[Any]) -> Result
             mask = ended(result)
             observation, info = envs.reset(options={"reset_mask": mask})
             results.append(copy.deepcopy((observation, info)))
-            rows = [pick(observation, lane) for lane in np.flatnonzero(~mask)]
-            before = [pick(result[0], lane) for lane in np.flatnonzero(~mask)]
+            rows = [indexed(observation, lane) for lane in np.flatnonzero(~mask)]
+            before = [indexed(result[0], lane) for lane in np.flatnonzero(~mask)]
             require_same(before, rows, "rows", "reset() with a reset_mask must leave other environments as they are")
     for observation, copied in kept:
         sentence = "a later step must not change an observation that was returned"
@@ -184,7 +184,9 @@ def _check_final(envs: Any, result: tuple[Any, ...], call: str) -> None:
     lacking = np.flatnonzero(ends & ~info["_final_obs"])
     require(not len(lacking), f"{call} ended the episodes of {lacking.tolist()}, and '_final_obs' is False there")
     for lane in np.flatnonzero(ends):
-        require_in(envs.single_observation_space, pick(info["final_obs"], lane), f"{call}: info['final_obs'][{lane}]")
+        require_in(
+            envs.single_observation_space, indexed(info["final_obs"], lane), f"{call}: info['final_obs'][{lane}]"
+        )
 
 
 def _steps(results: Results) -> Results:
@@ -203,9 +205,9 @@ def _check_ends(mode: AutoresetMode, results: Results) -> None:
     for result, after in zip(results, [*results[1:], None], strict=True):
         for lane in np.flatnonzero(ended(result)) if len(result) == 5 else ():
             if mode == AutoresetMode.SAME_STEP:
-                pairs.append((pick(result[4]["final_obs"], lane), pick(result[0], lane)))
+                pairs.append((indexed(result[4]["final_obs"], lane), indexed(result[0], lane)))
             elif after is not None:
-                pairs.append((pick(result[0], lane), pick(after[0], lane)))
+                pairs.append((indexed(result[0], lane), indexed(after[0], lane)))
                 _check_reset_step(after, lane)
     shown = "info['final_obs']" if mode == AutoresetMode.SAME_STEP else "the observation of the step that ended it"
     require(
@@ -242,25 +244,25 @@ def _check_seeds(envs: Any, twin: Any, mode: AutoresetMode, actions: list[Any]) 
 def _check_lane(results: Results, single: MakeEnv, lane: int, mode: AutoresetMode, actions: list[Any]) -> None:
     """Check that an environment of the vector plays like a single one."""
     env = single()
-    parts = [pick(results[0][0], lane)], [env.reset(seed=3 + lane)[0]]
+    parts = [indexed(results[0][0], lane)], [env.reset(seed=3 + lane)[0]]
     over, number = False, 0
     for result in results[1:]:
         if len(result) == 2:  # a reset of the environments whose episode is over
             if over:
-                parts = [pick(result[0], lane)], [env.reset()[0]]
+                parts = [indexed(result[0], lane)], [env.reset()[0]]
                 over = False
                 require_same(parts[1], parts[0], "observation", f"environment {lane} must be reset as a single one")
             continue
         number += 1
         observation, reward, terminated, truncated, info = result
-        mine = [pick(observation, lane), float(reward[lane]), bool(terminated[lane]), bool(truncated[lane])]
+        mine = [indexed(observation, lane), float(reward[lane]), bool(terminated[lane]), bool(truncated[lane])]
         if over and mode == AutoresetMode.NEXT_STEP:
             theirs, over = [env.reset()[0], 0.0, False, False], False
         else:
-            theirs = list(env.step(pick(actions[number - 1], lane))[:4])
+            theirs = list(env.step(indexed(actions[number - 1], lane))[:4])
             over = theirs[2] or theirs[3]
             if over and mode == AutoresetMode.SAME_STEP:
-                mine[0] = [pick(info["final_obs"], lane) if mine[2] or mine[3] else None, mine[0]]
+                mine[0] = [indexed(info["final_obs"], lane) if mine[2] or mine[3] else None, mine[0]]
                 theirs[0] = [theirs[0], env.reset()[0]]
                 over = False
         sentence = f"step() number {number} must give environment {lane} what a single one of seed {3 + lane} gets"
