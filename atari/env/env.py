@@ -106,7 +106,7 @@ class AtariEnv(EnvState):
         named = {name: value for name, value in locals().items() if name in ALE_OPTIONS and value is not UNSET}
         others = ("render_mode", "core", "rom")
         task = look_up(game).task(None, {**named, **options}, _BASE, owner="AtariEnv", others=others)
-        _require_plain(task)
+        _require_no_wrappers(task)
         check_name("core", core, CORES)
         if render_mode is not None:
             check_name("render_mode", render_mode, get_args(RenderMode))
@@ -440,7 +440,7 @@ def check_reset_options(options: Any) -> None:
             )
 
 
-def _require_plain(task: Task) -> None:
+def _require_no_wrappers(task: Task) -> None:
     """Refuse what an `AtariEnv` does not play alone."""
     if task.players > 1:
         raise ValueError(

@@ -77,14 +77,14 @@ def make_found(found: FoundGame, task: Task, options: dict[str, Any]) -> Env:
     if task.preprocessed:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
-        env = wrap(_make_plain(task.of_emulator(), env_id, options), task)
+        env = wrap(_make_unwrapped(task.of_emulator(), env_id, options), task)
     else:
-        env = _make_plain(task, env_id, options)
+        env = _make_unwrapped(task, env_id, options)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
 
 
-def _make_plain(task: Task, env_id: str | None, options: dict[str, Any]) -> Env:
+def _make_unwrapped(task: Task, env_id: str | None, options: dict[str, Any]) -> Env:
     """An environment without wrappers of this package, made by Gymnasium, by its ID if it has one."""
     limit = task.max_episode_steps
     limited: dict[str, Any] = {} if limit is None else {"max_episode_steps": limit}
