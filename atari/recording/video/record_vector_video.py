@@ -21,9 +21,8 @@ from atari.base.validation import check_integer
 from atari.cores import ByteArray, NativeCore
 from atari.env.rendering import tile
 from atari.recording.recorders import recorded_vector
-from atari.recording.video.record_video_base import RecordVideoBase, make_folder
+from atari.recording.video.record_video_base import RecordVideoBase, Trigger, make_folder
 from atari.recording.video.recorder import VideoSettings
-from atari.recording.video.schedule import Schedule, Trigger
 from atari.recording.video.writer import video_rate
 from atari.vector import AtariVectorEnv
 
@@ -142,7 +141,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         rate = video_rate(inner.games[self._index], f".{format}", fps, speed)
         size = tile([np.zeros((*inner.games[i].screen.shape, 3), np.uint8) for i in filmed], self._columns).shape
         self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay, keep)
-        self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
+        self._plan(episode_trigger, step_trigger, video_length, name_prefix)
         self.disable_logger, self.gc_trigger = disable_logger, gc_trigger
         self.record_first_only, self.video_aspect_ratio = record_first_only, video_aspect_ratio
         self.video_folder = make_folder(video_folder, name_prefix)
@@ -178,7 +177,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         for shadow in self._shadows:
             shadow.is_new = shadow.is_new or bool(chosen[shadow.index])
         if ends:
-            self._schedule.episode_id += 1
+            self.episode_id += 1
             self._record_resets()
         self._count()
         return result
@@ -202,8 +201,8 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
             begins = True
             self._before_episode()
             self._record_resets()
-        self._schedule.step_id += 1
-        self._schedule.episode_id += begins
+        self.step_id += 1
+        self.episode_id += begins
         self._count()
         return result
 

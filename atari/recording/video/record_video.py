@@ -13,9 +13,8 @@ from atari.env import AtariEnv
 from atari.env.restorable import Restorable
 from atari.recording.recorders import not_recorded
 from atari.recording.video.record_vector_video import RecordVectorVideo
-from atari.recording.video.record_video_base import RecordVideoBase, make_folder
+from atari.recording.video.record_video_base import RecordVideoBase, Trigger, make_folder
 from atari.recording.video.recorder import VideoRecorder, VideoSettings
-from atari.recording.video.schedule import Schedule, Trigger
 from atari.recording.video.writer import video_rate
 from atari.vector.env import is_vector
 
@@ -51,7 +50,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
         self._atari = inner
         rate = video_rate(inner.game, f".{format}", fps, speed)
         self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay, keep)
-        self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
+        self._plan(episode_trigger, step_trigger, video_length, name_prefix)
         self.disable_logger, self.gc_trigger = disable_logger, gc_trigger
         self.video_folder = make_folder(video_folder, name_prefix)
         if self._settings.sound:
@@ -73,7 +72,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
         self._recorder.raise_deferred_error()
         self._before_episode()
         result = self.env.reset(seed=seed, options=options)
-        self._schedule.episode_id += 1
+        self.episode_id += 1
         if self.recording and not self._recorder.frames:  # the reset played nothing, as after a lost life
             self._recorder.write_frame(self._atari.core)
         self._count()
@@ -84,7 +83,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
         self._recorder.raise_deferred_error()
         self._before_step()
         result = self.env.step(action)
-        self._schedule.step_id += 1
+        self.step_id += 1
         self._count()
         return result
 
