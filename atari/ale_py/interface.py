@@ -7,7 +7,7 @@ from atari.base.validation import AleError
 from atari.cores import NativeCore
 from atari.cores.ale_actions import AleEnum
 from atari.cores.ale_game import AleGame
-from atari.cores.ale_interface import AleInterface, AleSettings, Player, no_game
+from atari.cores.ale_interface import AleConsole, AleInterface, AleSettings, no_game
 from atari.cores.core import Core
 from atari.games.catalog import games
 
@@ -43,7 +43,7 @@ class ALEInterface(AleInterface):
         (6, (128,))
     """
 
-    _player: "_Console"
+    _console: "_Console"
 
     def __init__(self) -> None:
         super().__init__(_Console())
@@ -54,7 +54,7 @@ class ALEInterface(AleInterface):
         Raises:
             AleError: there is no such file, or it is the ROM of no game.
         """
-        self._player.load(id_of_rom(rom), rom)
+        self._console.load(id_of_rom(rom), rom)
 
 
 def id_of_rom(rom: str | PathLike[str]) -> str:
@@ -72,8 +72,8 @@ def id_of_rom(rom: str | PathLike[str]) -> str:
     return game
 
 
-class _Console(Player):
-    """The player of an `ALEInterface`: its settings, and the game that was loaded last."""
+class _Console(AleConsole):
+    """The console of an `ALEInterface`: its settings, and the game that was loaded last."""
 
     def __init__(self) -> None:
         self.ale_settings = AleSettings()

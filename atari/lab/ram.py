@@ -281,17 +281,17 @@ class _Single:
 
     single = True
 
-    def __init__(self, player: Any) -> None:
-        self._player = player
-        self.games: tuple[Game, ...] = (player.game,)
+    def __init__(self, target: Any) -> None:
+        self._target = target
+        self.games: tuple[Game, ...] = (target.game,)
 
     def _core(self) -> Core:
-        if not isinstance(self._player, AtariEnv):
-            core: Core = self._player
+        if not isinstance(self._target, AtariEnv):
+            core: Core = self._target
             return core
-        if self._player.driver.closed:
+        if self._target.driver.closed:
             raise gymnasium.error.ClosedEnvironmentError("this environment is closed; call reset() to go on")
-        return self._player.core
+        return self._target.core
 
     def read(self) -> ByteArray:
         return self._core().ram()[None]

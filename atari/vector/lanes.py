@@ -10,7 +10,7 @@ import numpy as np
 import atari._emulator as _emulator
 from atari.base.validation import check_name, check_poke
 from atari.cores import ByteArray, NativeCore, writes
-from atari.cores.ale_interface import AleInterface, Player
+from atari.cores.ale_interface import AleConsole, AleInterface
 from atari.games.game import Game
 from atari.games.players import choices
 
@@ -147,7 +147,7 @@ class Lane:
         They read lives, frame numbers, RAM, the RGB screen, action sets, modes and difficulties. The others, such as
         `act` and `reset_game`, raise AttributeError: the vector plays the game.
         """
-        return AleInterface(cast(Player, SimpleNamespace(emulated=self)))
+        return AleInterface(cast(AleConsole, SimpleNamespace(emulated=self)))
 
     def ram(self, out: ByteArray | None = None) -> ByteArray:
         """The bytes of RAM, (128,) uint8, a copy, or `out` filled with them."""
