@@ -140,6 +140,7 @@ class AleCore(CopiedBySnapshot):
         rom: str | PathLike[str] | None = None,
         interventions: Sequence[Intervention] = (),
     ) -> None:
+        given = locals()
         if interventions:
             raise ValueError("ale-py's core cannot write RAM within a frame; use interventions with core='native'")
         if _numbers(ale_py.__version__) < _numbers(OLDEST_ALE_PY):
@@ -150,16 +151,7 @@ class AleCore(CopiedBySnapshot):
         self.game: Game = games.find(game)
         if self.game != games.get(self.game.id):
             raise ValueError(f"ale-py has only its own games, not {self.game.id!r}; use core='native'")
-        self._options = CoreOptions.check(
-            self.game,
-            repeat_action_probability=repeat_action_probability,
-            mode=mode,
-            difficulty=difficulty,
-            frame_skip=frame_skip,
-            max_num_frames_per_episode=max_num_frames_per_episode,
-            sound=sound,
-            color_averaging=color_averaging,
-        )
+        self._options = CoreOptions.check(self.game, **given)
         self._mode, self._difficulty = self._options.mode, self._options.difficulty
         seed = check_integer("seed", seed, 0, SEED_LIMIT - 1)
         self.rom, self._rom = rom, find(self.game.id, rom)

@@ -165,20 +165,12 @@ class NativeCore(EmulatorCore):
         rom: str | PathLike[str] | None = None,
         interventions: Sequence[Intervention] = (),
     ) -> None:
+        given = locals()
         self.game: Game = games.resolve(game)
         self.interventions = tuple(interventions)
         """The interventions that the core was made with."""
         made = writes.make_writes(self.game, self.interventions)
-        self._options = CoreOptions.check(
-            self.game,
-            repeat_action_probability=repeat_action_probability,
-            mode=mode,
-            difficulty=difficulty,
-            frame_skip=frame_skip,
-            max_num_frames_per_episode=max_num_frames_per_episode,
-            sound=sound,
-            color_averaging=color_averaging,
-        )
+        self._options = CoreOptions.check(self.game, **given)
         self.sound = self._options.sound
         self.rom = rom
         image = rom_image.read_image(find(self.game, rom))

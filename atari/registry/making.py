@@ -116,17 +116,16 @@ def spec_of(task: Task) -> EnvSpec:
 
 def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str | PathLike[str] | None = None) -> Env:
     """An environment of a task: an `AtariEnv`, with wrappers around it where the task needs them."""
-    if not task.preprocessed:
-        limit = task.max_episode_steps
-        env: Env = AtariEnv(task.replace(max_episode_steps=None), render_mode=render_mode, core=core, rom=rom)
-        if limit is not None:
-            from atari.wrappers.step_limit import StepLimit  # it imports OpenCV
-
-            env = StepLimit(env, limit)
-    else:
+    inner = task.of_emulator() if task.preprocessed else task.replace(max_episode_steps=None)
+    env: Env = AtariEnv(inner, render_mode=render_mode, core=core, rom=rom)
+    if task.preprocessed:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
-        env = wrap(AtariEnv(task.of_emulator(), render_mode=render_mode, core=core, rom=rom), task)
+        env = wrap(env, task)
+    elif task.max_episode_steps is not None:
+        from atari.wrappers.step_limit import StepLimit  # it imports OpenCV
+
+        env = StepLimit(env, task.max_episode_steps)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
 

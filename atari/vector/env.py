@@ -100,17 +100,8 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         game_info: bool | None = None,
         **options: Unpack[VectorTaskOptions],
     ) -> None:
-        self._given = {
-            "batch_size": batch_size,
-            "num_threads": num_threads,
-            "thread_affinity_offset": thread_affinity_offset,
-            "autoreset_mode": autoreset_mode,
-            "channels_last": channels_last,
-            "dtype": dtype,
-            "render_mode": render_mode,
-            "rom": rom,
-            "game_info": game_info,
-        }
+        others = ("self", "game", "num_envs", "preset", "options")
+        self._given = {name: value for name, value in locals().items() if name not in others}
         tasks, bare = resolve_lanes(game, num_envs, preset, options, self._given)
         self._begin(VectorOptions.check(tasks, bare, self._given))
 
