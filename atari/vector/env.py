@@ -34,6 +34,9 @@ from atari.vector.state import VectorState
 from atari.vector.views import Views
 
 IntArray = npt.NDArray[np.int64]
+_OF_TASKS = ("self", "game", "num_envs", "preset", "options")
+"""The arguments of `AtariVectorEnv` that decide the tasks, or are no options."""
+
 _RESET_OPTIONS = ("reset_mask", "new_game")
 _RAM_OF = {"now": _emulator.RamOf.NOW, "result": _emulator.RamOf.RESULT, "final": _emulator.RamOf.FINAL}
 
@@ -100,8 +103,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         game_info: bool | None = None,
         **options: Unpack[VectorTaskOptions],
     ) -> None:
-        others = ("self", "game", "num_envs", "preset", "options")
-        self._given = {name: value for name, value in locals().items() if name not in others}
+        self._given = {name: value for name, value in locals().items() if name not in _OF_TASKS}
         tasks, bare = resolve_lanes(game, num_envs, preset, options, self._given)
         self._begin(VectorOptions.check(tasks, bare, self._given))
 
