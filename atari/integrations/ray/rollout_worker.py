@@ -265,19 +265,4 @@ class _Rows:
         """The rollout of all rows."""
         scores = np.array([score for score, _ in self._games], np.float64)
         lengths = np.array([length for _, length in self._games], np.int64)
-        actions, rewards, terminations, truncations, valid = self._columns
-        return Rollout(
-            actor=index,
-            number=number,
-            version=version,
-            observations_table=table,
-            observations_index=table_index,
-            actions=actions,
-            rewards=rewards,
-            terminations=terminations,
-            truncations=truncations,
-            valid=valid,
-            extras=self._extras,
-            scores=scores,
-            lengths=lengths,
-        )
+        return Rollout(index, number, version, table, table_index, *self._columns, self._extras, scores, lengths)

@@ -15,7 +15,6 @@ from atari.lab.probes.data import ProbeData, Split, check_data
 from atari.lab.table import Table
 
 Encoder = Callable[[ByteArray], Any]
-FloatArray = npt.NDArray[np.float32]
 
 CLASSES = 256
 _BATCH = 256
