@@ -265,4 +265,6 @@ class _Rows:
         """The rollout of all rows."""
         scores = np.array([score for score, _ in self._games], np.float64)
         lengths = np.array([length for _, length in self._games], np.int64)
-        return Rollout(index, number, version, table, table_index, *self._columns, self._extras, scores, lengths)
+        actions, rewards, terminations, truncations, valid = self._columns
+        signals = rewards, terminations, truncations, valid
+        return Rollout(index, number, version, table, table_index, actions, *signals, self._extras, scores, lengths)
