@@ -1,4 +1,4 @@
-"""`serve`: the inspector's page on 127.0.0.1, and the loop that plays its inspection.
+"""`serve`: the inspector's page on 127.0.0.1, its connection and its thread, and the loop that plays its inspection.
 
 Only a browser on this computer that has the token of the address is served. The header Host is checked, which refuses
 pages of other names that resolve to 127.0.0.1 (DNS rebinding). The header Origin is checked, which refuses pages of
@@ -67,7 +67,10 @@ _ENDED = "the inspector has ended"
 
 
 class InspectionThread:
-    """A thread that runs one call after another. It ends with the process, also in the middle of a call."""
+    """The thread in which an inspection is used, so that the server answers while a command runs.
+
+    It runs one call after another, and ends with the process, also in the middle of a call.
+    """
 
     def __init__(self) -> None:
         self._calls: SimpleQueue[tuple[Future[Any], Callable[..., Any], tuple[Any, ...]] | None] = SimpleQueue()
