@@ -264,7 +264,7 @@ def test_a_snapshot_without_an_array_is_refused() -> None:
     env = started()
     facts, blobs = snapshot.unpack(env.snapshot())
     old = {name: blob for name, blob in blobs.items() if not name.endswith(".episode")}
-    with pytest.raises(ValueError, match="has no episode of EpisodeEnv: it is damaged, or of an earlier release"):
+    with pytest.raises(ValueError, match="has no episode of EpisodeEnv: it is damaged, or of another release"):
         env.restore(snapshot.pack(facts, old))
 
 
