@@ -41,9 +41,8 @@ from atari.base.variables import check as check_variables
 from atari.env import AtariEnv
 from atari.games.actions import Action
 from atari.games.game import Game
-from atari.registry.algorithmic import register_all as register_algorithmic
 from atari.registry.making import make
-from atari.registry.registration import explain, register_all, register_game
+from atari.registry.registration import explain, register_algorithmic, register_all, register_game
 from atari.task import PRESETS, Task
 from atari.vector import AtariVectorEnv
 

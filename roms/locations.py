@@ -150,12 +150,7 @@ def _own_files(game: Game) -> tuple[Path, Path]:
 
 
 def _create(target: Path, image: bytes) -> None:
-    """Write a new file.
-
-    Raises:
-        FileExistsError: the file exists.
-        OSError: the file cannot be written.
-    """
+    """Write a new file."""
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_name(f".{target.stem}.{uuid.uuid4().hex}")
     try:

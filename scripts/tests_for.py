@@ -44,6 +44,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/emulator/python/binding_reward.cpp": ("tests/wrappers/test_expression_reward.py", "tests/vector"),
     "atari/emulator/python/binding_writes.cpp": ("tests/lab",),
     "atari/emulator/python": ("tests/cores", "tests/vector"),
+    "atari/cores/compiled.py": ("tests/cores", "tests/games/test_rewards.py", "tests/multiplayer"),
     "atari/env/env.py": ("tests/conformance/test_ale_goldens.py", "tests/conformance/test_env_equals_ale_py.py"),
     "atari/env/driver.py": ("tests/env/test_env.py", "tests/env/test_env_observers.py", "tests/wrappers"),
     "atari/env/state.py": ("tests/env/test_env_snapshots.py", "tests/env/test_env.py"),

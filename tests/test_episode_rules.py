@@ -24,7 +24,7 @@ OTHERS = {
 }
 """By module, why it reads some of them."""
 
-ACTIONS = ("atari/games/actions.py", "atari/env/env.py", "atari/lab/inspector/session.py", "atari/play/")
+ACTIONS = ("atari/games/actions.py", "atari/env/env.py", "atari/play/")
 """Modules in which `fire` is the button of an action."""
 
 

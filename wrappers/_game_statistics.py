@@ -3,11 +3,11 @@
 from typing import Any
 
 import gymnasium
-from gymnasium import logger, spaces
+from gymnasium import spaces
 from gymnasium.utils import RecordConstructorArgs
 
 from atari.base.gymnasium_versions import adds_episode
-from atari.env.episode_env import STEPS_WITHOUT_PROGRESS, waiting
+from atari.env.episode_env import STEPS_WITHOUT_PROGRESS, WaitingCheck
 from atari.env.restorable import Restorable
 from atari.wrappers._checks import Environment, action_meanings, require_atari
 
@@ -31,8 +31,7 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
         super().__init__(env)
         self._atari = require_atari(env, "GameStatistics")
         meanings = action_meanings(env) if isinstance(env.action_space, spaces.Discrete) else []
-        self._fires = [index for index, meaning in enumerate(meanings) if "FIRE" in meaning]
-        self._progress: Any = None  # the game, its rewards and its lives at the last comparison
+        self._waiting = WaitingCheck(self._atari, meanings)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset, and add the statistics to `info`."""
@@ -45,18 +44,8 @@ class GameStatistics(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCo
         game = self._atari.driver.played
         game.steps += 1
         if game.steps % STEPS_WITHOUT_PROGRESS == 0:
-            self._warn_of_waiting(action)
+            self._waiting.warn(action)
         return observation, reward, terminated, truncated, self._with_statistics(info, reward, truncated)
-
-    def _warn_of_waiting(self, action: Any) -> None:
-        """Warn once if rewards and lives equal those at the last check, unless the action is FIRE."""
-        game = self._atari.driver.played
-        progress = game, game.rewards, self._atari.core.lives
-        before, self._progress = self._progress, progress
-        same = before is not None and before[0] is game and before[1:] == progress[1:]
-        if same and self._fires and not any(action == fire for fire in self._fires):
-            self._fires = []
-            logger.warn(waiting(self._atari.game.id))
 
     def _with_statistics(self, info: dict[str, Any], reward: Any, truncated: bool) -> dict[str, Any]:
         driver = self._atari.driver

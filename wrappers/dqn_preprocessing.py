@@ -190,7 +190,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             if same_game and core.frame_number == self._frame_number:
                 images.repeat(fill)
             else:
-                images.begin(self._atari.driver.shown, fill)
+                images.begin(self._atari.driver.observed, fill)
         return self._observation()
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -218,9 +218,9 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             ended = terminated or truncated
             if left == 1 and images is not None and self._pools:
                 # Inner wrappers may do anything to the emulator before its next frame.
-                images.frame_played(driver.shown if self._direct else driver.shown.screen(), left, ended)
+                images.frame_played(driver.observed if self._direct else driver.observed.screen(), left, ended)
         if images is not None:
-            images.skip_ended(driver.shown, left, ended)
+            images.skip_ended(driver.observed, left, ended)
         if seamless is not None and seamless.life_lost:
             terminated = not truncated
         info = driver.info() if self._direct else self._info
@@ -246,7 +246,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
     def _observation(self) -> ByteArray:
         """A new array of the images or of RAM."""
         if self._images is None:
-            return self._atari.driver.shown.ram()
+            return self._atari.driver.observed.ram()
         stack = self._images.observation()
         if self._resized is not None:
             stack = np.stack([cv2.resize(image, self._resized, interpolation=cv2.INTER_AREA) for image in stack])

@@ -6,7 +6,7 @@ import gymnasium
 import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.cores.rewards import reward_formula
+from atari.cores.compiled import reward_formula
 from atari.env.episode_env import EpisodeEnv
 from atari.env.restorable import Restorable, State, layers, warn_of_restore
 from atari.games.rewards import as_one_line

@@ -85,12 +85,10 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
             forced = check_integer("noops", forced, 0, 1_000_000)
         observation, info = self.env.reset(seed=seed, options=inner or None)
         again = (inner or None) if self._fire_again else {**inner, "fire": False}
-        for _ in range(self._draw() if forced is None else forced):
+        noops = draw(self.env, self.noop_min, self.noop_max + 1) - self._fires if forced is None else forced
+        for _ in range(noops):
             observation, _, terminated, truncated, step_info = step_named(self.env, "NOOP")
             info.update(step_info)
             if terminated or truncated:
                 observation, info = self.env.reset(seed=seed, options=again)
         return observation, info
-
-    def _draw(self) -> int:
-        return draw(self.env, self.noop_min, self.noop_max + 1) - self._fires

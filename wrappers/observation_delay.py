@@ -17,7 +17,7 @@ from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 
 _CHECK: Any = CHECKS["observation_delay"]
 
-Frame = dict[str, ByteArray]
+FrameArrays = dict[str, ByteArray]
 """What a core's methods of these names returned after a frame."""
 
 
@@ -70,7 +70,7 @@ class ObservationDelay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         self._skip = next((layer for layer in layers(env) if isinstance(layer, DqnPreprocessing)), None)
         shown = "screen" if self._skip is not None else self._atari.task.kind.method
         self._names = tuple(dict.fromkeys((shown, "ram", *(["audio"] if self._atari.sound_obs else []))))
-        self._line: deque[Frame] = deque()
+        self._line: deque[FrameArrays] = deque()
         self._resets = self._began = self._played = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -130,7 +130,7 @@ class ObservationDelay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             driver.observers.remove(self)
             driver.delayed = None
 
-    def _read(self) -> Frame:
+    def _read(self) -> FrameArrays:
         return {name: getattr(self._atari.core, name)() for name in self._names}
 
     def _save_state(self) -> State:

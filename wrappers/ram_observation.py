@@ -44,4 +44,4 @@ class RamObservation(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], Re
     def observation(self, observation: Any) -> dict[str, Any]:
         """The observation with the RAM."""
         parts = observation if self._with_sound else {"image": observation}
-        return {**parts, "ram": self._atari.driver.shown.ram()}
+        return {**parts, "ram": self._atari.driver.observed.ram()}

@@ -1,14 +1,13 @@
 """`ALEInterface`: games loaded from ROM files, under the method names of ale-py's class."""
 
 from os import PathLike, fspath
-from typing import Any
 
 import atari._emulator as _emulator
 from atari.base.validation import AleError
 from atari.cores import NativeCore
 from atari.cores.ale_actions import AleEnum
 from atari.cores.ale_game import AleGame
-from atari.cores.ale_interface import AleInterface, AleSettings
+from atari.cores.ale_interface import AleConsole, AleInterface, AleSettings, no_game
 from atari.cores.core import Core
 from atari.games.catalog import games
 
@@ -44,7 +43,7 @@ class ALEInterface(AleInterface):
         (6, (128,))
     """
 
-    _player: "_Console"
+    _console: "_Console"
 
     def __init__(self) -> None:
         super().__init__(_Console())
@@ -55,10 +54,10 @@ class ALEInterface(AleInterface):
         Raises:
             AleError: there is no such file, or it is the ROM of no game.
         """
-        self._player.load(game_of_rom(rom), rom)
+        self._console.load(id_of_rom(rom), rom)
 
 
-def game_of_rom(rom: str | PathLike[str]) -> str:
+def id_of_rom(rom: str | PathLike[str]) -> str:
     """The id of the game of a ROM file.
 
     Raises:
@@ -73,8 +72,8 @@ def game_of_rom(rom: str | PathLike[str]) -> str:
     return game
 
 
-class _Console:
-    """The player of an `ALEInterface`: its settings, and the game that was loaded last."""
+class _Console(AleConsole):
+    """The console of an `ALEInterface`: its settings, and the game that was loaded last."""
 
     def __init__(self) -> None:
         self.ale_settings = AleSettings()
@@ -84,21 +83,14 @@ class _Console:
     def emulated(self) -> Core:
         """The emulator core of the game."""
         if self._game is None:
-            raise AleError("no game is loaded; call loadROM first, for example with the result of roms.get_rom_path")
+            raise no_game()
         return self._game.emulated
+
+    def load_game(self) -> None:
+        """Load the game again; `ALEInterface.loadROM` does so itself."""
 
     def load(self, game: str, rom: str | PathLike[str]) -> None:
         """Load a game."""
         self._game = AleGame(
             NativeCore, games[game], self.ale_settings, mode=None, difficulty=None, rom=rom, interventions=()
         )
-
-    def load_game(self) -> None:
-        """Load the game again, with the settings."""
-
-    def game_was_reset(self) -> None:
-        """Nothing is counted."""
-
-    def restore_state(self, state: Any) -> None:
-        """Continue from a state."""
-        self.emulated.restore_state(state)

@@ -2,7 +2,7 @@
 
 from os import PathLike
 
-from atari.ale_py.interface import game_of_rom
+from atari.ale_py.interface import id_of_rom
 from atari.env import AtariEnv as AtariEnv
 from atari.vector import AtariVectorEnv as AtariVectorEnv
 from atari.vector.ale_interface import AleVectorInterface
@@ -57,4 +57,4 @@ class ALEVectorInterface(AleVectorInterface):
     ) -> None:
         given = {name: value for name, value in locals().items() if name not in _NO_OPTIONS}
         options = {_NAMES.get(name, name): value for name, value in given.items()}
-        super().__init__(AtariVectorEnv(game_of_rom(rom_path), num_envs, rom=rom_path, **options))
+        super().__init__(AtariVectorEnv(id_of_rom(rom_path), num_envs, rom=rom_path, **options))

@@ -18,7 +18,7 @@ from atari.task.arguments import SCREEN, add_task, given_options, read_game, see
 from atari.task.task import BY_FRAME, look_up
 
 if TYPE_CHECKING:
-    from atari.lab.inspector.session import Session
+    from atari.lab.inspector.inspection import Inspection
 
 
 def register(commands: Commands) -> None:
@@ -80,11 +80,11 @@ def _open_browser(url: str) -> None:
         print("no browser could be opened; open the address above in one", file=sys.stderr, flush=True)
 
 
-def _session(args: argparse.Namespace) -> "Session":
+def _session(args: argparse.Namespace) -> "Inspection":
     """The session of a command line: a game, a replay, a run folder or a saved state."""
     from atari.env import AtariEnv
-    from atari.lab.inspector.session import Session
-    from atari.lab.inspector.sources import session_of_replay, session_of_snapshot
+    from atari.lab.inspector.inspection import Inspection
+    from atari.lab.inspector.sources import inspection_of_replay, inspection_of_snapshot
     from atari.recording.replay.file_format import is_replay
 
     path, source = Path(args.source), args.source
@@ -106,14 +106,14 @@ def _session(args: argparse.Namespace) -> "Session":
         if game is None:
             raise ValueError(f"{source} does not say which game it plays")
         task = player.task_in(find_game(game)).of_emulator().replace(actions="full", obs_type="rgb")
-        return Session(AtariEnv(task), agent=player, seed=seed_)
+        return Inspection(AtariEnv(task), agent=player, seed=seed_)
     player = _agent(args.agent)
     if of_game:
         found = look_up(read_game(source))
         sticky = 0.0 if player is None else player.task_in(games.find(found.definition)).repeat_action_probability
         task = task_of(args, found, base={**BY_FRAME, "repeat_action_probability": sticky})
-        return Session(AtariEnv(task, rom=args.rom), agent=player, seed=seed_)
-    return (session_of_replay if of_replay else session_of_snapshot)(path, rom=args.rom, agent=player)
+        return Inspection(AtariEnv(task, rom=args.rom), agent=player, seed=seed_)
+    return (inspection_of_replay if of_replay else inspection_of_snapshot)(path, rom=args.rom, agent=player)
 
 
 def _agent(source: str | None) -> Any:

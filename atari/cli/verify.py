@@ -16,7 +16,7 @@ from atari.cli.arguments import GAME_HELP, Commands, add_command, number
 from atari.cli.printing import print_json
 from atari.cores import CORES
 from atari.cores.machine import differences, machine, read_goldens
-from atari.cores.verify import Difference, Run, read, verify
+from atari.cores.verify import Difference, VerificationRun, read, verify
 from atari.games.catalog import games
 from atari.task import Task
 from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
@@ -133,13 +133,13 @@ def _verify_machine(args: argparse.Namespace) -> int:
     return 1 if wrong else 0
 
 
-def _runs(args: argparse.Namespace, tasks: list[Task]) -> Iterator[Run]:
+def _runs(args: argparse.Namespace, tasks: list[Task]) -> Iterator[VerificationRun]:
     for task, seed_ in itertools.product(tasks, args.seeds):
         game = task.definition
         every = itertools.product(game.modes, game.difficulties)
         settings: Any = every if args.modes else [(task.set_mode, task.set_difficulty)]
         for mode, difficulty in settings:
-            yield Run(
+            yield VerificationRun(
                 game.id if game.file is None else str(game.file),
                 frames=args.frames,
                 seed=seed_,
@@ -153,7 +153,7 @@ def _runs(args: argparse.Namespace, tasks: list[Task]) -> Iterator[Run]:
             )
 
 
-def _results(runs: list[Run], jobs: int) -> Iterator[Difference | None]:
+def _results(runs: list[VerificationRun], jobs: int) -> Iterator[Difference | None]:
     """Yield the outcome of each run, in the order of completion."""
     if jobs == 1 or len(runs) == 1:
         yield from map(verify, runs)

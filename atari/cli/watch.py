@@ -8,7 +8,7 @@ from atari.cli.arguments import GAME_HELP, Commands, add_command, number
 from atari.cli.policies import ALONE, UNCLIPPED, find_played, games_of, replay_of
 from atari.learning import load_policy
 from atari.learning.evaluation.protocols import PROTOCOLS
-from atari.play.viewer import show_replay
+from atari.play.loop import show_replay
 from atari.play.window import start_pygame
 from atari.recording import Replay
 from atari.recording.replay.file_format import is_replay

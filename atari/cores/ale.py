@@ -19,10 +19,11 @@ from ale_py import ALEInterface, ALEState, LoggerMode
 
 from atari.base.extras import pip_install
 from atari.base.validation import check_action, check_integer, check_poke, check_strength
-from atari.cores import copies, snapshot
+from atari.cores import snapshot
 from atari.cores.core import ByteArray
 from atari.cores.journal import Journal
 from atari.cores.options import SEED_LIMIT, CoreOptions, check_difficulty, check_mode
+from atari.cores.snapshot import CopiedBySnapshot
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.games.interventions import Intervention
@@ -91,7 +92,7 @@ class AleState:
         return int(self.state.getDifficulty())
 
 
-class AleCore:
+class AleCore(CopiedBySnapshot):
     """A game played by ale-py. See `Core` for the methods.
 
     Args:
@@ -139,6 +140,7 @@ class AleCore:
         rom: str | PathLike[str] | None = None,
         interventions: Sequence[Intervention] = (),
     ) -> None:
+        given = locals()
         if interventions:
             raise ValueError("ale-py's core cannot write RAM within a frame; use interventions with core='native'")
         if _numbers(ale_py.__version__) < _numbers(OLDEST_ALE_PY):
@@ -149,16 +151,7 @@ class AleCore:
         self.game: Game = games.find(game)
         if self.game != games.get(self.game.id):
             raise ValueError(f"ale-py has only its own games, not {self.game.id!r}; use core='native'")
-        self._options = CoreOptions.check(
-            self.game,
-            repeat_action_probability=repeat_action_probability,
-            mode=mode,
-            difficulty=difficulty,
-            frame_skip=frame_skip,
-            max_num_frames_per_episode=max_num_frames_per_episode,
-            sound=sound,
-            color_averaging=color_averaging,
-        )
+        self._options = CoreOptions.check(self.game, **given)
         self._mode, self._difficulty = self._options.mode, self._options.difficulty
         seed = check_integer("seed", seed, 0, SEED_LIMIT - 1)
         self.rom, self._rom = rom, find(self.game.id, rom)
@@ -356,19 +349,11 @@ class AleCore:
         self._ale, self._seed, self._journal = twin._ale, seed, twin._journal
         self._mode, self._difficulty = twin._mode, twin._difficulty
 
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickling and copying keep the position in the game, by a snapshot."""
-        return copies.save(self)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        copies.load(self, state)
-
     def close(self) -> None:
         """Release the emulator."""
         self._ale = _Closed()
 
     def _arguments(self) -> dict[str, Any]:
-        """The arguments that make such a core."""
         return {"game": self.game, "rom": self.rom, **asdict(self._options)}
 
     def _load(self, seed: int) -> None:

@@ -13,6 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from atari.base import durable
+from atari.base.notebook import png
 from atari.base.validation import AleError, AleTypeError, check_integer, check_poke, check_probability
 from atari.cores.ale_actions import Action as AleAction
 from atari.cores.core import ByteArray, Core
@@ -117,8 +118,8 @@ def _checked(name: str, kind: type, value: Any) -> Any:
     return check_integer(name, value, low, high)
 
 
-class Player(Protocol):
-    """The player of the game of an `AleInterface`: the driver of an environment."""
+class AleConsole(Protocol):
+    """What an `AleInterface` plays: the driver of an environment, or a console without one."""
 
     ale_settings: AleSettings
 
@@ -127,13 +128,15 @@ class Player(Protocol):
         """The emulator core."""
 
     def game_was_reset(self) -> None:
-        """Note that the emulator was reset."""
+        """Note that the emulator was reset. A console counts nothing."""
+        return
 
     def load_game(self) -> None:
         """Load the game again, with the settings."""
 
     def restore_state(self, state: Any) -> None:
         """Continue from a state that `clone_state` returned."""
+        self.emulated.restore_state(state)
 
 
 class AleInterface:
@@ -144,21 +147,21 @@ class AleInterface:
 
     # ruff: noqa: D102 - the names are ale-py's, one line each
 
-    __slots__ = ("_player",)  # as in ale-py, a method cannot be replaced by setting an attribute
+    __slots__ = ("_console",)  # as in ale-py, a method cannot be replaced by setting an attribute
 
-    def __init__(self, player: Player) -> None:
-        self._player = player
+    def __init__(self, console: AleConsole) -> None:
+        self._console = console
 
     @property
     def _core(self) -> Core:
-        return self._player.emulated
+        return self._console.emulated
 
     def act(self, action: int | enum.Enum, paddle_strength: float = 1.0) -> int:
         return self._core.act(action.value if isinstance(action, enum.Enum) else action, paddle_strength)
 
     def reset_game(self) -> None:
         self._core.reset()
-        self._player.game_was_reset()
+        self._console.game_was_reset()
 
     def loadROM(self, rom: str | PathLike[str]) -> None:
         """Load the game again, with the settings.
@@ -169,7 +172,7 @@ class AleInterface:
         game = self._core.game
         if self.isSupportedROM(rom) != game.id:
             raise AleError(f"{fspath(rom)} is not a ROM file of {game.id}; make an environment of its game")
-        self._player.load_game()
+        self._console.load_game()
 
     def lives(self) -> int:
         return self._core.lives
@@ -220,10 +223,7 @@ class AleInterface:
         Raises:
             OSError: the file cannot be written.
         """
-        import cv2  # here, because the import takes long
-
-        _, png = cv2.imencode(".png", self._core.screen_rgb()[..., ::-1].repeat(2, axis=1))
-        durable.write_file(Path(path), png.tobytes())
+        durable.write_file(Path(path), png(self._core.screen_rgb().repeat(2, axis=1)))
 
     def getAudio(self, buffer: ByteArray | None = None) -> ByteArray:
         return _filled("getAudio", self._core.audio, buffer)
@@ -243,7 +243,7 @@ class AleInterface:
     def setMode(self, mode: int) -> None:
         """Play this mode from the next reset on, until the game is loaded again."""
         _choose(self._core.set_mode, mode)
-        self._player.ale_settings.stale = True
+        self._console.ale_settings.stale = True
 
     def getAvailableDifficulties(self) -> list[int]:
         return list(self._core.game.difficulties)
@@ -251,43 +251,43 @@ class AleInterface:
     def setDifficulty(self, difficulty: int) -> None:
         """Play this difficulty from the next frame on, until the game is loaded again."""
         _choose(self._core.set_difficulty, difficulty)
-        self._player.ale_settings.stale = True
+        self._console.ale_settings.stale = True
 
     def cloneState(self, include_rng: bool = False) -> Any:
         return self._core.clone_state(include_rng=include_rng)
 
     def restoreState(self, state: Any) -> None:
-        self._player.restore_state(state)
+        self._console.restore_state(state)
 
     def cloneSystemState(self) -> Any:
         return self._core.clone_state(include_rng=True)
 
     def restoreSystemState(self, state: Any) -> None:
-        self._player.restore_state(state)
+        self._console.restore_state(state)
 
     def getInt(self, key: str | bytes) -> int:
-        return int(self._player.ale_settings.get(key, int))
+        return int(self._console.ale_settings.get(key, int))
 
     def setInt(self, key: str | bytes, value: int) -> None:
-        self._player.ale_settings.set(key, int, value)
+        self._console.ale_settings.set(key, int, value)
 
     def getFloat(self, key: str | bytes) -> float:
-        return float(self._player.ale_settings.get(key, float))
+        return float(self._console.ale_settings.get(key, float))
 
     def setFloat(self, key: str | bytes, value: float) -> None:
-        self._player.ale_settings.set(key, float, value)
+        self._console.ale_settings.set(key, float, value)
 
     def getBool(self, key: str | bytes) -> bool:
-        return bool(self._player.ale_settings.get(key, bool))
+        return bool(self._console.ale_settings.get(key, bool))
 
     def setBool(self, key: str | bytes, value: bool) -> None:
-        self._player.ale_settings.set(key, bool, value)
+        self._console.ale_settings.set(key, bool, value)
 
     def getString(self, key: str | bytes) -> str:
-        return str(self._player.ale_settings.get(key, str))
+        return str(self._console.ale_settings.get(key, str))
 
     def setString(self, key: str | bytes, value: str) -> None:
-        self._player.ale_settings.set(key, str, value)
+        self._console.ale_settings.set(key, str, value)
 
     @staticmethod
     def setLoggerMode(mode: Any) -> None:
@@ -324,12 +324,13 @@ def game_of_rom(rom: str | PathLike[str]) -> Game | None:
         return None
 
 
-def _filled(name: str, read: Any, buffer: ByteArray | None) -> ByteArray:
-    """A new array, or the buffer, which `read` has filled.
+def no_game() -> AleError:
+    """The error for a method that needs a game before `loadROM` was called."""
+    return AleError("no game is loaded; call loadROM first, for example with the result of roms.get_rom_path")
 
-    Raises:
-        AleBufferError: the buffer is of another kind or shape.
-    """
+
+def _filled(name: str, read: Any, buffer: ByteArray | None) -> ByteArray:
+    """A new array, or the buffer, which `read` has filled."""
     try:
         array: ByteArray = read(buffer)
     except ValueError as error:
@@ -342,12 +343,8 @@ def _filled(name: str, read: Any, buffer: ByteArray | None) -> ByteArray:
 
 
 def _choose(choose: Any, number: int) -> None:
-    """Set a mode or a difficulty.
-
-    Raises:
-        RuntimeError: the game has no such one. ale-py's tests accept no subclass.
-    """
+    """Set a mode or a difficulty."""
     try:
         choose(number)
     except ValueError as error:
-        raise RuntimeError(str(error)) from None
+        raise RuntimeError(str(error)) from None  # ale-py's tests accept no subclass

@@ -4,23 +4,24 @@ Bit-exact with ale-py: RAM, framebuffer, sound, reward, lives, ends, counters, a
 `clone_state` returns the state in memory, `snapshot` as portable bytes.
 """
 
+import functools
+import re
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from functools import lru_cache
 from os import PathLike
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from typing_extensions import Self
 
 import atari._emulator as _emulator
 from atari.base.validation import check_integer, check_poke
-from atari.cores import copies, snapshot, writes
+from atari.cores import snapshot, writes
+from atari.cores.compiled import compiled
 from atari.cores.options import SEED_LIMIT, CoreOptions, check_difficulty, check_mode
-from atari.cores.readable import with_readable_errors
+from atari.cores.snapshot import CopiedBySnapshot
 from atari.games.catalog import games
-from atari.games.compiler import CompiledRules, compile_rules
 from atari.games.game import Game
 from atari.games.interventions import Intervention
 from atari.roms import find
@@ -29,15 +30,44 @@ from atari.roms import image as rom_image
 STATE_VERSION: int = _emulator.STATE_VERSION
 """The version of the layout of saved states: `Machine` and `EnvironmentState` of the C++ headers, as in memory."""
 
-_F8_SWAPPED = {"bc24440b59092559a1ec26055fd1270e", "75ee371ccfc4f43e7d9b8f24e1266b55"}
-_NO_RULES = CompiledRules(
-    variables=4, initial=[], kept=[], outputs=[1, 3, 0, 2], step=[_emulator.END, 0], select_mode=[_emulator.END, 0]
-)
-"""The rules of a game without single-player rules: no reward, no lives, no end."""
+_Class = TypeVar("_Class", bound=type)
+
+_FAST = {"act", "act_until", "reset", "ram", "audio", "screen", "screen_rgb", "screen_grayscale", "redraw"}
+"""Methods that are called for each frame. They convert their arguments themselves, and have no wrapper."""
 
 
-@with_readable_errors
-class EmulatorCore(_emulator.Emulator):
+def _with_readable_errors(kind: _Class) -> _Class:
+    """Replace the methods that a class inherits from the extension module, except the fast ones.
+
+    If the binding refuses the number or the types of the arguments, a TypeError with one sentence says which it takes.
+    """
+    for name in dir(kind):
+        method = getattr(kind, name)
+        if not name.startswith("_") and name not in _FAST and hasattr(method, "__nb_signature__"):
+            setattr(kind, name, _readable(method))
+    return kind
+
+
+def _readable(method: Any) -> Callable[..., Any]:
+    takes = re.sub(r"\b(?:[A-Za-z_]\w*\.)+(?=[A-Za-z_])", "", method.__nb_signature__[0][0])
+    takes = re.sub(r"\\\d+", "...", takes.removeprefix("def ").partition(" -> ")[0]).replace("(self, ", "(")
+    takes = takes.replace("(self)", "()")
+
+    @functools.wraps(method)
+    def call(self: Any, *arguments: Any, **named: Any) -> Any:
+        try:
+            return method(self, *arguments, **named)
+        except TypeError as error:
+            if "incompatible function arguments" not in str(error):
+                raise
+        given = [repr(value)[:40] for value in arguments] + [f"{name}={value!r:.40}" for name, value in named.items()]
+        raise TypeError(f"the core's method is {takes}, got ({', '.join(given)})")
+
+    return call
+
+
+@_with_readable_errors
+class EmulatorCore(CopiedBySnapshot, _emulator.Emulator):
     """The emulator with checked pokes, copies, and snapshots as portable bytes; the base of our cores."""
 
     sound: bool
@@ -84,17 +114,6 @@ class EmulatorCore(_emulator.Emulator):
         core.writes = self.writes
         core.load(self.save())
         return core
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickling and copying keep the position in the game, and the writes of `Freeze` and `Poke`."""
-        return copies.save(self)
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        copies.load(self, state)
-
-    def _arguments(self) -> dict[str, Any]:
-        """The arguments that make such a core."""
-        raise NotImplementedError
 
     def _check(self, facts: dict[str, Any]) -> None:
         """Raise an error for a snapshot from which the core cannot continue."""
@@ -146,20 +165,12 @@ class NativeCore(EmulatorCore):
         rom: str | PathLike[str] | None = None,
         interventions: Sequence[Intervention] = (),
     ) -> None:
+        given = locals()
         self.game: Game = games.resolve(game)
         self.interventions = tuple(interventions)
         """The interventions that the core was made with."""
         made = writes.make_writes(self.game, self.interventions)
-        self._options = CoreOptions.check(
-            self.game,
-            repeat_action_probability=repeat_action_probability,
-            mode=mode,
-            difficulty=difficulty,
-            frame_skip=frame_skip,
-            max_num_frames_per_episode=max_num_frames_per_episode,
-            sound=sound,
-            color_averaging=color_averaging,
-        )
+        self._options = CoreOptions.check(self.game, **given)
         self.sound = self._options.sound
         self.rom = rom
         image = rom_image.read_image(find(self.game, rom))
@@ -234,55 +245,3 @@ def as_ale_reads(probability: float) -> float:
 def _usable(seed: int) -> int:
     """The seed, with 2**32 - 1 replaced by the seed below it as in `AleCore`: ale-py replaces it by the clock."""
     return min(seed, SEED_LIMIT - 2)
-
-
-@lru_cache(maxsize=128)
-def compiled(game: Game, image: bytes) -> _emulator.Game:
-    """The game for the emulator, built once and shared by all cores of the game."""
-    return make_game(
-        game,
-        image,
-        compile_rules(game.rules) if game.rules else _NO_RULES,
-        legal_actions=game.legal_actions or range(18),
-        starting_actions=game.starting_actions,
-        default_mode=game.default_mode,
-    )
-
-
-def make_game(
-    game: Game,
-    image: bytes,
-    rules: CompiledRules,
-    *,
-    legal_actions: Iterable[int],
-    starting_actions: Iterable[int],
-    default_mode: int,
-    paddle_range: tuple[int, int] | None = None,
-) -> _emulator.Game:
-    """A game for the emulator, with rules for one or for several players."""
-    controllers = game.controllers
-    switches = 0x3F | (controllers.left_difficulty == "A") << 6 | (controllers.right_difficulty == "A") << 7
-    swapped = rom_image.md5(image) in _F8_SWAPPED and not game.rom.cartridge
-    return _emulator.make_game(
-        image=image,
-        cartridge="F8 SWAPPED" if swapped else game.rom.cartridge,
-        format=game.screen.format,
-        detect_format=game.screen.format_detected,
-        first_line=game.screen.first_line,
-        height=game.screen.height,
-        hmove_blanks=game.screen.hmove_blanks,
-        paddles=(controllers.left == "paddles", controllers.right == "paddles"),
-        swap_ports=controllers.swap_ports,
-        swap_paddles=controllers.swap_paddles,
-        paddle_range=paddle_range or controllers.paddle_range or (27450, 790196),
-        power_on_switches=switches,
-        legal_actions=[int(action) for action in legal_actions],
-        starting_actions=[int(action) for action in starting_actions],
-        default_mode=default_mode,
-        variables=rules.variables,
-        initial=rules.initial,
-        kept=rules.kept,
-        outputs=rules.outputs,
-        step=rules.step,
-        select_mode=rules.select_mode,
-    )

@@ -24,8 +24,8 @@ class CoreOptions:
     color_averaging: bool = False
 
     @classmethod
-    def check(cls, game: Game, **options: Any) -> "CoreOptions":
-        """Check a user's options against the options that `game` offers."""
+    def check(cls, game: Game, /, **options: Any) -> "CoreOptions":
+        """Check a user's options against the options that `game` offers; other arguments of a core have no effect."""
         probability = options["repeat_action_probability"]
         checked = cls(
             repeat_action_probability=check_probability("repeat_action_probability", probability),

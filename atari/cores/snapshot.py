@@ -32,6 +32,7 @@ from typing import Any
 
 from atari.base import json_text
 from atari.base.magic import SNAPSHOT
+from atari.cores import writes
 
 VERSION = 1
 _DIGEST_SIZE = 16
@@ -74,6 +75,27 @@ def unpack(data: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
     return _parse(body)
 
 
+class CopiedBySnapshot:
+    """The base of cores that `pickle` and `copy` copy: a new core of the same arguments continues from a snapshot."""
+
+    snapshot: Any
+    restore: Any
+
+    def _arguments(self) -> dict[str, Any]:
+        """The arguments that make such a core."""
+        raise NotImplementedError
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Pickling and copying keep the position in the game, and the writes of `Freeze` and `Poke`."""
+        slots = writes.definitions(writes.slots(self))
+        return {"arguments": self._arguments(), "writes": slots, "snapshot": self.snapshot()}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        type(self).__init__(self, **state["arguments"])
+        writes.restore(self, state["writes"])
+        self.restore(state["snapshot"])
+
+
 def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
     """Check that a snapshot and the environment that restores it have equal facts.
 
@@ -83,7 +105,7 @@ def require(facts: Mapping[str, Any], expected: Mapping[str, Any]) -> None:
     for name, value in expected.items():
         if facts.get(name) != value:
             raise ValueError(
-                f"the snapshot was taken with {name} = {_shown(facts.get(name))}, but this environment has {value!r}; "
+                f"the snapshot was taken with {name} = {_words(facts.get(name))}, but this environment has {value!r}; "
                 "restore it into one made with the same options"
             )
 
@@ -132,11 +154,7 @@ def check_generator(state: Any, kind: type[Any]) -> Any:
 
 
 def _parse(body: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
-    """The facts and blobs in the bytes after the checksum.
-
-    Raises:
-        ValueError: the facts are not a JSON object, or the blobs do not fill the rest.
-    """
+    """The facts and blobs in the bytes after the checksum."""
     start = 4 + struct.unpack_from("<I", body)[0]
     try:
         facts = json_text.parse(body[4:start], "the snapshot", most_bytes=_MOST_FACTS, most_number=2**128)
@@ -153,7 +171,7 @@ def _parse(body: bytes) -> tuple[dict[str, Any], dict[str, bytes]]:
     return facts, blobs
 
 
-def _shown(fact: Any) -> str:
+def _words(fact: Any) -> str:
     """A fact for a message; any value but a scalar is only named, because it can be nested too deeply for `repr`."""
     return repr(fact) if fact is None or isinstance(fact, (bool, int, float, str)) else f"a {type(fact).__name__}"
 

@@ -25,7 +25,7 @@ _NUMBERS = ("lives", "game_over", "truncated", "frame_number", "episode_frame_nu
 
 
 @dataclass(frozen=True)
-class Run:
+class VerificationRun:
     """One run of the test: a game, how it is played, and the two cores.
 
     Actions are drawn from `seed`: mostly minimal actions, sometimes any of the 18, each held for up to 11 frames. With
@@ -95,7 +95,7 @@ class Step:
 class Difference:
     """The first difference of two cores: the run, the frame (from 0; -1 is before the first), and the values."""
 
-    run: Run
+    run: VerificationRun
     frame: int
     what: tuple[str, ...] = field(default=())
 
@@ -114,7 +114,7 @@ class Difference:
         return path
 
 
-def read(path: Path) -> Run:
+def read(path: Path) -> VerificationRun:
     """The run in a file that `Difference.write` wrote, up to the difference.
 
     Raises:
@@ -122,16 +122,16 @@ def read(path: Path) -> Run:
     """
     try:
         content = json_text.check_table(json_text.read(path), "it", {"run": dict, "frame": int, "what": list})
-        kinds: dict[str, Any] = {one.name: type(one.default) for one in fields(Run) if one.name != "game"}
+        kinds: dict[str, Any] = {one.name: type(one.default) for one in fields(VerificationRun) if one.name != "game"}
         kinds |= {"mode": (int, NoneType), "difficulty": (int, NoneType), "cores": list}
         options = json_text.check_table(content["run"], "its run", {"game": str}, kinds)
-        cores = [check_name("a core", core, CORES) for core in options.get("cores", Run.cores)]
-        return Run(**{**options, "cores": tuple(cores), "frames": content["frame"] + 1})
+        cores = [check_name("a core", core, CORES) for core in options.get("cores", VerificationRun.cores)]
+        return VerificationRun(**{**options, "cores": tuple(cores), "frames": content["frame"] + 1})
     except ValueError as error:
         raise ValueError(f"{path} is not a difference that `atari verify` wrote: {error}") from None
 
 
-def verify(run: Run) -> Difference | None:
+def verify(run: VerificationRun) -> Difference | None:
     """Play a run on both cores; the first difference, or None if there is none.
 
     Raises:

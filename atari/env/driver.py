@@ -125,7 +125,7 @@ class Driver(AleGame):
         self._numbers = tuple(map(int, actions))
 
     @property
-    def shown(self) -> Core:
+    def observed(self) -> Core:
         """The object that observations read: the core, or one with its methods for screen, RAM and sound."""
         return self.core if self.delayed is None else self.delayed
 

@@ -26,7 +26,7 @@ from atari.env.rendering import Window
 from atari.env.state import EnvState
 from atari.games.actions import PLAYER_ACTIONS, Action, make_action_space
 from atari.games.interventions import Intervention
-from atari.observations.settings import pixel_format
+from atari.observations.settings import observation_space, pixel_format
 from atari.roms import find
 from atari.task import Task
 from atari.task.fields import UNSET, AddedOptions, Interventions
@@ -40,7 +40,7 @@ RenderMode = Literal["human", "rgb_array", "rgb_array_list"]
 class AtariEnv(EnvState):
     """A game of the Atari 2600.
 
-    `game` is an environment ID or an `atari.Task`, which decide the whole task, or a name alone. A name has ale-py's
+    `game` is an environment ID or an `atari.Task`, which decide the whole task, or a game's name. A name has ale-py's
     defaults: those of ALE's v5 IDs without a limit of frames. `task` is the result. `AtariEnv` refuses options that
     wrappers play, such as `noops`: `atari.make` adds the wrappers.
 
@@ -106,7 +106,7 @@ class AtariEnv(EnvState):
         named = {name: value for name, value in locals().items() if name in ALE_OPTIONS and value is not UNSET}
         others = ("render_mode", "core", "rom")
         task = look_up(game).task(None, {**named, **options}, _BASE, owner="AtariEnv", others=others)
-        _require_plain(task)
+        _require_no_wrappers(task)
         check_name("core", core, CORES)
         if render_mode is not None:
             check_name("render_mode", render_mode, get_args(RenderMode))
@@ -141,7 +141,8 @@ class AtariEnv(EnvState):
         own_results = kind._get_obs is not kind.observe or kind.observe is not AtariEnv.observe
         self._calls_methods = self.sound_obs or own_results or kind._get_info is not AtariEnv._get_info
         self.action_space = make_action_space(task.action_set, self.continuous)
-        self.observation_space = self._make_observation_space()
+        seen, sound = observation_space(task), spaces.Box(0, 255, (512,), np.uint8)
+        self.observation_space = spaces.Dict({"image": seen, "sound": sound}) if self.sound_obs else seen
         self.metadata = {**self.metadata, "render_fps": max(1, round(self._steps_per_second()))}
         self._window = self._make_window()
         self._frames = []
@@ -208,7 +209,7 @@ class AtariEnv(EnvState):
         """
         driver = self.driver
         number, strength = driver.ale_action(action)
-        frames = self._frameskip if type(self._frameskip) is int else self._draw_frameskip()
+        frames = self._frameskip if isinstance(self._frameskip, int) else driver.draw(*self._frameskip)
         if self._plays_in_one_call():
             results = driver.play_step(number, strength, _PIXELS[self._obs_type], frames=frames)
             self.show()
@@ -220,9 +221,9 @@ class AtariEnv(EnvState):
 
     def observe(self) -> Any:
         """The observation of the present frame, a new array."""
-        shown = self.driver.shown
-        image = getattr(shown, KINDS[self._obs_type].method)()
-        return {"image": image, "sound": shown.audio()} if self.sound_obs else image
+        observed = self.driver.observed
+        image = getattr(observed, KINDS[self._obs_type].method)()
+        return {"image": image, "sound": observed.audio()} if self.sound_obs else image
 
     # ale-py's names, which programs read, set and override
 
@@ -384,19 +385,9 @@ class AtariEnv(EnvState):
     def _make_window(self) -> Window | None:
         return Window(self.game, self._steps_per_second()) if self.render_mode == "human" else None
 
-    def _make_observation_space(self) -> spaces.Space[Any]:
-        kind = KINDS[self._obs_type]
-        image = spaces.Box(0, 255, (*self.game.screen.shape, *kind.colours) if kind.image else (128,), np.uint8)
-        return spaces.Dict({"image": image, "sound": spaces.Box(0, 255, (512,), np.uint8)}) if self.sound_obs else image
-
     def _steps_per_second(self) -> float:
         """Steps in a second of play: the frame rate of a video with one frame for each step."""
         return 2 * self.game.screen.frame_rate / (sum(self._task.frames) - 1)
-
-    def _draw_frameskip(self) -> int:
-        if isinstance(self._frameskip, int):
-            return self._frameskip
-        return self.driver.draw(*self._frameskip)
 
     def show(self) -> None:
         """Show the present screen in the window, or keep it for `render`, as the render mode says."""
@@ -411,7 +402,7 @@ _IN_ONE_CALL = (NativeCore, PlainCore)
 """The cores that play a step by one call; a subclass may have methods of its own."""
 
 _BASE = {"max_num_frames_per_episode": None}
-"""The fields in which a game's name alone differs from ALE's v5, as in ale-py."""
+"""The fields in which a game's name differs from its v5 ID, as in ale-py."""
 
 ALE_OPTIONS = frozenset(inspect.signature(AtariEnv.__init__).parameters) - {
     "self",
@@ -449,7 +440,7 @@ def check_reset_options(options: Any) -> None:
             )
 
 
-def _require_plain(task: Task) -> None:
+def _require_no_wrappers(task: Task) -> None:
     """Refuse what an `AtariEnv` does not play alone."""
     if task.players > 1:
         raise ValueError(

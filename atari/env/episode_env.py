@@ -4,6 +4,7 @@ It plays the rules of `atari.wrappers` (no-ops, FIRE, lives, frame skip, stack, 
 lane of `AtariVectorEnv` does, on the `AtariEnv`'s own core. The nested wrappers give the same bytes, more slowly.
 """
 
+from collections.abc import Sequence
 from typing import Any
 
 import gymnasium
@@ -62,8 +63,7 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
         self.observation_space = observation_space(task)
         self._shows = self._atari.render_mode in ("human", "rgb_array_list")
         names = [] if self._atari.continuous else self._atari.get_action_meanings()
-        self._fires = [index for index, name in enumerate(names) if "FIRE" in name]
-        self._progress: Any = None  # the game, its rewards and its lives at the last comparison
+        self._waiting = WaitingCheck(self._atari, names)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode. After a lost life, the task decides whether it continues the game.
@@ -122,7 +122,7 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
         if reward := info["reward"]:
             self._count(reward)
         if game.steps % STEPS_WITHOUT_PROGRESS == 0:
-            self._warn_of_waiting(action)
+            self._waiting.warn(action)
         if result[2] or result[3]:
             core = driver.core
             if not was_over and (core.game_over or core.truncated):
@@ -171,16 +171,6 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
                 del info["episode"]
         return info
 
-    def _warn_of_waiting(self, action: Any) -> None:
-        """Warn once if rewards and lives equal those at the last check, unless the action is FIRE."""
-        game = self._atari.driver.played
-        progress = game, game.rewards, self._atari.core.lives
-        before, self._progress = self._progress, progress
-        same = before is not None and before[0] is game and before[1:] == progress[1:]
-        if same and self._fires and not any(action == fire for fire in self._fires):
-            self._fires = []
-            logger.warn(waiting(self._atari.game.id))
-
     def _make_episode(self) -> _emulator.Episode:
         atari, task = self._atari, self._task
         return make_episode(
@@ -213,6 +203,35 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
         self._episode.load(state["_episode"])
 
 
+class WaitingCheck:
+    """Warns once about a game in which nothing happens, because it may wait for FIRE.
+
+    Args:
+        atari: the environment.
+        meanings: the names of the actions, by index.
+    """
+
+    def __init__(self, atari: AtariEnv, meanings: Sequence[str]) -> None:
+        self._atari = atari
+        self._fires = [index for index, name in enumerate(meanings) if "FIRE" in name]
+        self._progress: Any = None  # the game, its rewards and its lives at the last call
+
+    def warn(self, action: Any) -> None:
+        """Warn if rewards and lives equal those `STEPS_WITHOUT_PROGRESS` steps ago, unless the action is FIRE."""
+        game = self._atari.driver.played
+        progress = game, game.rewards, self._atari.core.lives
+        before, self._progress = self._progress, progress
+        same = before is not None and before[0] is game and before[1:] == progress[1:]
+        if same and self._fires and not any(action == fire for fire in self._fires):
+            self._fires = []
+            logger.warn(
+                f"{self._atari.game.id} gave no reward and took no life for {STEPS_WITHOUT_PROGRESS} steps; it may "
+                "wait for FIRE, which the agent must press: presets press it in resets at most. With "
+                "preset='baselines', episodic_life=True, they do so after each lost life, and info['episode'] has "
+                "whole games"
+            )
+
+
 def can_play(env: Environment, task: Task) -> bool:
     """Whether an `EpisodeEnv` plays a task around an environment; otherwise wrappers of `atari.wrappers` do.
 
@@ -227,15 +246,6 @@ def can_play(env: Environment, task: Task) -> bool:
         return False  # a `DqnPreprocessing` around it needs the inner `EpisodicLife`
     shows = not atari.sound_obs and (task.kind.image is None or atari.task.kind.image is not None)
     return checks and shows and atari.task.frameskip == 1
-
-
-def waiting(game: str) -> str:
-    """The warning about a game in which nothing happens."""
-    return (
-        f"{game} gave no reward and took no life for {STEPS_WITHOUT_PROGRESS} steps; it may wait for FIRE, which the "
-        "agent must press: presets press it in resets at most. With preset='baselines', episodic_life=True, they do so "
-        "after each lost life, and info['episode'] has whole games"
-    )
 
 
 def _recorded(task: Task) -> Task | str:

@@ -6,7 +6,6 @@ compressed with zlib. The fact "task" is the task. The blob "env" is the snapsho
 without a state may differ.
 """
 
-import inspect
 import json
 import zlib
 from collections.abc import Iterator, Mapping
@@ -144,11 +143,7 @@ def _unwrapped(env: Environment) -> AtariEnv:
 
 
 def _stateful(env: Environment) -> Iterator[Environment]:
-    """The wrappers with a state, from the outside in.
-
-    Raises:
-        TypeError: a wrapper may have a state that this module does not support.
-    """
+    """The wrappers with a state, from the outside in."""
     for layer in layers(env):
         if isinstance(layer, Restorable):
             if type(layer)._save_state is not Restorable._save_state or layer._state:
@@ -209,21 +204,12 @@ def _checked_layers(saved: Any, stateful: list[Environment]) -> list[dict[str, A
             f"{', '.join(own) or 'none'}; restore it into the same wrappers"
         )
     for part, layer in zip(saved, stateful, strict=True):
-        if not _same_arguments(part.get("arguments"), arguments := _identity(layer)["arguments"], layer):
+        if part.get("arguments") != (arguments := _identity(layer)["arguments"]):
             raise ValueError(
                 f"the snapshot was taken with other arguments of {type(layer).__name__} than {arguments}; "
                 "restore it into wrappers made with the same arguments"
             )
     return [part["state"] for part in saved]
-
-
-def _same_arguments(saved: Any, own: dict[str, Any], layer: Environment) -> bool:
-    """Whether the arguments are equal; an argument that an older snapshot lacks has its default."""
-    if not isinstance(saved, dict):
-        return False
-    parameters = inspect.signature(type(layer)).parameters
-    missing = {name: parameters[name].default for name in own.keys() - saved.keys() if name in parameters}
-    return {**missing, **saved} == own
 
 
 def _state(layer: Environment, number: int, scalars: dict[str, Any], blobs: Mapping[str, bytes]) -> State:

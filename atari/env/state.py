@@ -197,7 +197,7 @@ class EnvState(gymnasium.Env[Any, Any]):
         self.whole_task = state["whole_task"]
         self.driver.restore_settings(state)
         self.driver.ale_random = state["ale_random"]
-        self.driver.actions = state.get("actions", self.driver.actions)  # earlier pickles lack it
+        self.driver.actions = state["actions"]
         self._continue(*snapshot.unpack(state["snapshot"]), self._ale_seeding()[1])
         self._np_random_seed = state["np_random_seed"]
         self.driver.restored = state["restored"]
@@ -205,11 +205,7 @@ class EnvState(gymnasium.Env[Any, Any]):
 
 
 def _read_game(values: Any) -> Played:
-    """The counts of a game in a snapshot.
-
-    Raises:
-        ValueError: they are none.
-    """
+    """The counts of a game in a snapshot."""
     kinds = [type(value) for value in values] if isinstance(values, list) else []
     if kinds != [float, int, int] or min(values[1:]) < 0:
         raise ValueError(f"the snapshot is damaged: a game's score, steps and first frame cannot be {values!r}")

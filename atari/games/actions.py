@@ -90,6 +90,14 @@ def actions_by_motion() -> NDArray[np.int64]:
 _ACTIONS_BY_MOTION = actions_by_motion()
 
 
+def nearest_action(vertical: int, horizontal: int, fire: bool, legal: Sequence[Action]) -> Action | None:
+    """The legal action with the most of a stick's position, -1..1 each, and of the button; None if none has any."""
+    wanted = [(vertical, horizontal, fire), (vertical, horizontal, False), (0, horizontal, fire), (vertical, 0, fire)]
+    wanted += [(0, 0, fire), (0, horizontal, False), (vertical, 0, False), (0, 0, False)]
+    actions = (Action(_ACTIONS_BY_MOTION[1 + x, 1 + y, int(pressed)]) for y, x, pressed in wanted)
+    return next((action for action in actions if action in legal), None)
+
+
 def in_continuous_space(radius: Any, angle: Any, fire: Any) -> Any:
     """Whether a continuous action is in its space: radius and fire 0..1, angle -pi..pi; NaN is not."""
     pi = np.float32(np.pi)

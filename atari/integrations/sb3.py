@@ -27,6 +27,7 @@ from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.task import Task
 from atari.task.task import GameLike
 from atari.vector.env import AtariVectorEnv
+from atari.vector.results import indexed
 
 try:
     from stable_baselines3.common.monitor import Monitor
@@ -115,7 +116,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         self._reset_seeds()
         self._reset_options()
         self.reset_infos = _split(info)
-        return _shown(observation)
+        return _as_sb3(observation)
 
     def step_async(self, actions: Any) -> None:
         """Begin a step; it raises the errors of `AtariVectorEnv.send`.
@@ -131,7 +132,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         played = self._atari.recv() if self.vector is self._atari else self.vector.step(self._actions)
         observation, rewards, terminations, truncations, info = played
         dones = terminations | truncations
-        shown, infos = _shown(observation), _split(info)
+        shown, infos = _as_sb3(observation), _split(info)
         for one, truncated in zip(infos, (truncations & ~terminations).tolist(), strict=True):
             one["TimeLimit.truncated"] = truncated
         if dones.any():
@@ -139,11 +140,11 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         return shown, np.float32(rewards), dones, infos
 
     def _note_ends(self, dones: Any, info: dict[str, Any], shown: Any, infos: list[dict[str, Any]]) -> None:
-        final = _shown(info["final_obs"])
+        final = _as_sb3(info["final_obs"])
         for index in np.flatnonzero(dones).tolist():
             # With `life_loss_info` an episode continues after a termination.
             source = final if info["_final_obs"][index] else shown
-            infos[index]["terminal_observation"] = _row(source, index)
+            infos[index]["terminal_observation"] = indexed(source, index)
         seconds = round(time.time() - self._made_at, 6)
         for games in (info, info["final_info"]):  # The step's game replaces one that ended inside the reset after it.
             for index in np.flatnonzero(games.get("_episode", ())).tolist():
@@ -224,14 +225,13 @@ def _called_by(kind: type[Any], frame: FrameType | None) -> bool:
 
 
 def _split(info: dict[str, Any]) -> list[dict[str, Any]]:
-    """The info of each environment."""
     names = [name for name in ("lives", "frame_number", "episode_frame_number", "action_mask") if name in info]
     columns = [list(info[name]) if name == "action_mask" else info[name].tolist() for name in names]
     return [dict(zip(names, values, strict=True)) for values in zip(*columns, strict=True)]
 
 
 def _channels_first(space: spaces.Space[Any]) -> spaces.Space[Any]:
-    """The space of the observations that `_shown` returns."""
+    """The space of the observations that `_as_sb3` returns."""
     if isinstance(space, spaces.Dict):
         return spaces.Dict({name: _channels_first(part) for name, part in space.spaces.items()})
     shape = space.shape or ()
@@ -241,21 +241,15 @@ def _channels_first(space: spaces.Space[Any]) -> spaces.Space[Any]:
     return spaces.Box(0, 255, (stack * colours, height, width), np.uint8)
 
 
-def _shown(observation: Any) -> Any:
+def _as_sb3(observation: Any) -> Any:
     """Observations in Stable-Baselines3's form: RGB copied, with stack and channels in one first axis."""
     if isinstance(observation, dict):
-        return {name: _shown(part) for name, part in observation.items()}
+        return {name: _as_sb3(part) for name, part in observation.items()}
     if observation.ndim != 5:
         # With channels last, the networks then compute in the same order as with Stable-Baselines3's own environments.
         return np.ascontiguousarray(observation)
     count, stack, height, width, colours = observation.shape
     return observation.transpose(0, 1, 4, 2, 3).reshape(count, stack * colours, height, width)
-
-
-def _row(observation: Any, index: int) -> Any:
-    if isinstance(observation, dict):
-        return {name: part[index] for name, part in observation.items()}
-    return observation[index]
 
 
 class _Recorder(VecEnvWrapper):  # type: ignore[misc]

@@ -57,7 +57,7 @@ class TorchEnvs:
         if options and isinstance(options.get("reset_mask"), torch.Tensor):
             options = {**options, "reset_mask": options["reset_mask"].cpu().numpy()}
         observation, info = self.envs.reset(seed=seed, options=options)
-        return self._shown(observation), self._shown_info(info)
+        return self._as_tensors(observation), self._info_as_tensors(info)
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Play a step.
@@ -81,8 +81,8 @@ class TorchEnvs:
     def recv(self) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Wait for a batch of results, in the form of `step`."""
         *parts, info = self.envs.recv()
-        observation, reward, terminated, truncated = map(self._shown, parts)
-        return observation, reward, terminated, truncated, self._shown_info(info)
+        observation, reward, terminated, truncated = map(self._as_tensors, parts)
+        return observation, reward, terminated, truncated, self._info_as_tensors(info)
 
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy has a copy of the vector environment, and memory of its own."""
@@ -114,11 +114,11 @@ class TorchEnvs:
         }
         return arrays.get("", arrays)
 
-    def _shown(self, arrays: Any) -> Any:
+    def _as_tensors(self, arrays: Any) -> Any:
         return to_torch(arrays) if self._copies is None else self._copies.of(arrays)
 
-    def _shown_info(self, info: dict[str, Any]) -> dict[str, Any]:
-        final = {"final_obs": self._shown(info["final_obs"])} if "final_obs" in info else {}
+    def _info_as_tensors(self, info: dict[str, Any]) -> dict[str, Any]:
+        final = {"final_obs": self._as_tensors(info["final_obs"])} if "final_obs" in info else {}
         return {**to_torch({name: part for name, part in info.items() if name not in final}), **final}
 
 

@@ -90,11 +90,11 @@ class AtariTorchRLEnv(EnvBase):
             options = None
         seed, self._seed_of_reset = (self._seed_of_reset, None) if options is None else (None, self._seed_of_reset)
         observation, info = self._view.reset(seed=seed, options=options)
-        return TensorDict(self._shown(observation, info), self.batch_size, self.device)
+        return TensorDict(self._entries(observation, info), self.batch_size, self.device)
 
     def _step(self, tensordict: Any) -> Any:
         observation, reward, terminated, truncated, info = self._view.step(tensordict["action"])
-        values = self._shown(observation, info)
+        values = self._entries(observation, info)
         values["reward"] = reward.to(torch.float32).unsqueeze(-1)
         values["terminated"], values["truncated"] = terminated.unsqueeze(-1), truncated.unsqueeze(-1)
         values["done"] = values["terminated"] | values["truncated"]
@@ -109,7 +109,7 @@ class AtariTorchRLEnv(EnvBase):
         self._view.close()
         super().close(**arguments)
 
-    def _shown(self, observation: Any, info: dict[str, Any]) -> dict[str, Any]:
+    def _entries(self, observation: Any, info: dict[str, Any]) -> dict[str, Any]:
         parts = observation if isinstance(observation, dict) else {"observation": observation}
         return {**parts, "lives": info["lives"].to(self.device)}
 

@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.cores import ByteArray
-from atari.lab.history import RAM_BYTES
 
 IntArray = npt.NDArray[np.int64]
+
+RAM_BYTES = 128
 
 STRIDES = (1, -1, 2, -2)
 """Distances from the byte of the lowest digits of a number to the next."""

@@ -16,8 +16,7 @@ from atari.env.restorable import Restorable
 from atari.games.game import Game
 from atari.lab import atari_ari
 from atari.lab.labels import Labels, unknown_label
-from atari.recording.vectors import is_vector
-from atari.vector import AtariVectorEnv
+from atari.vector.env import AtariVectorEnv, is_vector
 
 Names = Literal["game", "atari_ari"]
 

@@ -12,8 +12,7 @@ from atari.base.validation import check_arguments, check_name
 from atari.env import AtariEnv
 from atari.env.restorable import Restorable
 from atari.lab.ram import Ram
-from atari.recording.vectors import is_vector
-from atari.vector import AtariVectorEnv
+from atari.vector.env import AtariVectorEnv, is_vector
 
 Each: TypeAlias = Literal["step", "frame"]
 OnChange: TypeAlias = Callable[[str | int, Any, Any], object]

@@ -15,7 +15,7 @@ import gymnasium
 
 from atari.base.notebook import image, png
 from atari.lab.inspector import export, protocol
-from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
+from atari.lab.inspector.inspection import FRAMES_PER_SECOND, Inspection
 
 _MODULES = ("dom.js", "screen.js", "bytes.js", "panels.js", "touch.js", "inspector.js", "widget.js")
 
@@ -28,36 +28,36 @@ def show(env: gymnasium.Env[Any, Any], *, agent: Any = None) -> Any:
 
     Args:
         env: an `AtariEnv` in any wrappers; wrappers do not see the frames that are played here.
-        agent: an agent that plays instead of a person; see `atari.lab.inspector.session.Agent`.
+        agent: an agent that plays instead of a person; see `atari.lab.inspector.inspection.Agent`.
 
     Returns:
-        An object that the notebook shows. Its `session` is the `Session`, its `export(folder)` writes labels,
+        An object that the notebook shows. Its `inspection` is the `Inspection`, its `export(folder)` writes labels,
         interventions and the replay.
 
     Raises:
         TypeError: `env` is no `AtariEnv`.
     """
-    session = Session(env, agent=agent)
+    inspection = Inspection(env, agent=agent)
     made = _widget_class()
-    return StaticInspector(session) if made is None else made(session)
+    return StaticInspector(inspection) if made is None else made(inspection)
 
 
 class StaticInspector:
-    """A picture of the present state of a session: the screen, and the bytes with their names."""
+    """A picture of the present state of an inspection: the screen, and the bytes with their names."""
 
-    def __init__(self, session: Session) -> None:
-        self.session = session
+    def __init__(self, inspection: Inspection) -> None:
+        self.inspection = inspection
 
     def export(self, folder: str | Path) -> list[Path]:
-        """Write the session's labels, interventions and replay into a folder; see `export_all`."""
-        return export_all(self.session, Path(folder))
+        """Write the inspection's labels, interventions and replay into a folder; see `export_all`."""
+        return export_all(self.inspection, Path(folder))
 
     def _repr_html_(self) -> str:
-        return static_html(self.session)
+        return static_html(self.inspection)
 
 
-def export_all(session: Session, folder: Path) -> list[Path]:
-    """Write the session's labels, interventions and replay, if it has them, into a folder, and return the files.
+def export_all(inspection: Inspection, folder: Path) -> list[Path]:
+    """Write the inspection's labels, interventions and replay, if it has them, into a folder, and return the files.
 
     Raises:
         OSError: a file cannot be written.
@@ -65,16 +65,16 @@ def export_all(session: Session, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     for name in export.NAMES:
-        path = folder / (f"{session.game.id}.a26r" if name == "replay.a26r" else f"{session.game.id}-{name}")
+        path = folder / (f"{inspection.game.id}.a26r" if name == "replay.a26r" else f"{inspection.game.id}-{name}")
         with contextlib.suppress(ValueError):  # nothing to export
-            export.write(session, name, path)
+            export.write(inspection, name, path)
             files.append(path)
     return files
 
 
-def static_html(session: Session) -> str:
+def static_html(inspection: Inspection) -> str:
     """The screen as a picture and the RAM as a table, without scripts."""
-    core = session.shown.core
+    core = inspection.active.core
     ram = core.ram()
     cell = "padding:1px 4px;text-align:center;font:12px monospace"
     columns = "".join(f'<th style="{cell};opacity:.6">{column:X}</th>' for column in range(16))
@@ -82,17 +82,18 @@ def static_html(session: Session) -> str:
     for row in range(0, 128, 16):
         cells = [f'<th style="{cell};opacity:.6">{128 + row:02X}</th>']
         for index in range(row, row + 16):
-            name = session.names.get(index) or next(iter(session.readings.names.get(index, ())), "")
+            name = inspection.names.get(index) or next(iter(inspection.readings.names.get(index, ())), "")
             title = html.escape(f"byte {index}: {name}" if name else f"byte {index}", quote=True)
             weight = ";font-weight:bold" if name else ""
             cells.append(f'<td style="{cell}{weight}" title="{title}">{ram[index]:02X}</td>')
         rows.append(f"<tr>{''.join(cells)}</tr>")
-    height, width = session.game.screen.shape
-    alternative = f"the screen of {session.game.title}"
+    height, width = inspection.game.screen.shape
+    alternative = f"the screen of {inspection.game.title}"
     screen = image(png(core.screen_rgb()), alternative, width=2 * width, height=height)
     return (
         f'<div style="display:flex;flex-wrap:wrap;gap:16px">{screen}<table>{"".join(rows)}</table></div>'
-        f"<p>{html.escape(session.game.title)}, frame {session.at}, score {session.main.score}, lives {core.lives}</p>"
+        f"<p>{html.escape(inspection.game.title)}, frame {inspection.at}, score {inspection.main.score}, "
+        f"lives {core.lives}</p>"
     )
 
 
@@ -107,7 +108,7 @@ def bundle() -> str:
     return re.sub(r"^export (?!default)", "", text, flags=re.MULTILINE)
 
 
-def _widget_class() -> "Callable[[Session], Any] | None":
+def _widget_class() -> "Callable[[Inspection], Any] | None":
     """The class of the widget, or None without anywidget."""
     try:
         import anywidget
@@ -121,53 +122,53 @@ def _widget_class() -> "Callable[[Session], Any] | None":
         _esm = bundle()
         _css = (static / "inspector.css").read_text(encoding="utf-8")
 
-        def __init__(self, session: Session) -> None:
+        def __init__(self, inspection: Inspection) -> None:
             super().__init__()
-            self.session = session
+            self.inspection = inspection
             self._players: asyncio.Task[None] | None = None
             self._known_state = ""  # the state that the front end has
             self.on_msg(self._receive)
 
         def export(self, folder: str | Path) -> list[Path]:
-            """Write the session's labels, interventions and replay into a folder; see `export_all`."""
-            return export_all(self.session, Path(folder))
+            """Write the inspection's labels, interventions and replay into a folder; see `export_all`."""
+            return export_all(self.inspection, Path(folder))
 
         def _repr_mimebundle_(self, **options: Any) -> Any:
             shown = super()._repr_mimebundle_(**options)
             data, *metadata = shown if isinstance(shown, tuple) else (shown or {},)
-            data = {**data, "text/html": static_html(self.session)}
+            data = {**data, "text/html": static_html(self.inspection)}
             return (data, *metadata) if metadata else data
 
         def _receive(self, widget: Any, message: Any, buffers: Any) -> None:
             """Run a message of the front end: its first, or a command."""
             if isinstance(message, dict) and message.get("do") == "open":
-                self.send(protocol.hello(self.session))
+                self.send(protocol.hello(self.inspection))
                 self._known_state = ""
                 self._show()
                 return
-            for answer in protocol.run(self.session, json.dumps(message)):
+            for answer in protocol.run(self.inspection, json.dumps(message)):
                 self.send(answer)
             self._show()
-            if self.session.playing and (self._players is None or self._players.done()):
+            if self.inspection.playing and (self._players is None or self._players.done()):
                 self._players = asyncio.get_event_loop().create_task(self._play())
 
         async def _play(self) -> None:
             before = time.perf_counter()
-            while self.session.playing:
+            while self.inspection.playing:
                 await asyncio.sleep(1 / FRAMES_PER_SECOND)
                 now = time.perf_counter()
-                self.session.tick(now - before)
+                self.inspection.tick(now - before)
                 before = now
                 self._show()
 
         def _show(self) -> None:
             try:
-                self.send({"frame": 1}, [protocol.frame(self.session)])
-                self._known_state, messages = protocol.news(self.session, self._known_state)
+                self.send({"frame": 1}, [protocol.frame(self.inspection)])
+                self._known_state, messages = protocol.news(self.inspection, self._known_state)
                 for message in messages:
                     self.send(message)
             except Exception as error:
-                self.session.fail(error)
-                self.send({"error": self.session.error})
+                self.inspection.fail(error)
+                self.send({"error": self.inspection.error})
 
     return InspectorWidget

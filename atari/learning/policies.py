@@ -23,9 +23,9 @@ from atari.policy import (
     LoadedPolicy,
     Policy,
     ScoresPolicy,
+    describe,
     is_network,
     makes_policy,
-    show,
     takes_lanes,
 )
 
@@ -330,7 +330,7 @@ def _network(module: Any, name: str, sample: bool, **facts: Any) -> ScoresPolicy
         if isinstance(observations, dict):
             return {key: tensors(value) for key, value in observations.items()}
         if not isinstance(observations, np.ndarray) or observations.dtype.kind not in "biuf":
-            got = show(observations) if isinstance(observations, np.ndarray) else type(observations).__name__
+            got = describe(observations) if isinstance(observations, np.ndarray) else type(observations).__name__
             raise TypeError(
                 f"{facts['name']} takes observations as a NumPy array of numbers, or a dict of them, got {got}"
             )
@@ -361,7 +361,7 @@ def _network(module: Any, name: str, sample: bool, **facts: Any) -> ScoresPolicy
 def _failed(name: str, observations: Any, error: Exception) -> ValueError:
     """The error of a network that cannot be computed on the observations."""
     return ValueError(
-        f"{name} cannot be computed on observations {show(observations)}: {_first_line(error)}; a network takes "
+        f"{name} cannot be computed on observations {describe(observations)}: {_first_line(error)}; a network takes "
         "observations as its task or environment says, and divides them by 255 itself"
     )
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import atari._emulator as _emulator
 from atari.base.validation import AleError
 from atari.cores import ByteArray
-from atari.cores.ale_interface import AleInterface, AleSettings, game_of_rom
+from atari.cores.ale_interface import AleConsole, AleInterface, AleSettings, game_of_rom, no_game
 from atari.games.players import choose_mode, rules_of
 from atari.multiplayer.core import MultiplayerCore
 
@@ -40,15 +40,15 @@ class MultiplayerAle(AleInterface):
 
     Logger = Logger
 
-    _player: "Console"
+    _console: "Console"
 
-    def __init__(self, player: "Console") -> None:
-        super().__init__(player)
+    def __init__(self, console: "Console") -> None:
+        super().__init__(console)
         self._saved: list[Any] = []
 
     @property
     def _core(self) -> Any:  # a MultiplayerCore, or one that is recorded
-        return self._player.emulated
+        return self._console.emulated
 
     def act(self, action: Sequence[int] | npt.NDArray[Any]) -> Integers:  # type: ignore[override]
         return np.array(self._core.act_players([*action]), np.int32)
@@ -188,7 +188,7 @@ class ALEInterface(MultiplayerAle):
             raise AleError(
                 f"{rom} is the ROM of no game of several players; atari.ale_py.ALEInterface plays the games of one"
             )
-        self._player.load(MultiplayerCore(game, rom=rom))
+        self._console.load(MultiplayerCore(game, rom=rom))
 
     def setMode(self, mode: int) -> None:
         """Play this mode from the next reset on; a game of another number of players is loaded at once."""
@@ -200,11 +200,11 @@ class ALEInterface(MultiplayerAle):
         if players == core.players:
             super().setMode(mode)
         else:
-            self._player.load(MultiplayerCore(core.game, rom=core.rom, mode=mode))
+            self._console.load(MultiplayerCore(core.game, rom=core.rom, mode=mode))
 
 
-class Console:
-    """The player of a `MultiplayerAle`: the core of an owner, and the settings for its next load.
+class Console(AleConsole):
+    """The console of a `MultiplayerAle`: the core of an owner, and the settings for its next load.
 
     Args:
         owner: an object with a `core`, such as a `MultiplayerEnv`.
@@ -221,7 +221,7 @@ class Console:
     def emulated(self) -> Any:
         """The core, which may be a recorded one."""
         if self._owner.core is None:
-            raise AleError("no game is loaded; call loadROM first, for example with the result of roms.get_rom_path")
+            raise no_game()
         return self._owner.core
 
     def load_game(self) -> None:
@@ -246,13 +246,6 @@ class Console:
         core.seed(self.ale_settings.seed())
         self._owner.core, self._loaded, self.ale_settings.stale = core, wanted, False
 
-    def game_was_reset(self) -> None:
-        """Nothing is counted."""
-
-    def restore_state(self, state: Any) -> None:
-        """Continue from a state."""
-        self.emulated.restore_state(state)
-
 
 _NEW = AleSettings(repeat_action_probability=0.0).core_options()
 """The settings of a new `MultiplayerCore`."""
@@ -271,11 +264,7 @@ _WITHOUT = {
 
 
 def _fill(values: ByteArray, buffer: ByteArray | None) -> ByteArray:
-    """The values, or the buffer, which is filled with them.
-
-    Raises:
-        TypeError, ValueError: the buffer is no uint8 array, or has another size.
-    """
+    """The values, or the buffer, which is filled with them."""
     if buffer is None:
         return np.array(values)
     if not isinstance(buffer, np.ndarray) or buffer.dtype != np.uint8:

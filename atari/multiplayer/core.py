@@ -9,9 +9,9 @@ from typing import Any, ClassVar, Literal
 import atari._emulator as _emulator
 from atari.base.validation import check_integer, check_name
 from atari.cores import writes
+from atari.cores.compiled import compiled_for_players
 from atari.cores.native import STATE_VERSION, EmulatorCore, as_ale_reads
 from atari.cores.options import SEED_LIMIT
-from atari.cores.players import compiled_for_players
 from atari.games.game import Game
 from atari.games.multiplayer import Multiplayer
 from atari.games.players import choose_mode, rules_of
@@ -51,7 +51,7 @@ class MultiplayerCore(EmulatorCore):
 
     Args:
         game: PettingZoo's name ("pong_v3") or a game's, an environment ID, the path of a game file, a `Game`, or a
-            `Task`. A name, a file or a `Game` alone is played without sticky actions, frame skip and limit.
+            `Task`. A name, a file or a `Game` is played without sticky actions, frame skip and limit.
         seed: for RAM, the timer and sticky actions, 0 .. 2**32 - 1.
         parameters: numbers that the rules use, for example {"max_turn_time": 0}.
         corrected_scores: use the true score if a rule of Multi-Agent-ALE reads a wrong byte (flag_capture); the other

@@ -1,8 +1,7 @@
 """`MultiplayerEnv`: a task of two to four players as a parallel environment of PettingZoo."""
 
 import copy
-from collections.abc import Callable, Mapping, Sequence
-from operator import itemgetter
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any
 
@@ -28,7 +27,7 @@ from atari.task import Task
 from atari.task.checks import NO_LIMIT
 from atari.task.storage import identity, require_same
 from atari.task.task import GameLike
-from atari.vector.results import zero_sum
+from atari.vector.results import indexed, zero_sum
 from atari.vector.seeds import words_of
 
 AGENTS = ("first_0", "second_0", "third_0", "fourth_0")
@@ -48,7 +47,7 @@ Infos = dict[str, dict[str, Any]]
 class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
     """All agents act in each step. Without `agent_indicator`, they see the same observation.
 
-    A name alone, without a preset, has the spaces, rewards, ends and infos of PettingZoo's Atari environments. Any task
+    A name without a preset has the spaces, rewards, ends and infos of PettingZoo's Atari environments. Any task
     for several players is played like in `AtariVectorEnv`, with the channels of images last. `parallel_env` and `env`
     put PettingZoo's checks around this fast class.
 
@@ -270,11 +269,7 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
         return make_episode(self._task, idle=idle, seed=seed)
 
     def _continued(self, state: bytes) -> _emulator.Episode:
-        """A new episode of the task in the state of another.
-
-        Raises:
-            ValueError: the task is another.
-        """
+        """A new episode of the task in the state of another."""
         episode = self._make_episode()
         episode.load(state)
         return episode
@@ -293,11 +288,10 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
 
     def _seen_by(self, agents: Sequence[str], observation: Any) -> dict[str, Any]:
         """The observation of each agent, from one of the engine."""
-        batch = _changed(observation, lambda part: part[None])
-        seen = _changed(self._layout.apply(batch), itemgetter(0))
+        seen = indexed(self._layout.apply(indexed(observation, np.newaxis)), 0)
         if not self._task.agent_indicator:
             return dict.fromkeys(agents, seen)
-        return {agent: _changed(seen, itemgetter(self.possible_agents.index(agent))) for agent in agents}
+        return {agent: indexed(seen, self.possible_agents.index(agent)) for agent in agents}
 
 
 def _largest(probability: Any) -> float:
@@ -307,13 +301,6 @@ def _largest(probability: Any) -> float:
 
 def _checked(seed: Any) -> int:
     return check_integer("seed", seed, 0, 2**63 - 1)
-
-
-def _changed(observation: Any, change: Callable[[Any], Any]) -> Any:
-    """An observation, which may be a dict, with each array changed."""
-    if isinstance(observation, dict):
-        return {name: change(part) for name, part in observation.items()}
-    return change(observation)
 
 
 def _space(observation: Any) -> spaces.Space[Any]:

@@ -8,8 +8,8 @@ import numpy as np
 from gymnasium import spaces
 
 import atari._emulator as _emulator
+from atari.cores.compiled import reward_formula
 from atari.cores.native import as_ale_reads
-from atari.cores.rewards import reward_formula
 from atari.games.actions import Action
 from atari.task import Task
 from atari.task.kinds import Kind

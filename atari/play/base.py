@@ -56,7 +56,7 @@ class BaseSession(ABC):
     @property
     @abstractmethod
     def minimal_actions(self) -> tuple[Action, ...]:
-        """The actions that have an effect in the game, see `atari.play.first_screen`."""
+        """The actions that have an effect in the game, see `atari.play.controls.first_screen`."""
 
     @property
     @abstractmethod

@@ -1,12 +1,12 @@
-"""`Controls`: keys and gamepads as actions (while held) and commands (when pressed)."""
+"""`Controls`: keys and gamepads as actions (while held) and commands (when pressed); `first_screen` names the keys."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import Enum
 from typing import Any
 
-from atari.games.actions import PLAYER_ACTIONS, Action
+from atari.games.actions import Action, nearest_action
+from atari.games.game import Game
 
-_ACTIONS = {(action.vertical, action.horizontal, action.fire): action for action in PLAYER_ACTIONS}
 _AXIS_LIMIT = 0.5  # a part of a gamepad stick's full range
 
 _ONE_PLAYER = """\
@@ -72,6 +72,9 @@ RIGHT_KEYS: Keys = {
 }  # fmt: skip
 NO_KEYS: Keys = {}
 
+_STICK = {Action.UP: ("up",), Action.DOWN: ("down",), Action.LEFT: ("left",), Action.RIGHT: ("right",)}
+_PADDLE = {Action.RIGHT: ("right", "up"), Action.LEFT: ("left", "down")}
+
 
 class Controls:
     """The keys, axes and buttons that one player holds, from pygame's events.
@@ -132,10 +135,9 @@ class Controls:
         if self._paddle:
             vertical, horizontal = 0, (horizontal + vertical > 0) - (horizontal + vertical < 0)
         fire = "fire" in held or any(name.startswith("button ") for name in self._held)
-        wanted = [(vertical, horizontal, fire), (vertical, horizontal, False), (0, horizontal, fire)]
-        wanted += [(vertical, 0, fire), (0, 0, fire), (0, horizontal, False), (vertical, 0, False), (0, 0, False)]
         allowed = tuple(legal)
-        return next((_ACTIONS[motion] for motion in wanted if _ACTIONS[motion] in allowed), allowed[0])
+        found = nearest_action(vertical, horizontal, fire, allowed)
+        return allowed[0] if found is None else found
 
     def release(self) -> None:
         """Release all keys, axes and buttons."""
@@ -204,3 +206,35 @@ class SharedControls(Controls):
         """The action of each player, see `Controls.action`."""
         allowed = tuple(legal)
         return [seat.action(allowed) for seat in self._seats.values()]
+
+
+def first_screen(game: Game, actions: Sequence[Action], layouts: Mapping[int, Keys]) -> str:
+    """The lines over the first screen.
+
+    Args:
+        game: the game.
+        actions: its minimal actions. Their directions and FIRE are what the game uses; a paddle turns right and left.
+        layouts: the keys of each human player, see `SharedControls`.
+    """
+    lines = [game.title]
+    for player, keys in layouts.items():
+        used = [*_used(keys, actions, game.controllers.paddles)] if keys else ["a gamepad"]
+        lines += used if len(layouts) == 1 else [f"player {player}   {'   '.join(used)}"]
+    return "\n".join([*lines, "press a key to begin, or H to see all keys"])
+
+
+def _used(keys: Keys, actions: Sequence[Action], paddles: bool) -> Iterator[str]:
+    """The keys that a player of a game uses, with their actions."""
+    for direction, sides in (_PADDLE if paddles else _STICK).items():
+        if paddles or any(direction.name in action.name for action in actions):
+            with_fire = Action[f"{direction.name}FIRE"]
+            only_with_fire = direction not in actions and with_fire in actions
+            names = _names([key for side in sides for key in keys[side]])
+            yield f"{names} with FIRE: {with_fire.name}" if only_with_fire else f"{names}: {direction.name}"
+    fires = any(action.fire for action in actions)
+    yield f"{_names(keys['fire'])}: FIRE" if fires else "this game does not use FIRE"
+
+
+def _names(keys: Sequence[str]) -> str:
+    arrows = ("up", "down", "left", "right")
+    return ", ".join(f"{key} arrow" if key in arrows else key.upper() if len(key) == 1 else key for key in keys)

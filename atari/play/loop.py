@@ -1,4 +1,4 @@
-"""`play`: the main loop of a game in a window, at the console's speed."""
+"""`play` and `show_replay`: the main loop of a game or of a replay in a window, at the console's speed."""
 
 import time
 from collections.abc import Callable
@@ -7,10 +7,10 @@ from typing import Any
 import gymnasium
 
 from atari.play.base import BaseSession
-from atari.play.controls import Command, SharedControls
-from atari.play.first_screen import first_screen
+from atari.play.controls import Command, SharedControls, first_screen
 from atari.play.speaker import Speaker
 from atari.play.window import GameWindow, start_pygame
+from atari.recording import Replay
 from atari.recording.video.writer import frame_rate
 
 _MESSAGE_SECONDS = 2.0
@@ -59,6 +59,35 @@ def play(session: BaseSession, *, scale: int = 3, sound: bool = True, full_scree
         if speaker is not None:
             speaker.close()
         window.close()
+
+
+def show_replay(replay: Replay, *, scale: int = 3, sound: bool = True) -> bool:
+    """Show a replay until its end, a closed window or the Escape key; returns whether it reached its end.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.
+        gymnasium.error.Error: there is no display.
+    """
+    pygame = start_pygame()
+    window = GameWindow(pygame, replay.game, scale)
+    rate = float(frame_rate(replay.game))
+    speaker = Speaker(pygame, rate) if sound else None
+    pacer, score = Pacer(rate), 0
+    try:
+        for frame in replay.frames(sound=sound):
+            for event in pygame.event.get():
+                if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):
+                    return False
+            score += frame.reward
+            window.show(frame.screen, f"{replay.game.title}: {score:,}")
+            if speaker is not None:
+                speaker.play(frame.audio)
+            pacer.wait()
+    finally:
+        if speaker is not None:
+            speaker.close()
+        window.close()
+    return True
 
 
 class Loop:

@@ -57,10 +57,10 @@ class Policy(Protocol):
         """
 
 
-def show(observations: Any) -> str:
+def describe(observations: Any) -> str:
     """The dtype and shape of observations, for errors."""
     if isinstance(observations, Mapping):
-        return ", ".join(f"{key} {show(value)}" for key, value in observations.items())
+        return ", ".join(f"{key} {describe(value)}" for key, value in observations.items())
     return f"{observations.dtype} {tuple(observations.shape)}"
 
 
@@ -214,9 +214,9 @@ class Accepted:
         if not isinstance(observations, np.ndarray):
             raise TypeError(f"{wanted}, a NumPy array, got {type(observations).__name__}; {_CAUSE}")
         if observations.dtype != self.dtype if self.dtype else observations.dtype.kind not in "biuf":
-            raise TypeError(f"{wanted}, got {show(observations)}; {_CAUSE}")
+            raise TypeError(f"{wanted}, got {describe(observations)}; {_CAUSE}")
         if observations.shape not in [(count, *shape) for shape in self.shapes]:
-            raise ValueError(f"{wanted}, got {show(observations)}; {_CAUSE}")
+            raise ValueError(f"{wanted}, got {describe(observations)}; {_CAUSE}")
 
 
 _CAUSE = "make the environment with the policy's task or environment, and give a row for each lane"

@@ -111,7 +111,7 @@ def changed_options(replay: Replay, obs_type: DatasetObsType | None, image: ObsT
 
 
 @dataclass
-class _Episode:
+class _EpisodeSteps:
     """The collected steps of one episode."""
 
     env: gymnasium.Env[Any, Any]
@@ -164,12 +164,12 @@ class _Episode:
 
 
 def _of_replay(replay: Replay, env: gymnasium.Env[Any, Any]) -> Iterator[EpisodeArrays]:
-    episode = _Episode(env)
+    episode = _EpisodeSteps(env)
     for event, calls in replay.walk(episode.atari.core):
         if event.kind in _JUMPS and episode.rewards:
             yield episode.arrays()
         if event.kind in _JUMPS:
-            episode = _Episode(env)
+            episode = _EpisodeSteps(env)
         if event.ends_step and not episode.rewards:
             episode.see_first()
         episode.reward += sum(call.reward for call in calls)

@@ -55,7 +55,9 @@ def make(game_or_id: GameLike, *, preset: str | None = None, **options: Unpack[M
         if env_id not in known_ids():
             raise env_ids.not_found(game_or_id, known_ids())
         if env_id not in env_ids.ids() and not is_ours(gymnasium.registry[env_id].entry_point):
-            return _make_other(env_id, preset, options)
+            if preset is not None:
+                raise ValueError(f"a preset is for Atari games, and {env_id!r} is none; make it without {preset=}")
+            return gymnasium.make(env_id, **options)
     known = ("preset", *OPTIONS, *ALIASES, *_RUN_OPTIONS, *_options_of_gymnasium())
     check_known("atari.make", [name for name in options if name not in known], known)
     fields = {name: value for name, value in options.items() if name in OPTIONS or name in ALIASES}
@@ -75,14 +77,14 @@ def make_found(found: FoundGame, task: Task, options: dict[str, Any]) -> Env:
     if task.preprocessed:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
-        env = wrap(_make_plain(task.of_emulator(), env_id, options), task)
+        env = wrap(_make_unwrapped(task.of_emulator(), env_id, options), task)
     else:
-        env = _make_plain(task, env_id, options)
+        env = _make_unwrapped(task, env_id, options)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
 
 
-def _make_plain(task: Task, env_id: str | None, options: dict[str, Any]) -> Env:
+def _make_unwrapped(task: Task, env_id: str | None, options: dict[str, Any]) -> Env:
     """An environment without wrappers of this package, made by Gymnasium, by its ID if it has one."""
     limit = task.max_episode_steps
     limited: dict[str, Any] = {} if limit is None else {"max_episode_steps": limit}
@@ -92,13 +94,6 @@ def _make_plain(task: Task, env_id: str | None, options: dict[str, Any]) -> Env:
     changed = {name: getattr(task, name) for name in base.differences(task) if name != "max_episode_steps"}
     spec = env_id if is_ours(gymnasium.registry[env_id].entry_point) else spec_of_id(env_id)
     return gymnasium.make(spec, **{**changed, **limited, **options})
-
-
-def _make_other(env_id: str, preset: str | None, options: Mapping[str, Any]) -> Env:
-    """An environment of this package that is no Atari game."""
-    if preset is not None:
-        raise ValueError(f"a preset is for Atari games, and {env_id!r} is none; make it without preset={preset!r}")
-    return gymnasium.make(env_id, **options)
 
 
 def spec_of_id(env_id: str) -> EnvSpec:
@@ -121,17 +116,16 @@ def spec_of(task: Task) -> EnvSpec:
 
 def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str | PathLike[str] | None = None) -> Env:
     """An environment of a task: an `AtariEnv`, with wrappers around it where the task needs them."""
-    if not task.preprocessed:
-        limit = task.max_episode_steps
-        env: Env = AtariEnv(task.replace(max_episode_steps=None), render_mode=render_mode, core=core, rom=rom)
-        if limit is not None:
-            from atari.wrappers.step_limit import StepLimit  # it imports OpenCV
-
-            env = StepLimit(env, limit)
-    else:
+    inner = task.of_emulator() if task.preprocessed else task.replace(max_episode_steps=None)
+    env: Env = AtariEnv(inner, render_mode=render_mode, core=core, rom=rom)
+    if task.preprocessed:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
-        env = wrap(AtariEnv(task.of_emulator(), render_mode=render_mode, core=core, rom=rom), task)
+        env = wrap(env, task)
+    elif task.max_episode_steps is not None:
+        from atari.wrappers.step_limit import StepLimit  # it imports OpenCV
+
+        env = StepLimit(env, task.max_episode_steps)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
 

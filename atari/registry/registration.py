@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import ale_py  # noqa: F401 - its import registers its IDs, which ours must replace
 import gymnasium
@@ -17,6 +18,16 @@ from atari.task import Task
 from atari.task.description import skip_text
 from atari.task.env_ids import FAMILIES, MAX_FRAMES, MODULE_PREFIX, Family, ids, not_found, stem
 from atari.task.resolution import ENTRY_POINT, known_ids
+
+ALGORITHMIC: dict[str, tuple[str, dict[str, Any], float]] = {
+    "Copy-v0": ("CopyEnv", {}, 25.0),
+    "DuplicatedInput-v0": ("DuplicatedInputEnv", {}, 9.0),
+    "RepeatCopy-v0": ("RepeatCopyEnv", {}, 75.0),
+    "Reverse-v0": ("ReverseEnv", {}, 25.0),
+    "ReversedAddition-v0": ("ReversedAdditionEnv", {"rows": 2}, 25.0),
+    "ReversedAddition3-v0": ("ReversedAdditionEnv", {"rows": 3}, 25.0),
+}
+"""By ID, as OpenAI Gym published it: the class, its options, the mean return over 100 episodes that solves the task."""
 
 
 def register_all() -> None:
@@ -35,6 +46,25 @@ def register_ids(env_ids: Iterable[str]) -> None:
     """Put these IDs of `ids` into Gymnasium's registry; an ID that is registered already is replaced."""
     for env_id in env_ids:
         gymnasium.registry[env_id] = spec_of_id(env_id)  # gymnasium.register() warns when it replaces an ID
+
+
+def register_algorithmic() -> None:
+    """Put the IDs of the algorithmic tasks into Gymnasium's registry.
+
+    Example:
+        >>> import gymnasium
+        >>> import atari  # which calls it
+        >>> gymnasium.make("Copy-v0").observation_space
+        Discrete(6)
+    """
+    for env_id, (name, options, threshold) in ALGORITHMIC.items():
+        gymnasium.registry[env_id] = EnvSpec(
+            id=env_id,
+            entry_point=f"atari.classic.algorithmic:{name}",
+            kwargs=options,
+            reward_threshold=threshold,
+            max_episode_steps=200,
+        )
 
 
 def resolve(env_id: str) -> tuple[Family, str]:

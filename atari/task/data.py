@@ -8,8 +8,8 @@ from typing import Any
 from typing_extensions import Self
 
 from atari.base.validation import check_integer
+from atari.cores.compiled import reward_formula
 from atari.cores.options import CoreOptions
-from atari.cores.rewards import reward_formula
 from atari.cores.writes import make_writes
 from atari.games.actions import PLAYER_ACTIONS, Action
 from atari.games.catalog import games

@@ -1,10 +1,13 @@
 """`ContractError`, and the comparisons that all checks share."""
 
-from collections.abc import Iterator, Mapping
+import copy
+import pickle
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+from gymnasium import spaces
 
 
 class ContractError(AssertionError):
@@ -107,3 +110,49 @@ def _difference_of_arrays(expected: np.ndarray[Any, Any], seen: np.ndarray[Any, 
 
 def _first(found: Iterator[str | None]) -> str | None:
     return next((text for text in found if text is not None), None)
+
+
+def require_in(space: spaces.Space[Any], value: Any, call: str) -> None:
+    """Check the type, shape, dtype and bounds of an observation; `space.contains` alone accepts dtypes that fit.
+
+    Raises:
+        ContractError: the observation, or a part of it, is not in the space.
+    """
+    if isinstance(space, spaces.Dict):
+        seen = list(value) if isinstance(value, Mapping) else f"{value!r:.60}"
+        keys = isinstance(value, Mapping) and value.keys() == space.spaces.keys()
+        require(keys, f"{call} must return an observation with the keys {list(space.spaces)}, got {seen}")
+        for key, part in space.spaces.items():
+            require_in(part, value[key], f"{call}[{key!r}]")
+    elif isinstance(space, spaces.Tuple):
+        fits = isinstance(value, tuple) and len(value) == len(space.spaces)
+        require(fits, f"{call} must return a tuple of {len(space.spaces)} observations, got {value!r:.60}")
+        for index, part in enumerate(space.spaces):
+            require_in(part, value[index], f"{call}[{index}]")
+    else:
+        if isinstance(space, spaces.Box):
+            seen = f"{value.dtype} {value.shape}" if isinstance(value, np.ndarray) else f"{value!r:.60}"
+            fits = isinstance(value, np.ndarray) and (value.dtype, value.shape) == (space.dtype, space.shape)
+            require(fits, f"{call} must return an observation {space.dtype} {space.shape}, got {seen}")
+        require(value in space, f"{call} returned an observation that is not in {space}: {value!r:.80}")
+
+
+def check_copies(original: Any, play: Callable[[Any], Any], calls: tuple[str, str], what: str) -> None:
+    """Check that a deep copy and a pickle of an environment continue where it is.
+
+    Args:
+        original: the environment.
+        play: plays an environment, and returns its results.
+        calls, what: the names of copy and pickle, and of the environment, in messages.
+
+    Raises:
+        ContractError: it cannot be copied, or a copy plays on otherwise.
+    """
+    copies = []
+    for call, through_pickle in zip(calls, (False, True), strict=True):
+        with broken_by(f"{call} (copies=False leaves this check out)"):
+            copies.append(pickle.loads(pickle.dumps(original)) if through_pickle else copy.deepcopy(original))
+    expected = play(original)
+    for call, other in zip(calls, copies, strict=True):
+        require_same(expected, play(other), "results", f"{call} must continue where {what} is")
+        other.close()

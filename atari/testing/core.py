@@ -186,7 +186,6 @@ def _check_memory(make: MakeCore) -> None:
 
 
 def _check_choices(make: MakeCore) -> None:
-    """Check modes and difficulties."""
     core = made(make)
     for name, numbers in choices(core.game, players_of(core)).items():
         core = made(make)

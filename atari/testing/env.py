@@ -2,7 +2,6 @@
 
 import copy
 import math
-import pickle
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,8 +14,7 @@ from gymnasium import spaces
 from gymnasium.utils import env_checker
 
 from atari.env import AtariEnv
-from atari.testing.contract import broken_by, check_maker, refuses, require, require_same
-from atari.testing.spaces import require_in
+from atari.testing.contract import broken_by, check_copies, check_maker, refuses, require, require_in, require_same
 
 Env = gymnasium.Env[Any, Any]
 MakeEnv = Callable[[], Env]
@@ -55,7 +53,8 @@ def check_env(make: MakeEnv, *, steps: int = 60, copies: bool = True, spec: bool
     env, twin = _made(make), _made(make)
     _check_gymnasium(_made(make))
     actions = some_actions(env.action_space, steps)
-    _check_first_call(env, actions[0])
+    with refuses("step() before the first reset()"):
+        env.step(actions[0])
     expected = _check_seeds(env, twin, actions)
     _check_results(env, actions)
     if isinstance(env.unwrapped, AtariEnv):
@@ -100,11 +99,6 @@ def _check_gymnasium(env: Env) -> None:
     with broken_by("close() after close()"):
         env.close()
         env.close()
-
-
-def _check_first_call(env: Env, action: Any) -> None:
-    with refuses("step() before the first reset()"):
-        env.step(action)
 
 
 def _rollout(env: Env, actions: list[Any]) -> list[Any]:
@@ -199,18 +193,8 @@ def _unchanged(env: Any, call: str) -> Iterator[None]:
 def _check_copies(env: Env, actions: list[Any]) -> None:
     env.reset(seed=7)
     _rollout(env, actions[: len(actions) // 2])
-    copiers: dict[str, Callable[[], Env]] = {
-        "copy.deepcopy(env)": lambda: copy.deepcopy(env),
-        "pickle.loads(pickle.dumps(env))": lambda: pickle.loads(pickle.dumps(env)),
-    }
-    made = {}
-    for call, copier in copiers.items():
-        with broken_by(f"{call} (copies=False leaves this check out)"):
-            made[call] = copier()
-    expected = _rollout(env, actions)
-    for call, other in made.items():
-        require_same(expected, _rollout(other, actions), "results", f"{call} must continue where the environment is")
-        other.close()
+    calls = ("copy.deepcopy(env)", "pickle.loads(pickle.dumps(env))")
+    check_copies(env, lambda one: _rollout(one, actions), calls, "the environment")
 
 
 def _check_snapshots(env: Any, twin: Any, actions: list[Any]) -> None:

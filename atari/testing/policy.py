@@ -1,5 +1,6 @@
 """`check_policy`: the contract of `atari.learning.Policy`, for authors of policies."""
 
+import copy
 import pickle
 import reprlib
 from collections.abc import Mapping
@@ -10,7 +11,7 @@ import numpy.typing as npt
 from typing_extensions import Unpack
 
 from atari.games.catalog import games
-from atari.policy import LoadedPolicy, makes_policy, show
+from atari.policy import LoadedPolicy, describe, makes_policy
 from atari.policy.needs import in_game, needs_of
 from atari.task import Task
 from atari.task.options import VectorTaskOptions
@@ -18,6 +19,7 @@ from atari.task.task import GameLike, look_up
 from atari.testing.contract import ContractError, broken_by, require, require_same
 from atari.vector import AtariVectorEnv
 from atari.vector.options import task_of_lane
+from atari.vector.results import indexed
 
 IntArray = npt.NDArray[np.int64]
 
@@ -128,11 +130,11 @@ def _played(
 
 
 def _call(policy: LoadedPolicy, observations: Any, lanes: IntArray) -> _Call:
-    before = _copied(observations)
-    call = f"policy({show(observations)}, {lanes.tolist()})"
+    before = copy.deepcopy(observations)
+    call = f"policy({describe(observations)}, {lanes.tolist()})"
     with broken_by(call):
         returned, extras = policy.choose(observations, lanes)
-    require_same(before, _copied(observations), "the observation", f"{call} must not write to the observations")
+    require_same(before, observations, "the observation", f"{call} must not write to the observations")
     try:
         actions = policy.checked(returned, lanes)
     except ValueError as error:
@@ -143,25 +145,14 @@ def _call(policy: LoadedPolicy, observations: Any, lanes: IntArray) -> _Call:
     return _Call(before, actions)
 
 
-def _copied(observations: Any) -> Any:
-    if isinstance(observations, Mapping):
-        return {name: part.copy() for name, part in observations.items()}
-    return observations.copy()
-
-
-def _rows(observations: Any, lane: int) -> Any:
-    if isinstance(observations, Mapping):
-        return {name: part[lane : lane + 1].copy() for name, part in observations.items()}
-    return observations[lane : lane + 1].copy()
-
-
 def _check_alone(policy: LoadedPolicy, begin: tuple[str, tuple[str, ...]], calls: list[_Call], seeds: IntArray) -> None:
     """Check that results do not depend on the other environments of a batch."""
     for lane in range(_LANES):
         lanes = np.array([lane], np.int64)
         policy.begin(*begin, lanes, seeds[lane : lane + 1])
         for number, call in enumerate(calls, 1):
-            (action,) = _call(policy, _rows(call.observations, lane), lanes).actions
+            row = copy.deepcopy(indexed(call.observations, slice(lane, lane + 1)))
+            (action,) = _call(policy, row, lanes).actions
             require(
                 action == call.actions[lane],
                 f"call {number} must return the same action for lane {lane} alone as in a batch of {_LANES}, got "

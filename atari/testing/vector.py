@@ -2,7 +2,6 @@
 
 import copy
 import inspect
-import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -13,9 +12,9 @@ from gymnasium import spaces
 from gymnasium.vector.utils import batch_space
 
 from atari.base.gymnasium_versions import AutoresetMode
-from atari.testing.contract import broken_by, check_maker, refuses, require, require_same
+from atari.testing.contract import broken_by, check_copies, check_maker, refuses, require, require_in, require_same
 from atari.testing.env import MakeEnv, some_actions
-from atari.testing.spaces import require_in
+from atari.vector.results import indexed
 
 MakeVector = Callable[[], Any]
 """The function returns a `gymnasium.vector.VectorEnv`."""
@@ -147,8 +146,8 @@ def _check_results(envs: Any, mode: AutoresetMode, actions: list[Any]) -> Result
             mask = ended(result)
             observation, info = envs.reset(options={"reset_mask": mask})
             results.append(copy.deepcopy((observation, info)))
-            rows = [_row(observation, lane) for lane in np.flatnonzero(~mask)]
-            before = [_row(result[0], lane) for lane in np.flatnonzero(~mask)]
+            rows = [indexed(observation, lane) for lane in np.flatnonzero(~mask)]
+            before = [indexed(result[0], lane) for lane in np.flatnonzero(~mask)]
             require_same(before, rows, "rows", "reset() with a reset_mask must leave other environments as they are")
     for observation, copied in kept:
         sentence = "a later step must not change an observation that was returned"
@@ -185,13 +184,9 @@ def _check_final(envs: Any, result: tuple[Any, ...], call: str) -> None:
     lacking = np.flatnonzero(ends & ~info["_final_obs"])
     require(not len(lacking), f"{call} ended the episodes of {lacking.tolist()}, and '_final_obs' is False there")
     for lane in np.flatnonzero(ends):
-        require_in(envs.single_observation_space, _row(info["final_obs"], lane), f"{call}: info['final_obs'][{lane}]")
-
-
-def _row(observation: Any, lane: Any) -> Any:
-    if isinstance(observation, dict):
-        return {name: _row(part, lane) for name, part in observation.items()}
-    return observation[lane]
+        require_in(
+            envs.single_observation_space, indexed(info["final_obs"], lane), f"{call}: info['final_obs'][{lane}]"
+        )
 
 
 def _steps(results: Results) -> Results:
@@ -210,9 +205,9 @@ def _check_ends(mode: AutoresetMode, results: Results) -> None:
     for result, after in zip(results, [*results[1:], None], strict=True):
         for lane in np.flatnonzero(ended(result)) if len(result) == 5 else ():
             if mode == AutoresetMode.SAME_STEP:
-                pairs.append((_row(result[4]["final_obs"], lane), _row(result[0], lane)))
+                pairs.append((indexed(result[4]["final_obs"], lane), indexed(result[0], lane)))
             elif after is not None:
-                pairs.append((_row(result[0], lane), _row(after[0], lane)))
+                pairs.append((indexed(result[0], lane), indexed(after[0], lane)))
                 _check_reset_step(after, lane)
     shown = "info['final_obs']" if mode == AutoresetMode.SAME_STEP else "the observation of the step that ended it"
     require(
@@ -249,25 +244,25 @@ def _check_seeds(envs: Any, twin: Any, mode: AutoresetMode, actions: list[Any]) 
 def _check_lane(results: Results, single: MakeEnv, lane: int, mode: AutoresetMode, actions: list[Any]) -> None:
     """Check that an environment of the vector plays like a single one."""
     env = single()
-    parts = [_row(results[0][0], lane)], [env.reset(seed=3 + lane)[0]]
+    parts = [indexed(results[0][0], lane)], [env.reset(seed=3 + lane)[0]]
     over, number = False, 0
     for result in results[1:]:
         if len(result) == 2:  # a reset of the environments whose episode is over
             if over:
-                parts = [_row(result[0], lane)], [env.reset()[0]]
+                parts = [indexed(result[0], lane)], [env.reset()[0]]
                 over = False
                 require_same(parts[1], parts[0], "observation", f"environment {lane} must be reset as a single one")
             continue
         number += 1
         observation, reward, terminated, truncated, info = result
-        mine = [_row(observation, lane), float(reward[lane]), bool(terminated[lane]), bool(truncated[lane])]
+        mine = [indexed(observation, lane), float(reward[lane]), bool(terminated[lane]), bool(truncated[lane])]
         if over and mode == AutoresetMode.NEXT_STEP:
             theirs, over = [env.reset()[0], 0.0, False, False], False
         else:
-            theirs = list(env.step(_row(actions[number - 1], lane))[:4])
+            theirs = list(env.step(indexed(actions[number - 1], lane))[:4])
             over = theirs[2] or theirs[3]
             if over and mode == AutoresetMode.SAME_STEP:
-                mine[0] = [_row(info["final_obs"], lane) if mine[2] or mine[3] else None, mine[0]]
+                mine[0] = [indexed(info["final_obs"], lane) if mine[2] or mine[3] else None, mine[0]]
                 theirs[0] = [theirs[0], env.reset()[0]]
                 over = False
         sentence = f"step() number {number} must give environment {lane} what a single one of seed {3 + lane} gets"
@@ -292,26 +287,11 @@ def _check_refusals(envs: Any, twin: Any, mode: AutoresetMode, actions: list[Any
     require_same(expected, seen, "results", "a step or a reset that was refused must change nothing")
 
 
-def _pickled(envs: Any) -> Any:
-    return pickle.loads(pickle.dumps(envs))
-
-
 def _check_copies(envs: Any, mode: AutoresetMode, actions: list[Any]) -> None:
     envs.reset(seed=7)
     _rollout(envs, mode, actions[: len(actions) // 2])
-    copiers: dict[str, Callable[[Any], Any]] = {
-        "copy.deepcopy": copy.deepcopy,
-        "a pickle": _pickled,
-    }
-    made = {}
-    for name, copier in copiers.items():
-        with broken_by(f"{name} of the vector (copies=False leaves this check out)"):
-            made[name] = copier(envs)
-    expected = _rollout(envs, mode, actions)
-    for name, other in made.items():
-        sentence = f"{name} of the vector must continue where the vector is"
-        require_same(expected, _rollout(other, mode, actions), "results", sentence)
-        other.close()
+    calls = ("copy.deepcopy of the vector", "a pickle of the vector")
+    check_copies(envs, lambda one: _rollout(one, mode, actions), calls, "the vector")
 
 
 def _check_out(envs: Any, twin: Any, mode: AutoresetMode, actions: list[Any]) -> None:

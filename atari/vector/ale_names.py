@@ -38,7 +38,7 @@ NAMES = ("noop_max", "use_fire_reset", "grayscale")
 
 
 def ale_defaults(options: Mapping[str, Any], several: bool = False) -> Mapping[str, Any]:
-    """The defaults of ale-py's vector environment, which a name alone has without a preset.
+    """The defaults of ale-py's vector environment, which a game's name has without a preset.
 
     `several` says that the name is of a game for several players; the option `players` says so, too.
     """
@@ -77,11 +77,7 @@ def as_task_options(options: Mapping[str, Any], base: Mapping[str, Any], obs_typ
 
 
 def _obs_type(obs_type: Any, grayscale: bool, given: bool) -> str:
-    """The kind of observations with the colours of the option `grayscale`.
-
-    Raises:
-        ValueError: they have other colours, or none.
-    """
+    """The kind of observations with the colours of the option `grayscale`."""
     kind = KINDS[check_name("obs_type", obs_type, KINDS)]
     if not kind.image:
         raise ValueError(f"grayscale={grayscale} has no effect on obs_type={obs_type!r}; leave one of them out")

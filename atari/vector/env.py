@@ -34,6 +34,9 @@ from atari.vector.state import VectorState
 from atari.vector.views import Views
 
 IntArray = npt.NDArray[np.int64]
+_OF_TASKS = ("self", "game", "num_envs", "preset", "options")
+"""The arguments of `AtariVectorEnv` that decide the tasks, or are no options."""
+
 _RESET_OPTIONS = ("reset_mask", "new_game")
 _RAM_OF = {"now": _emulator.RamOf.NOW, "result": _emulator.RamOf.RESULT, "final": _emulator.RamOf.FINAL}
 
@@ -42,8 +45,8 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
     """Environments of one game, or of several, played together in C++.
 
     `game` is an environment ID or an `atari.Task`, which decide the whole task, or a name. A name with a preset plays
-    ALE's v5 with that preset. A name alone has the defaults of ale-py's class of this name, which docs/vector.md lists.
-    `envs.task` is the result. `step` documents observations, rewards and `info`.
+    ALE's v5 with that preset. A name without a preset has the defaults of ale-py's class of this name, which
+    docs/vector.md lists. `envs.task` is the result. `step` documents observations, rewards and `info`.
 
     Threads may share the object: one call runs at a time. In a forked process all methods but `close` raise
     RuntimeError.
@@ -100,17 +103,7 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         game_info: bool | None = None,
         **options: Unpack[VectorTaskOptions],
     ) -> None:
-        self._given = {
-            "batch_size": batch_size,
-            "num_threads": num_threads,
-            "thread_affinity_offset": thread_affinity_offset,
-            "autoreset_mode": autoreset_mode,
-            "channels_last": channels_last,
-            "dtype": dtype,
-            "render_mode": render_mode,
-            "rom": rom,
-            "game_info": game_info,
-        }
+        self._given = {name: value for name, value in locals().items() if name not in _OF_TASKS}
         tasks, bare = resolve_lanes(game, num_envs, preset, options, self._given)
         self._begin(VectorOptions.check(tasks, bare, self._given))
 
@@ -459,6 +452,11 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         if self._phase == "new" and not mask.all():
             raise FirstResetNeeded("the first reset() must reset every environment, without reset_mask")
         return np.ascontiguousarray(mask)
+
+
+def is_vector(env: Any) -> bool:
+    """Whether `env` is a vector environment, in any wrappers."""
+    return isinstance(env, VectorEnv) or isinstance(getattr(env, "unwrapped", None), AtariVectorEnv)
 
 
 def vector_of(envs: Any, num_envs: int | None, options: Mapping[str, Any], **defaults: Any) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 import atari._emulator as _emulator
 from atari.base.validation import check_name, check_poke
 from atari.cores import ByteArray, NativeCore, writes
-from atari.cores.ale_interface import AleInterface, Player
+from atari.cores.ale_interface import AleConsole, AleInterface
 from atari.games.game import Game
 from atari.games.players import choices
 
@@ -147,7 +147,7 @@ class Lane:
         They read lives, frame numbers, RAM, the RGB screen, action sets, modes and difficulties. The others, such as
         `act` and `reset_game`, raise AttributeError: the vector plays the game.
         """
-        return AleInterface(cast(Player, SimpleNamespace(emulated=self)))
+        return AleInterface(cast(AleConsole, SimpleNamespace(emulated=self)))
 
     def ram(self, out: ByteArray | None = None) -> ByteArray:
         """The bytes of RAM, (128,) uint8, a copy, or `out` filled with them."""
@@ -254,17 +254,12 @@ class Lane:
 
 
 def _require_write(write: Any) -> None:
-    """Raise TypeError for what is no write."""
     if not isinstance(write, _emulator.Write):
         raise TypeError(f"a write is a Freeze's or a Poke's, see atari.lab; got {write!r:.80}")
 
 
 def _copied(array: ByteArray, out: ByteArray | None) -> ByteArray:
-    """The array, or `out` with its content.
-
-    Raises:
-        ValueError: `out` is not a uint8 array of this shape.
-    """
+    """The array, or `out` with its content."""
     if out is None:
         return array
     if not isinstance(out, np.ndarray) or out.shape != array.shape or out.dtype != np.uint8:

@@ -16,9 +16,7 @@ from gymnasium.vector.utils import batch_space
 import atari._emulator as _emulator
 from atari.base.gymnasium_versions import AutoresetMode, autoreset_mode
 from atari.base.validation import check_integer, check_known, check_no_name
-from atari.cores.native import compiled
-from atari.cores.players import compiled_for_players
-from atari.cores.rewards import reward_formula
+from atari.cores.compiled import compiled, compiled_for_players, reward_formula
 from atari.cores.writes import make_writes
 from atari.games.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.games.game import Game
@@ -49,7 +47,7 @@ def resolve_lanes(
     options: Mapping[str, Any],
     others: Iterable[str] = (),
 ) -> tuple[tuple[Task, ...], bool]:
-    """The task of each environment of a vector, and whether ale-py's defaults apply: a game is a name alone.
+    """The task of each environment of a vector, and whether ale-py's defaults apply, as for a name without a preset.
 
     Equal tasks are made once. `others` are names of other options of `AtariVectorEnv`, for the suggestion in an error.
 
@@ -108,7 +106,6 @@ def _listed(game: GameLike | Sequence[GameLike], num_envs: int | None) -> list[G
 
 
 def _spread(name: str, value: Any, count: int) -> tuple[int | None, ...]:
-    """One value for each environment."""
     values = [value] * count if value is None or isinstance(value, (int, np.integer)) else value
     known = isinstance(values, (Sequence, np.ndarray)) and not isinstance(values, str)
     if not known or any(isinstance(one, (bool, np.bool_)) for one in values):
@@ -144,7 +141,7 @@ class VectorOptions:
 
     @classmethod
     def check(cls, tasks: tuple[Task, ...], bare: bool, given: Mapping[str, Any]) -> "VectorOptions":
-        """The options of `AtariVectorEnv`, checked. If `bare`, a game was a name alone: `game_info` is then False.
+        """The options of `AtariVectorEnv`, checked. `bare`: a game was a name without a preset; `game_info` is False.
 
         Raises:
             TypeError, ValueError: an option is of the wrong kind or out of range.
@@ -209,15 +206,15 @@ class VectorOptions:
         lanes = [
             filled(
                 _emulator.LaneSpec(),
-                game=native[game],
-                actions=list(map(int, self.actions[index])),
-                action_set=list(map(int, self.tasks[index].begin_actions)),
-                mode=self.tasks[index].set_mode,
-                difficulty=self.tasks[index].set_difficulty,
-                seed=seeds[index],
-                **_own_reward(self.tasks[index]),
+                game=native[task.definition],
+                actions=list(map(int, actions)),
+                action_set=list(map(int, task.begin_actions)),
+                mode=task.set_mode,
+                difficulty=task.set_difficulty,
+                seed=seed,
+                **({} if task.reward is None else {"reward": reward_formula(task.definition, task.reward)}),
             )
-            for index, game in enumerate(self.games)
+            for task, actions, seed in zip(self.tasks, self.actions, seeds, strict=True)
         ]
         threads = filled(
             _emulator.VectorSettings(),
@@ -226,12 +223,7 @@ class VectorOptions:
             first_core=self.thread_affinity_offset,
             autoreset=_emulator.Autoreset[self.autoreset_mode.name],
         )
-        engine = _emulator.VectorEngine(
-            lanes,
-            episode_settings(self.task),
-            observation_settings(self.task),
-            threads,
-        )
+        engine = _emulator.VectorEngine(lanes, episode_settings(self.task), observation_settings(self.task), threads)
         for index, made in enumerate(writes):
             for write in made:
                 engine.add_write(index, write)
@@ -337,11 +329,6 @@ class VectorOptions:
                 f"a continuous action is radius 0..1, angle -pi..pi, fire 0..1, got {actions[row]} in row {row}"
             )
         return joystick_action(radius, angle, fire, self.threshold), radius
-
-
-def _own_reward(task: Task) -> dict[str, _emulator.RewardFormula]:
-    """The formula of a lane whose task has a reward of its own."""
-    return {} if task.reward is None else {"reward": reward_formula(task.definition, task.reward)}
 
 
 def _check_alike(tasks: tuple[Task, ...]) -> None:

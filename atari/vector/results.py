@@ -165,7 +165,7 @@ _Step = tuple[Any, Any, Any, Any, dict[str, Any]]
 
 def pick_rows(results: _Step, rows: npt.NDArray[np.int64]) -> _Step:
     """Copies of some rows of the results of `Results.read`. Ends of other rows are left out of `info`."""
-    observation, *signals, info = (_picked(part, rows) for part in results)
+    observation, *signals, info = (indexed(part, rows) for part in results)
     for name in ("final_obs", "final_info", "episode"):
         if f"_{name}" in info and not info[f"_{name}"].any():
             del info[name], info[f"_{name}"]
@@ -173,10 +173,11 @@ def pick_rows(results: _Step, rows: npt.NDArray[np.int64]) -> _Step:
     return observation, reward, terminated, truncated, info
 
 
-def _picked(part: Any, rows: npt.NDArray[np.int64]) -> Any:
+def indexed(part: Any, index: Any) -> Any:
+    """An array at an index, such as a row or rows; a dict with each of its arrays at the index."""
     if isinstance(part, dict):
-        return {name: _picked(value, rows) for name, value in part.items()}
-    return part[rows]
+        return {name: indexed(value, index) for name, value in part.items()}
+    return part[index]
 
 
 def _lenders(parts: dict[str, npt.NDArray[np.uint8]]) -> dict[str, _emulator.ArrayLender]:

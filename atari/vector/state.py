@@ -30,11 +30,7 @@ class LaneSnapshot(NamedTuple):
 
 
 def _pairs(snapshots: Any) -> list[tuple[_emulator.MemberSnapshot, str | None]]:
-    """The states and the tasks of the argument of `restore`.
-
-    Raises:
-        TypeError: they are no snapshots of lanes.
-    """
+    """The states and the tasks of the argument of `restore`."""
     if isinstance(snapshots, Sequence) and not isinstance(snapshots, (LaneSnapshot, bytes)):
         pairs: list[tuple[Any, str | None]] = [
             (one.state, one.task) if isinstance(one, LaneSnapshot) else (one, None) for one in snapshots
@@ -202,7 +198,6 @@ class VectorState:
             self._closed_states = [engine.save(index) for index in range(self.num_envs)]
 
     def _reopen(self) -> None:
-        """Continue after `close`."""
         self._engine = self._options.make_engine()
         self._load(self._engine, self._closed_states or ())
         self._buffers = [Results(self._engine, self._options) for _ in range(2)]

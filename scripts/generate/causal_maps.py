@@ -21,8 +21,7 @@ from atari.games.game import Game, RamLabel
 from atari.lab import causes
 from atari.lab.causal.files import DATA, save
 from atari.lab.causal.fit import samples, table
-from atari.lab.causal.map import CausalMap
-from atari.lab.causal.suggestion import POSITIONS, Suggestion
+from atari.lab.causal.map import POSITIONS, CausalMap, Suggestion
 from atari.lab.labels import Labels, label_of
 
 NEAR = 4

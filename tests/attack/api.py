@@ -10,7 +10,7 @@ import numpy as np
 
 import atari
 import atari._emulator as _emulator
-from atari.cores.rewards import reward_formula
+from atari.cores.compiled import reward_formula
 from attack.findings import attempt
 
 # These methods write a file of any name, or raise AttributeError for a name that does not exist.

@@ -17,9 +17,9 @@ from typing import Any
 import aiohttp
 
 import atari
+from atari.lab.inspector.inspection import Inspection
 from atari.lab.inspector.protocol import _COMMANDS
 from atari.lab.inspector.server import Inspector
-from atari.lab.inspector.session import Session
 
 SECONDS_TO_ANSWER = 2.0
 NUMBERS = (0, 1, -1, 57, 127, 128, 255, 256, 3600, -3600, 2**31, -(2**63), 2**64, 10**30, 0.5, 1e308, -0.0)
@@ -78,7 +78,7 @@ def collected(records: list[str]) -> Iterator[None]:
 def served(source: random.Random) -> Iterator[Inspector]:
     """A server in a thread of its own."""
     game = source.choice(("breakout", "pong", "pitfall"))
-    inspector = Inspector(Session(atari.AtariEnv(game, frameskip=1), seed=source.randrange(100)))
+    inspector = Inspector(Inspection(atari.AtariEnv(game, frameskip=1), seed=source.randrange(100)))
     loop = asyncio.new_event_loop()
     thread = threading.Thread(target=loop.run_forever)
     thread.start()
@@ -258,7 +258,7 @@ async def exports(source: random.Random, inspector: Inspector, client: Any, end:
 
 
 async def plays_on(inspector: Inspector) -> None:
-    """A new page takes the session over and plays."""
+    """A new page takes the inspection over and plays."""
     async with aiohttp.ClientSession() as client, client.ws_connect(inspector.url + "ws?take=1") as page:
         for text in (
             '{"do": "close_fork"}',

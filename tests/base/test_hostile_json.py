@@ -152,7 +152,7 @@ def of_video(folder: Path) -> Reader:
 
 
 def of_difference(folder: Path) -> Reader:
-    good = json.loads(json.dumps(asdict(verify.Difference(verify.Run("pong"), 3, ("lives 1 and 2",)))))
+    good = json.loads(json.dumps(asdict(verify.Difference(verify.VerificationRun("pong"), 3, ("lives 1 and 2",)))))
     return Reader(good, lambda text: verify.read(written(folder / "a.json", text)))
 
 

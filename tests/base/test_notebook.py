@@ -12,7 +12,7 @@ from replay_tools import record
 
 import atari
 from atari.base import notebook
-from atari.lab.inspector.session import Session
+from atari.lab.inspector.inspection import Inspection
 from atari.lab.widget import static_html
 from atari.recording import Replay
 from atari.recording.replay.file_format import SUFFIX
@@ -99,7 +99,7 @@ def test_a_browser_shows_each_image_with_the_aspect_of_its_attributes(tmp_path: 
     envs.reset(seed=0)
     replay = Replay.load(record(tmp_path / f"game{SUFFIX}", "pong", steps=4))
     pages = [shown._repr_html_() for shown in (env, envs, replay)]
-    pages.append(static_html(Session(env)))
+    pages.append(static_html(Inspection(env)))
     for page in pages:
         (tag,) = re.findall(r"<img[^>]*>", page)
         width, height = (int(re.search(rf'{name}="(\d+)"', tag)[1]) for name in ("width", "height"))

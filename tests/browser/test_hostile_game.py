@@ -14,8 +14,8 @@ import atari
 pytest.importorskip("aiohttp")
 playwright = pytest.importorskip("playwright.sync_api")
 
+from atari.lab.inspector.inspection import Inspection  # noqa: E402
 from atari.lab.inspector.server import Inspector  # noqa: E402
-from atari.lab.inspector.session import Session  # noqa: E402
 from atari.lab.widget import static_html  # noqa: E402
 
 expect = playwright.expect
@@ -35,7 +35,7 @@ def inspector(tmp_path: Path) -> Iterator[Inspector]:
     )
     file = tmp_path / f"a'{chr(34)};b=c.toml"
     file.write_text(text, encoding="utf-8")
-    found = Inspector(Session(atari.AtariEnv(file, frameskip=1), seed=0))
+    found = Inspector(Inspection(atari.AtariEnv(file, frameskip=1), seed=0))
     loop = asyncio.new_event_loop()
     thread = threading.Thread(target=loop.run_forever)
     thread.start()
@@ -92,13 +92,13 @@ def test_an_error_is_shown_as_text_and_it_plays_on(
         raise IndexError(IMAGE)
 
     with caplog.at_level(logging.CRITICAL), monkeypatch.context() as broken:
-        broken.setattr(inspector.session, "_play_frame", fail)
+        broken.setattr(inspector.inspection, "_play_frame", fail)
         page.keyboard.press("p")
         expect(page.locator(".toast")).to_have_text(f"frame 0: IndexError('{IMAGE}')")
         expect(page.locator(".toast")).to_have_class("toast wrong shown")
         expect(page.locator(".play")).to_have_text("▶ Play")
     page.keyboard.press("p")
-    wait_until(page, lambda: inspector.session.at > 20)
+    wait_until(page, lambda: inspector.inspection.at > 20)
 
 
 def test_a_page_that_sends_too_much_says_so(page: Any, inspector: Inspector) -> None:
@@ -109,12 +109,12 @@ def test_a_page_that_sends_too_much_says_so(page: Any, inspector: Inspector) -> 
     page.get_by_role("button", name="Connect again").click()
     expect(page.locator("h1")).to_have_text(f"{SCRIPT}{IMAGE}")
     page.keyboard.press("p")
-    wait_until(page, lambda: inspector.session.playing)
+    wait_until(page, lambda: inspector.inspection.playing)
 
 
 def test_the_static_picture(browser: Any, inspector: Inspector) -> None:
     page = browser.new_page()
-    page.set_content(static_html(inspector.session))
+    page.set_content(static_html(inspector.inspection))
     page.wait_for_timeout(100)
     assert page.evaluate("window.hacked") is None
     assert page.locator("img").count() == 1  # the screen

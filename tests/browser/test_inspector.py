@@ -492,7 +492,7 @@ def test_the_widget_in_a_page(browser: Any) -> None:
     page.keyboard.press("Enter")
     answer()
     expect(page.locator(".cell").nth(LIVES).locator("b")).to_have_text("02")
-    assert shown.session.ram()[LIVES] == 2
+    assert shown.inspection.ram()[LIVES] == 2
     page.get_by_role("button", name="New game").click()
     page.keyboard.press(" ")
     page.wait_for_timeout(50)

@@ -20,7 +20,7 @@ import numpy as np
 import atari
 from atari import AtariEnv
 from atari.cores import AleCore, Core, NativeCore
-from atari.cores.verify import Run
+from atari.cores.verify import VerificationRun
 
 FILE = Path(__file__).with_suffix(".json")
 GAMES = [game.id for game in atari.games.playable()]
@@ -54,26 +54,26 @@ class CheckSum:
 # The cores.
 
 
-def mode_runs(game: str) -> list[Run]:
+def mode_runs(game: str) -> list[VerificationRun]:
     """Each mode with some difficulty and each difficulty with some mode, through a reset and 60 frames."""
     modes, difficulties = atari.games[game].modes, atari.games[game].difficulties
     return [
-        Run(game, 60, seed=i, mode=modes[i % len(modes)], difficulty=difficulties[i % len(difficulties)])
+        VerificationRun(game, 60, seed=i, mode=modes[i % len(modes)], difficulty=difficulties[i % len(difficulties)])
         for i in range(max(len(modes), len(difficulties)))
     ]
 
 
-def poke_run(game: str) -> Run:
+def poke_run(game: str) -> VerificationRun:
     """Overwritten RAM reaches rare states in minutes: illegal opcodes, runaway programs, odd scores."""
-    return Run(game, frames=200, seed=2, pokes=True)
+    return VerificationRun(game, frames=200, seed=2, pokes=True)
 
 
-def paddle_run(game: str) -> Run:
+def paddle_run(game: str) -> VerificationRun:
     """Paddles that move by fractions."""
-    return Run(game, frames=400, seed=3, strengths=True, repeat_action_probability=0.5)
+    return VerificationRun(game, frames=400, seed=3, strengths=True, repeat_action_probability=0.5)
 
 
-def check_sum(run: Run, side: str) -> str:
+def check_sum(run: VerificationRun, side: str) -> str:
     """The check sum of all that `atari.cores.verify` compares, before the first frame and after every frame."""
     core = run.make(side)
     crc, reward, steps = 0, 0, run.steps()

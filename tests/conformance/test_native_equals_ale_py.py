@@ -10,7 +10,7 @@ import pytest
 
 import atari
 from atari.cores import AleCore, NativeCore
-from atari.cores.verify import Run, verify
+from atari.cores.verify import VerificationRun, verify
 
 GAMES = [game.id for game in atari.games.playable()]
 ARRAYS = ("ram", "screen", "screen_rgb", "screen_grayscale", "audio")
@@ -18,7 +18,7 @@ ARRAYS = ("ram", "screen", "screen_rgb", "screen_grayscale", "audio")
 
 @pytest.mark.parametrize("game", GAMES)
 def test_six_hundred_frames_with_sticky_actions(game: str) -> None:
-    assert verify(Run(game, frames=600, seed=1)) is None
+    assert verify(VerificationRun(game, frames=600, seed=1)) is None
 
 
 @pytest.mark.parametrize("game", GAMES[::8])

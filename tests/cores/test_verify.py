@@ -9,7 +9,7 @@ from env_tools import needs_new_ale_py
 
 from atari.cli import main
 from atari.cores import NativeCore, PlainCore
-from atari.cores.verify import Run, read, verify
+from atari.cores.verify import VerificationRun, read, verify
 
 
 @pytest.fixture
@@ -27,13 +27,13 @@ def broken_at_frame_20(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_equal_cores_have_no_difference() -> None:
-    assert verify(Run("pong", frames=50)) is None
-    assert verify(Run("pong", frames=50, cores=("native", "plain"))) is None
+    assert verify(VerificationRun("pong", frames=50)) is None
+    assert verify(VerificationRun("pong", frames=50, cores=("native", "plain"))) is None
 
 
 @pytest.mark.usefixtures("broken_at_frame_20")
 def test_the_first_difference_is_named() -> None:
-    difference = verify(Run("pong", frames=50, seed=3))
+    difference = verify(VerificationRun("pong", frames=50, seed=3))
     assert difference is not None
     assert difference.frame == 20
     assert len(difference.what) == 1
@@ -45,7 +45,7 @@ def test_the_first_difference_is_named() -> None:
 
 @pytest.mark.usefixtures("broken_at_frame_20")
 def test_a_difference_is_written_and_played_again(tmp_path: Path) -> None:
-    difference = verify(Run("pong", frames=50, seed=3, pokes=True, strengths=True))
+    difference = verify(VerificationRun("pong", frames=50, seed=3, pokes=True, strengths=True))
     assert difference is not None
     again = read(difference.write(tmp_path))
     assert again.frames == 21
@@ -64,20 +64,20 @@ def test_another_file_is_refused(tmp_path: Path, content: str) -> None:
 
 
 def test_actions_pokes_and_strengths_come_from_the_seed() -> None:
-    run = Run("breakout", frames=300, seed=5, pokes=True, strengths=True)
+    run = VerificationRun("breakout", frames=300, seed=5, pokes=True, strengths=True)
     steps = list(run.steps())
     assert steps == list(run.steps())
     assert len({step.action for step in steps}) > 4
     assert any(step.poke for step in steps)
     assert len({step.strength for step in steps}) > 10
-    assert steps != list(Run("breakout", frames=300, seed=6, pokes=True, strengths=True).steps())
+    assert steps != list(VerificationRun("breakout", frames=300, seed=6, pokes=True, strengths=True).steps())
 
 
 SHOWN = "pong: Pong, as PongNoFrameskip-v0, but actions='full', max_num_frames_per_episode=None\n"
 
 
 def test_the_command_plays_what_an_id_says(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    runs: list[Run] = []
+    runs: list[VerificationRun] = []
     monkeypatch.setattr("atari.cli.verify._results", lambda found, jobs: runs.extend(found) or [])
     assert main(["verify", "PongNoFrameskip-v4", "ALE/Pong-v5", "pong", "--mode", "1"]) == 0
     assert [(run.repeat_action_probability, run.max_num_frames_per_episode, run.mode) for run in runs] == [

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from reward_strategies import expressions
 
 import atari
-from atari.cores.rewards import reward_formula
+from atari.cores.compiled import reward_formula
 from atari.games.rewards import MOST, compile_reward
 
 RAM = st.binary(min_size=128, max_size=128)

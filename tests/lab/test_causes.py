@@ -9,7 +9,8 @@ import pytest
 import atari
 import atari._emulator as _emulator
 from atari.cli import main
-from atari.cores.native import NativeCore, compiled
+from atari.cores.compiled import compiled
+from atari.cores.native import NativeCore
 from atari.lab import causes, shipped_causes
 from atari.lab.causal.explore import _play
 from atari.lab.causal.files import DATA, load, save, to_arrays

@@ -7,7 +7,7 @@ import pytest
 
 import atari
 from atari.lab import Search
-from atari.lab.history import recorded
+from atari.lab.search import recorded
 from atari.recording import RecordReplay, Replay
 
 

@@ -1,4 +1,4 @@
-"""The inspector's session writes and opens files: replays, saved states, interventions, labels, clips."""
+"""The inspector's inspection writes and opens files: replays, saved states, interventions, labels, clips."""
 
 import sys
 from dataclasses import replace
@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from inspector_tools import LIVES, PADDLE, Sweeper, new_session, play
+from inspector_tools import LIVES, PADDLE, Sweeper, new_inspection, play
 from numpy.testing import assert_array_equal
 
 from atari.env import AtariEnv
 from atari.games.interventions import load
 from atari.lab.inspector import export
-from atari.lab.inspector.sources import session_of_replay, session_of_snapshot
+from atari.lab.inspector.sources import inspection_of_replay, inspection_of_snapshot
 from atari.lab.interventions import check
 from atari.recording import RecordReplay, Replay
 from atari.recording.replay import replay as replay_module
@@ -26,18 +26,18 @@ else:
 HOSTILE = st.text(st.characters(exclude_categories=["Cs"]), max_size=20) | st.sampled_from(
     ['"', "\\", '"""', "\n[x]\n", "\r\n", "a.b", "# c", "\x1b[0m", "']", "{}", "=", "\x7f", "\x85", "\u2028"]
 )
-SHARED = new_session()
+SHARED = new_inspection()
 SHARED.freeze(LIVES)
 SHARED.name(3, "mine")
 
 
 def test_a_replay_holds_bytes_in_no_frame_before_their_freeze(tmp_path: Path) -> None:
-    session = new_session()
-    play(session, 60)
-    session.freeze(PADDLE, 60)
-    play(session, 20)
-    path = export.write_replay(session, tmp_path / "a.a26r")
-    seen = [int(session.main.ram_at(frame)[PADDLE]) for frame in range(1, 81)]
+    inspection = new_inspection()
+    play(inspection, 60)
+    inspection.freeze(PADDLE, 60)
+    play(inspection, 20)
+    path = export.write_replay(inspection, tmp_path / "a.a26r")
+    seen = [int(inspection.main.ram_at(frame)[PADDLE]) for frame in range(1, 81)]
     assert len(set(seen[:60])) > 1
     assert seen[60:] == [60] * 20
     replay = Replay.load(path)
@@ -45,46 +45,46 @@ def test_a_replay_holds_bytes_in_no_frame_before_their_freeze(tmp_path: Path) ->
 
 
 def test_names() -> None:
-    session = new_session()
-    session.name(70, "speed")
+    inspection = new_inspection()
+    inspection.name(70, "speed")
     for name, text in (("lives", "the name of byte 57"), ("a b", "letters, digits"), ("é", "letters")):
         with pytest.raises(ValueError, match=text):
-            session.name(71, name)
-    table = tomllib.loads(export.labels_toml(session))
+            inspection.name(71, name)
+    table = tomllib.loads(export.labels_toml(inspection))
     assert table["ram"]["speed"]["index"] == 70
-    session.name(70, "")
+    inspection.name(70, "")
     with pytest.raises(ValueError, match="no byte was named"):
-        export.labels_toml(session)
+        export.labels_toml(inspection)
 
 
 def test_replay_of_what_was_played(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(replay_module, "_CHUNKS_PER_CHECKPOINT", 1)
-    session = new_session()
+    inspection = new_inspection()
     with pytest.raises(ValueError, match="no frame was played"):
-        export.write_replay(session, tmp_path / "a.a26r")
-    play(session, 100)
-    session.freeze(LIVES, 1)
-    play(session, 200)
-    session.freeze(PADDLE, 90)
-    session.new_game()
-    session.step(40)
-    session.release(LIVES)
-    session.release(PADDLE)
-    session.poke(PADDLE, 90)
-    play(session, 50)
-    path = export.write_replay(session, tmp_path / "a.a26r")
+        export.write_replay(inspection, tmp_path / "a.a26r")
+    play(inspection, 100)
+    inspection.freeze(LIVES, 1)
+    play(inspection, 200)
+    inspection.freeze(PADDLE, 90)
+    inspection.new_game()
+    inspection.step(40)
+    inspection.release(LIVES)
+    inspection.release(PADDLE)
+    inspection.poke(PADDLE, 90)
+    play(inspection, 50)
+    path = export.write_replay(inspection, tmp_path / "a.a26r")
     replay = Replay.load(path)
     assert replay.verify()
-    again = session_of_replay(path)
-    assert (again.at, again.main.end) == (0, session.main.end)
+    again = inspection_of_replay(path)
+    assert (again.at, again.main.end) == (0, inspection.main.end)
     for frame in (391, 0, 99, 101, 300, 302, 341, 342, 320):
         again.seek(frame)
-        session.seek(frame)
-        assert_array_equal(again.ram(), session.ram())
-        assert (again.main.score, again.over) == (session.main.score, session.over)
+        inspection.seek(frame)
+        assert_array_equal(again.ram(), inspection.ram())
+        assert (again.main.score, again.over) == (inspection.main.score, inspection.over)
         if frame:
             number = frame - (frame > 300)  # in a replay, a reset is no frame
-            assert_array_equal(replay.seek(number).ram(), session.ram())
+            assert_array_equal(replay.seek(number).ram(), inspection.ram())
     again.release(LIVES)
     again.step(100)
     assert again.ram()[PADDLE] != 90
@@ -103,12 +103,12 @@ def test_a_replay_with_sticky_actions_seeds_and_rewinding(tmp_path: Path) -> Non
             env.restore(saved)
         rams.append(env.core.ram())
     recording.close()
-    session = session_of_replay(tmp_path / "pong.a26r")
-    assert session.main.end == 241
-    session.seek(241)
-    assert_array_equal(session.ram(), rams[-1])
-    session.seek(1 + 4 * 21)
-    assert_array_equal(session.ram(), rams[20])
+    inspection = inspection_of_replay(tmp_path / "pong.a26r")
+    assert inspection.main.end == 241
+    inspection.seek(241)
+    assert_array_equal(inspection.ram(), rams[-1])
+    inspection.seek(1 + 4 * 21)
+    assert_array_equal(inspection.ram(), rams[20])
 
 
 @pytest.mark.parametrize("kind", ["env", "core", "other"])
@@ -121,11 +121,11 @@ def test_saved_states(kind: str, tmp_path: Path) -> None:
     path.write_bytes({"env": env.snapshot(), "core": env.core.snapshot(), "other": b"x" * 40}[kind])
     if kind == "other":
         with pytest.raises(ValueError, match=r"a\.state cannot be opened as a saved state"):
-            session_of_snapshot(path)
+            inspection_of_snapshot(path)
         return
-    session = session_of_snapshot(path)
-    assert_array_equal(session.ram(), env.core.ram())
-    assert session.game.id == "seaquest"
+    inspection = inspection_of_snapshot(path)
+    assert_array_equal(inspection.ram(), env.core.ram())
+    assert inspection.game.id == "seaquest"
 
 
 def test_a_saved_state_has_its_interventions(tmp_path: Path) -> None:
@@ -133,19 +133,19 @@ def test_a_saved_state_has_its_interventions(tmp_path: Path) -> None:
     env.reset(seed=1)
     path = tmp_path / "a.state"
     path.write_bytes(env.snapshot())
-    session = session_of_snapshot(path)
-    assert session.env.task.interventions == env.task.interventions
-    assert_array_equal(session.ram(), env.core.ram())
+    inspection = inspection_of_snapshot(path)
+    assert inspection.env.task.interventions == env.task.interventions
+    assert_array_equal(inspection.ram(), env.core.ram())
 
 
 def test_interventions_are_toml() -> None:
-    session = new_session()
+    inspection = new_inspection()
     with pytest.raises(ValueError, match="nothing is frozen"):
-        export.interventions_toml(session)
-    session.freeze(LIVES)
-    play(session, 30)
-    session.poke(PADDLE, 80)
-    table = tomllib.loads(export.interventions_toml(session))
+        export.interventions_toml(inspection)
+    inspection.freeze(LIVES)
+    play(inspection, 30)
+    inspection.poke(PADDLE, 80)
+    table = tomllib.loads(export.interventions_toml(inspection))
     assert table["frozen_lives"]["writes"] == [{"to": LIVES, "value": 5, "when": when} for when in ("reset", "frame")]
     assert table["poke_1_player_x"]["writes"] == [{"to": PADDLE, "value": 80, "when": 30}]
 
@@ -153,25 +153,25 @@ def test_interventions_are_toml() -> None:
 @settings(max_examples=60, deadline=None)
 @given(title=HOSTILE, name=HOSTILE)
 def test_names_of_a_hostile_game_stay_names(title: str, name: str) -> None:
-    session = SHARED
-    session.game = replace(session.game, id=title, title=title)
-    session.readings.names[LIVES] = [name]
-    tables = tomllib.loads(export.interventions_toml(session))
+    inspection = SHARED
+    inspection.game = replace(inspection.game, id=title, title=title)
+    inspection.readings.names[LIVES] = [name]
+    tables = tomllib.loads(export.interventions_toml(inspection))
     assert list(tables) == [f"frozen_{name}"]
     assert tables[f"frozen_{name}"]["description"] == f"{name} (byte {LIVES}) is held at 5."
-    assert list(tomllib.loads(export.labels_toml(session))["ram"]) == ["mine"]
+    assert list(tomllib.loads(export.labels_toml(inspection))["ram"]) == ["mine"]
 
 
 def test_an_environment_plays_the_exported_interventions(tmp_path: Path) -> None:
-    session = new_session()
-    session.freeze(LIVES, 3)
-    play(session, 30)
-    session.poke(PADDLE, 80)
-    session.name(PADDLE + 1, "mine")
-    session.freeze(PADDLE + 1, 9)
-    play(session, 60)
+    inspection = new_inspection()
+    inspection.freeze(LIVES, 3)
+    play(inspection, 30)
+    inspection.poke(PADDLE, 80)
+    inspection.name(PADDLE + 1, "mine")
+    inspection.freeze(PADDLE + 1, 9)
+    play(inspection, 60)
     path = tmp_path / "own.toml"
-    path.write_text(export.interventions_toml(session))
+    path.write_text(export.interventions_toml(inspection))
     known = load("breakout", path)
     assert sorted(known) == ["frozen_lives", "frozen_mine", "poke_1_player_x"]
     assert all(check("breakout", one) for one in known.values() if one.check)
@@ -185,16 +185,16 @@ def test_an_environment_plays_the_exported_interventions(tmp_path: Path) -> None
     for frame in range(1, 31):
         env.step(agent.act(env.core))
         if frame < 30:
-            assert_array_equal(env.core.ram(), session.main.ram_at(frame))
+            assert_array_equal(env.core.ram(), inspection.main.ram_at(frame))
     assert (env.core.ram()[LIVES], env.core.ram()[PADDLE]) == (3, 80)
 
 
 def test_a_clip(tmp_path: Path) -> None:
     av = pytest.importorskip("av")
-    session = new_session()
-    play(session, 120)
+    inspection = new_inspection()
+    play(inspection, 120)
     with pytest.raises(ValueError, match=r"a clip is within frames 0\.\.120"):
-        export.write_clip(session, tmp_path / "a.mp4", 100, 130)
-    export.write_clip(session, tmp_path / "a.mp4", 60, 120)
+        export.write_clip(inspection, tmp_path / "a.mp4", 100, 130)
+    export.write_clip(inspection, tmp_path / "a.mp4", 60, 120)
     with av.open(str(tmp_path / "a.mp4")) as container:
         assert sum(1 for _ in container.decode(video=0)) == 60

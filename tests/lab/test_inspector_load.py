@@ -38,8 +38,8 @@ async def seconds_of_get(inspector: Inspector, client: Any) -> float:
 
 async def assert_plays(inspector: Inspector, page: Any) -> None:
     """The page plays frames."""
-    at = inspector.session.at
-    while inspector.session.at < at + 5:
+    at = inspector.inspection.at
+    while inspector.inspection.at < at + 5:
         await page.send_json({"do": "play"})  # again, because an error that is being handled may have paused it
         await receive(page, "frame")
 
@@ -51,11 +51,11 @@ def test_errors_are_shown_and_it_plays_on(monkeypatch: pytest.MonkeyPatch, caplo
     async def use(inspector: Inspector, client: Any) -> None:
         async with client.ws_connect(inspector.url + "ws") as page:
             for owner, name, command in (
-                (inspector.session, "tick", "pause"),
-                (inspector.session, "_play_frame", "play"),
+                (inspector.inspection, "tick", "pause"),
+                (inspector.inspection, "_play_frame", "play"),
                 (protocol, "frame", "pause"),
                 (protocol, "overlay", "pause"),
-                (inspector.session.main, "cut", "fork"),
+                (inspector.inspection.main, "cut", "fork"),
             ):
                 with monkeypatch.context() as broken:
                     broken.setattr(owner, name, fail)
@@ -75,7 +75,7 @@ def test_an_error_of_an_export_is_an_answer(monkeypatch: pytest.MonkeyPatch) -> 
     async def use(inspector: Inspector, client: Any) -> None:
         async with client.get(inspector.url + "export/replay.a26r") as response:
             assert (response.status, await response.text()) == (500, "'no'")
-        assert "KeyError('no')" in inspector.session.error
+        assert "KeyError('no')" in inspector.inspection.error
 
     serve(use)
 
@@ -87,27 +87,27 @@ def test_commands_that_take_long_hold_up_nothing_else() -> None:
                 await page.send_str(STEP)
             await asyncio.sleep(0.05)
             assert await seconds_of_get(inspector, client) < 1
-        assert inspector.session.at < 20 * 3600
+        assert inspector.inspection.at < 20 * 3600
 
     serve(use)
 
 
 def test_a_slow_page_gets_the_newest_frame_and_nobody_waits_for_it() -> None:
     async def use(inspector: Inspector, client: Any) -> None:
-        session = inspector.session
+        inspection = inspector.inspection
         async with client.ws_connect(inspector.url + "ws") as page:
             await receive(page, "hello")
             reader = page._conn.transport
             reader.pause_reading()
             await page.send_json({"do": "speed", "speed": 16})
             await page.send_json({"do": "play"})
-            while session.at < 4000 and not session.over:
+            while inspection.at < 4000 and not inspection.over:
                 await asyncio.sleep(0.02)
-            at = session.at
+            at = inspection.at
             reader.resume_reading()
-            session.pause()
+            inspection.pause()
             frames = [at]
-            while frames[-1] != session.at or len(frames) == 1:
+            while frames[-1] != inspection.at or len(frames) == 1:
                 frames.append(int.from_bytes((await receive(page, "frame"))[4:8], "little"))
             assert len(frames) < at / 4
 
@@ -286,6 +286,6 @@ def test_a_command_that_waits_when_the_page_closes_is_left_out() -> None:
                 await page.send_str(json.dumps(command))
         while inspector._tab is not None:
             await asyncio.sleep(0.01)
-        assert not inspector.session.playing
+        assert not inspector.inspection.playing
 
     serve(use)

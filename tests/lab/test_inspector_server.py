@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from inspector_tools import new_session, receive, serve
+from inspector_tools import new_inspection, receive, serve
 
 aiohttp = pytest.importorskip("aiohttp")
 
@@ -40,7 +40,7 @@ def test_only_the_token_opens_the_page() -> None:
         for path in paths:
             async with client.get(base + path) as response:
                 assert response.status == 403, path
-        for path in ("session.py", "..%2fsession.py", "nothing.js", "export/passwd"):
+        for path in ("inspection.py", "..%2fsession.py", "nothing.js", "export/passwd"):
             async with client.get(inspector.url + path) as response:
                 assert response.status == 404, path
 
@@ -80,7 +80,7 @@ def test_other_hosts_and_origins_are_refused(headers: dict[str, str], status: in
 
 def test_frames_and_commands() -> None:
     async def use(inspector: Inspector, client: Any) -> None:
-        core = inspector.session.main.core
+        core = inspector.inspection.main.core
         async with client.ws_connect(inspector.url + "ws") as tab:
             hello = await receive(tab, "hello")
             assert (hello["game"], hello["height"]) == ("breakout", 210)
@@ -124,15 +124,15 @@ def test_frames_and_commands() -> None:
 
 def test_it_plays_sixty_frames_a_second_and_a_closed_tab_pauses() -> None:
     async def use(inspector: Inspector, client: Any) -> None:
-        session = inspector.session
+        inspection = inspector.inspection
         async with client.ws_connect(inspector.url + "ws") as tab:
             await tab.send_json({"do": "play"})
-            while session.at < 20:
+            while inspection.at < 20:
                 await receive(tab, "frame")
-            assert session.playing
-        while session.playing:
+            assert inspection.playing
+        while inspection.playing:
             await asyncio.sleep(0.01)
-        assert session.at >= 20
+        assert inspection.at >= 20
 
     serve(use)
 
@@ -144,13 +144,13 @@ def test_a_second_tab_is_told_and_can_take_the_session_over() -> None:
         async with client.ws_connect(inspector.url + "ws") as second:
             assert await receive(second, "refused") == "This session is open in another tab."
             assert (await second.receive()).type == aiohttp.WSMsgType.CLOSE
-        inspector.session.play()
+        inspector.inspection.play()
         async with client.ws_connect(inspector.url + "ws?take=1") as third:
             await receive(third, "hello")
             assert await receive(first, "refused") == "This session went on in another tab."
             await first.close()
             await receive(third, "frame")
-            assert inspector.session.playing  # the first tab was not closed by the user
+            assert inspector.inspection.playing  # the first tab was not closed by the user
 
     serve(use)
 
@@ -159,7 +159,7 @@ def test_exports() -> None:
     async def use(inspector: Inspector, client: Any) -> None:
         async with client.get(inspector.url + "export/replay.a26r") as response:
             assert (response.status, await response.text()) == (400, "no frame was played; there is nothing to export")
-        inspector.session.step(30)
+        inspector.inspection.step(30)
         async with client.get(inspector.url + "export/replay.a26r") as response:
             assert response.status == 200
             assert response.headers["Content-Disposition"] == 'attachment; filename="breakout-replay.a26r"'
@@ -239,36 +239,36 @@ def test_without_a_browser_the_address_is_printed(
 
 
 def test_a_frame_with_a_fork() -> None:
-    session = new_session("breakout")
-    session.open_fork()
-    session.poke(57, 2)
-    frame = protocol.frame(session)
+    inspection = new_inspection("breakout")
+    inspection.open_fork()
+    inspection.poke(57, 2)
+    frame = protocol.frame(inspection)
     assert frame[1] == 16 | 32
     assert (frame[32 + 57], frame[160 + 210 * 160 + 57]) == (5, 2)
 
 
 def test_the_version_counts_frames_and_the_commands_that_change_something() -> None:
-    session = new_session("pong")
-    versions = [session.version]
+    inspection = new_inspection("pong")
+    versions = [inspection.version]
     for command in (
         {"do": "poke", "index": 60, "value": 7},
         {"do": "step", "frames": 1},
         {"do": "pixels", "index": 60},
     ):
-        protocol.run(session, json.dumps(command))
-        versions.append(session.version)
+        protocol.run(inspection, json.dumps(command))
+        versions.append(inspection.version)
     assert versions[0] < versions[1] < versions[2] == versions[3]  # a page asks for pixels at each new version
 
 
 def test_the_news_have_a_state_only_if_it_is_new() -> None:
-    session = new_session("pong")
-    known, messages = protocol.news(session, "")
+    inspection = new_inspection("pong")
+    known, messages = protocol.news(inspection, "")
     assert any("state" in message for message in messages)
-    protocol.run(session, json.dumps({"do": "pause"}))
-    assert not any("state" in message for message in protocol.news(session, known)[1])
-    session.notice = "something"
-    protocol.run(session, json.dumps({"do": "poke", "index": 60, "value": 7}))
-    messages = protocol.news(session, known)[1]
+    protocol.run(inspection, json.dumps({"do": "pause"}))
+    assert not any("state" in message for message in protocol.news(inspection, known)[1])
+    inspection.notice = "something"
+    protocol.run(inspection, json.dumps({"do": "poke", "index": 60, "value": 7}))
+    messages = protocol.news(inspection, known)[1]
     assert {"notice": "something"} in messages
     assert any("state" in message for message in messages)
-    assert session.notice == ""
+    assert inspection.notice == ""

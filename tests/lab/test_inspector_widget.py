@@ -30,8 +30,8 @@ def test_export(monkeypatch: pytest.MonkeyPatch, tmp_path: object) -> None:
     monkeypatch.setattr(widget, "_widget_class", lambda: None)
     shown = show(atari.make("pong"))
     assert shown.export(str(tmp_path)) == []
-    shown.session.freeze(50, 3)
-    shown.session.step(10)
+    shown.inspection.freeze(50, 3)
+    shown.inspection.step(10)
     assert [path.name for path in shown.export(str(tmp_path))] == ["pong-interventions.toml", "pong.a26r"]
 
 
@@ -50,7 +50,7 @@ def test_the_widget(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [next(iter(message)) for message, _ in sent] == ["hello", "frame", "objects", "state"]
     sent.clear()
     shown._receive(shown, {"do": "poke", "index": 57, "value": 3}, [])
-    assert shown.session.ram()[57] == 3
+    assert shown.inspection.ram()[57] == 3
     shown._receive(shown, {"do": "poke", "index": 57, "value": 300}, [])
     assert any("error" in message for message, _ in sent)
     bundle = shown._repr_mimebundle_()
@@ -65,7 +65,7 @@ def test_the_widget_shows_errors(monkeypatch: pytest.MonkeyPatch) -> None:
     sent: list[dict[str, object]] = []
     monkeypatch.setattr(shown, "send", lambda message, buffers=None: sent.append(message))
     with monkeypatch.context() as broken:
-        broken.setattr(protocol, "frame", lambda session: {}["broken on purpose"])
+        broken.setattr(protocol, "frame", lambda inspection: {}["broken on purpose"])
         shown._receive(shown, {"do": "pause"}, [])
     assert {"error": "frame 0: KeyError('broken on purpose')"} in sent
     sent.clear()

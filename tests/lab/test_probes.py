@@ -10,14 +10,14 @@ import pytest
 
 import atari
 from atari.lab.probes import majority, play_episodes, probe, split_episodes
-from atari.lab.probes.data import Episode, ProbeData
+from atari.lab.probes.data import EpisodeStates, ProbeData
 from atari.lab.probes.probe import weighted_f1
 from atari.learning import load_policy
 
 LABELS = {"player_x": 3, "ball_x": 4, "score": 0x85, "never": 6}
 
 
-def made_up(count: int = 20, length: int = 70, seed: int = 0) -> list[Episode]:
+def made_up(count: int = 20, length: int = 70, seed: int = 0) -> list[EpisodeStates]:
     """Episodes whose observation is RAM; byte 3 has 8 values, 4 has 4, 5 is random and not seen, 6 is nearly fixed."""
     rng = np.random.default_rng(seed)
     episodes = []
@@ -33,7 +33,7 @@ def made_up(count: int = 20, length: int = 70, seed: int = 0) -> list[Episode]:
         seen[np.arange(length), ram[:, 3]] = 255
         seen[np.arange(length), 8 + ram[:, 4]] = 255
         seen[:, 12:] = rng.integers(256, size=(length, 2))
-        episodes.append(Episode(seen, ram))
+        episodes.append(EpisodeStates(seen, ram))
     return episodes
 
 
@@ -61,7 +61,7 @@ def test_short_episodes_are_left_out() -> None:
 def test_test_states_that_training_has_are_removed() -> None:
     episodes = made_up(10)
     same = [
-        Episode(np.concatenate([episode.observations, episodes[0].observations]), np.tile(episode.ram, (2, 1)))
+        EpisodeStates(np.concatenate([episode.observations, episodes[0].observations]), np.tile(episode.ram, (2, 1)))
         for episode in episodes
     ]
     assert split_episodes(same, LABELS).duplicates >= 2 * 70
@@ -189,7 +189,7 @@ def test_states_without_images_are_refused() -> None:
         (made_up(), "amidar", "AtariARI has no names for amidar"),
     ],
 )
-def test_what_cannot_be_split(episodes: list[Episode], labels: object, text: str | None) -> None:
+def test_what_cannot_be_split(episodes: list[EpisodeStates], labels: object, text: str | None) -> None:
     if text is None:
         split_episodes(episodes, labels)  # type: ignore[arg-type]
         return

@@ -10,7 +10,7 @@ import pytest
 import atari._emulator as _emulator
 from atari import Task
 from atari.cores import NativeCore
-from atari.cores.rewards import reward_formula
+from atari.cores.compiled import reward_formula
 from atari.multiplayer import MultiplayerCore
 from atari.observations.settings import filled_by_name, make_episode, observation_settings
 

@@ -182,9 +182,7 @@ def test_a_wrong_option_is_one_sentence(options: dict[str, Any], error: type[Exc
         parallel_env("boxing", **options)
 
 
-def test_old_and_unfit_tasks_are_refused() -> None:
-    with pytest.raises(ImportError, match="preset='multiplayer_dqn'"):
-        _ = atari.multiplayer.PreprocessedEnv
+def test_unfit_tasks_are_refused() -> None:
     with pytest.raises(ValueError, match="the task of pong is for one player; add players=2"):
         parallel_env(Task.of("pong"))
     with pytest.raises(gymnasium.error.NameNotFound, match="Pong-v5"):

@@ -7,8 +7,7 @@ import atari
 from atari.cores import NativeCore
 from atari.games.actions import Action
 from atari.games.game import Game
-from atari.play.controls import ALL_KEYS, LEFT_KEYS, NO_KEYS, RIGHT_KEYS
-from atari.play.first_screen import first_screen
+from atari.play.controls import ALL_KEYS, LEFT_KEYS, NO_KEYS, RIGHT_KEYS, first_screen
 
 FIRE = "space, left ctrl, right ctrl: FIRE"
 UP, DOWN = "up arrow, W: UP", "down arrow, S: DOWN"

@@ -324,7 +324,6 @@ def test_the_command_plays_what_an_id_says(monkeypatch: pytest.MonkeyPatch, caps
     [
         (["--continuous"], "has no place for --continuous, the field 'continuous' of a task"),
         (["--stack-num", "4"], "has no place for --stack-num, the field 'stack_num' of a task"),
-        (["--obs", "ram"], "there is no option --obs any more: it is --obs-type, as in `atari play GAME --players 2"),
         (["--obs-type", "ram"], "--obs-type needs --players"),
         (["--noops", "3"], "noops must be (low, high)"),
     ],

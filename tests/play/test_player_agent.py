@@ -12,8 +12,7 @@ from atari.learning import ScoresPolicy
 from atari.learning.frame_agent import FrameAgent
 from atari.learning.options import TrainingOptions
 from atari.multiplayer import MultiplayerCore
-from atari.play.multiplayer_session import MultiplayerSession
-from atari.play.player_agent import PlayerAgent
+from atari.play.multiplayer_session import MultiplayerSession, PlayerAgent
 
 ACTIONS = ("NOOP", "FIRE", "RIGHT", "LEFT")
 

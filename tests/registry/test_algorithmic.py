@@ -11,7 +11,7 @@ from gymnasium.utils.env_checker import check_env
 import atari
 from atari import classic
 from atari.classic import algorithmic
-from atari.registry.algorithmic import register_all
+from atari.registry.registration import register_algorithmic
 
 TASKS = {
     "Copy-v0": (algorithmic.CopyEnv, 25.0, (2, 2, 5)),
@@ -83,7 +83,7 @@ def test_they_play_through_the_interface_of_their_time(env_id: str, capsys: pyte
 def test_registering_again_is_silent() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        register_all()
+        register_algorithmic()
 
 
 def test_atari_make_accepts_them_but_not_with_a_preset() -> None:

@@ -7,14 +7,14 @@ from typing import Any
 
 from atari.env import AtariEnv
 from atari.games.actions import Action
-from atari.lab.inspector.session import Session
+from atari.lab.inspector.inspection import Inspection
 
 LIVES, PADDLE, SCORE = 57, 72, 77
 """Bytes of Breakout."""
 
 
-def new_session(game: str = "breakout") -> Session:
-    return Session(AtariEnv(game, frameskip=1, repeat_action_probability=0.0, full_action_space=True), seed=0)
+def new_inspection(game: str = "breakout") -> Inspection:
+    return Inspection(AtariEnv(game, frameskip=1, repeat_action_probability=0.0, full_action_space=True), seed=0)
 
 
 class Sweeper:
@@ -30,22 +30,22 @@ class Sweeper:
         return int((Action.FIRE, Action.LEFT, Action.NOOP, Action.RIGHT)[self.frames // 16 % 4])
 
 
-def play(session: Session, frames: int) -> None:
-    session.agent = session.agent or Sweeper()
-    session.let_agent_play(True)
-    session.step(frames)
+def play(inspection: Inspection, frames: int) -> None:
+    inspection.agent = inspection.agent or Sweeper()
+    inspection.let_agent_play(True)
+    inspection.step(frames)
 
 
 Use = Callable[[Any, Any], Awaitable[Any]]
 
 
 def serve(use: Use, game: str = "breakout") -> Any:
-    """Run `use` with a served session and a client."""
+    """Run `use` with a served inspection and a client."""
     import aiohttp
 
     from atari.lab.inspector.server import Inspector
 
-    inspector = Inspector(new_session(game))
+    inspector = Inspector(new_inspection(game))
 
     async def run() -> None:
         await inspector.start()

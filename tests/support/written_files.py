@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from inspector_tools import new_session
+from inspector_tools import new_inspection
 from inspector_tools import play as play_session
 from replay_tools import record
 
@@ -147,7 +147,7 @@ def film(playing: Session, frames: int) -> None:
 
 def exported(name: str) -> Callable[[int], Write]:
     def prepare(frames: int) -> Write:
-        lab = new_session()
+        lab = new_inspection()
         play_session(lab, max(2, frames))
         lab.freeze(57)
         lab.name(3, "mine")
@@ -157,7 +157,7 @@ def exported(name: str) -> Callable[[int], Write]:
 
 
 def clip(frames: int) -> Write:
-    lab = new_session()
+    lab = new_inspection()
     play_session(lab, max(2, frames))
     return lambda path: export.write_clip(lab, path, 0, max(2, frames))
 
@@ -319,7 +319,10 @@ WRITTEN: dict[str, Written] = {
     "causal map": Written("map.npz", causal(causal_files.save)),
     "picture of a causal map": Written("map.png", causal(write_png)),
     "difference": Written(
-        "differences", lambda _: verify.Difference(verify.Run("pong"), 3).write, keeps=True, command=("verify", "-o")
+        "differences",
+        lambda _: verify.Difference(verify.VerificationRun("pong"), 3).write,
+        keeps=True,
+        command=("verify", "-o"),
     ),
     "result": Written("result.json", lambda runs: result(runs).save),
     "comparison": Written("comparison.json", comparison("save")),

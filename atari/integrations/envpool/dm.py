@@ -55,8 +55,8 @@ class DMEnvPool(EnvPool, dm_env.Environment):  # type: ignore[misc]
         """The spec of one environment's action."""
         return self.spec.action_spec()
 
-    def _shown(self, results: Any, reset: bool, return_info: bool = True) -> Any:
-        image, reward, terminated, truncated, info = super()._shown(results, reset=False)
+    def _results(self, results: Any, reset: bool, return_info: bool = True) -> Any:
+        image, reward, terminated, truncated, info = super()._results(results, reset=False)
         rows, last = info["env_id"], terminated | truncated
         first = self._ended[rows] | (info["elapsed_step"] == 0)
         lost = (info["lives"] < self._lives[rows]) & self.config["zero_discount_on_life_loss"]

@@ -2,6 +2,7 @@
 
 import inspect
 import sys
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -14,8 +15,7 @@ from atari.base.validation import check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.env.rendering import Window
 from atari.integrations.envpool.spec import EnvPoolSpec, import_dm, make_spec, task_ids
-from atari.integrations.envpool.xla import xla
-from atari.integrations.jax import xla as vector_xla
+from atari.integrations.jax import xla
 from atari.task import Task
 from atari.task.task import GameLike
 from atari.vector import AtariVectorEnv
@@ -125,7 +125,7 @@ class EnvPool:
         observation, info = self.vector.reset(seed=seed, options=chosen)
         none = np.zeros(len(info["env_id"]), np.bool_)
         results = (observation, none.astype(np.float32), none, none.copy(), info)
-        return self._shown(results if rows is None or self.is_async else pick_rows(results, rows), reset=True)
+        return self._results(results if rows is None or self.is_async else pick_rows(results, rows), reset=True)
 
     def step(self, action: Any, env_id: Any = None) -> Any:
         """Play a step of all environments, or of those in `env_id`; then the results have only their rows.
@@ -156,7 +156,7 @@ class EnvPool:
         Raises:
             gymnasium.error.NoAsyncCallError: nothing has been sent.
         """
-        return self._shown(self.vector.recv(), reset, return_info)
+        return self._results(self.vector.recv(), reset, return_info)
 
     def async_reset(self) -> None:
         """Begin a reset of all environments; `recv` returns the first results."""
@@ -196,7 +196,7 @@ class EnvPool:
         Raises:
             gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0.
         """
-        return xla(vector_xla(self.vector), partial(shown, returns_done=self.returns_done))
+        return _xla(xla(self.vector), partial(as_envpool, returns_done=self.returns_done))
 
     def close(self, **_: Any) -> None:
         """Join the threads and release the environments."""
@@ -231,12 +231,12 @@ class EnvPool:
             raise ValueError(f"env_id must name each environment once, got {env_id!r}")
         return array.astype(np.int64)
 
-    def _shown(self, results: Any, reset: bool, return_info: bool = True) -> Any:
+    def _results(self, results: Any, reset: bool, return_info: bool = True) -> Any:
         """Results of the vector environment in EnvPool's form."""
         if reset:
-            image, *_, info = shown(results, self.returns_done)
+            image, *_, info = as_envpool(results, self.returns_done)
             return (image, info) if self._reset_returns_info and return_info else image
-        return shown(results, self.returns_done)
+        return as_envpool(results, self.returns_done)
 
 
 def resized(screen: npt.NDArray[np.uint8], width: int | None, height: int | None) -> npt.NDArray[np.uint8]:
@@ -249,7 +249,7 @@ def resized(screen: npt.NDArray[np.uint8], width: int | None, height: int | None
     return np.asarray(cv2.resize(screen, size, interpolation=cv2.INTER_AREA), np.uint8)
 
 
-def shown(results: Any, returns_done: bool) -> tuple[Any, ...]:
+def as_envpool(results: Any, returns_done: bool) -> tuple[Any, ...]:
     """Results of the vector environment in the form of EnvPool's `step`, as arrays of NumPy or of JAX.
 
     Args:
@@ -274,6 +274,28 @@ def shown(results: Any, returns_done: bool) -> tuple[Any, ...]:
     }
     ends = (terminated | truncated,) if returns_done else (terminated, truncated)
     return (image, reward.astype(np.float32), *ends, info)
+
+
+def _xla(
+    functions: tuple[Any, Callable[..., Any], Callable[..., Any], Callable[..., Any]], convert: Callable[[Any], Any]
+) -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[..., Any]]:
+    """Make EnvPool's `(handle, recv, send, step)` from the functions of `atari.integrations.jax.xla`.
+
+    Args:
+        functions: the functions of the vector environment.
+        convert: converts the vector environment's results to EnvPool's; compiled functions may keep it.
+    """
+    handle, vector_recv, send, vector_step = functions
+
+    def recv(handle: Any) -> tuple[Any, Any]:
+        handle, results = vector_recv(handle)
+        return handle, convert(results)
+
+    def step(handle: Any, action: Any, env_id: Any = None) -> tuple[Any, Any]:
+        handle, results = vector_step(handle, action, env_id)
+        return handle, convert(results)
+
+    return handle, recv, send, step
 
 
 class GymnasiumEnvPool(EnvPool, VectorEnv, gymnasium.Env[Any, Any]):  # type: ignore[misc]
@@ -341,7 +363,6 @@ def make_dm(task_id: GameLike, **options: Any) -> EnvPool:
 
 
 def _made(kind: Any, task_id: GameLike, options: dict[str, Any], **form: Any) -> Any:
-    """An `EnvPool` of this class."""
     render = {name: options.pop(name) for name in _RENDER_OPTIONS if name in options}
     return kind(make_spec(task_id, **options), **render, **form)
 

@@ -284,11 +284,7 @@ def _task(found: FoundGame, fields: Mapping[str, Any]) -> Task:
 
 
 def _look_up(task_id: GameLike) -> FoundGame:
-    """Look up a name of EnvPool's, or GAME.
-
-    Raises:
-        ValueError: there is no such task; the message suggests the nearest of EnvPool's names.
-    """
+    """Look up a name of EnvPool's, or GAME."""
     try:
         return look_up(task_ids().get(str(task_id), task_id))
     except (gymnasium.error.NameNotFound, ValueError):

@@ -82,19 +82,18 @@ def filled(value: Any, wanted: Any) -> Any:
     return np.zeros(wanted.shape, wanted.dtype) if value is None else np.asarray(value).astype(wanted.dtype, copy=False)
 
 
-def pinned_arrays(like: Any, count: int = 2) -> list[Any] | None:
-    """NumPy arrays in page-locked memory; None if the default device has none, or `like` is not uint8.
+def pinned_arrays(like: Any) -> list[Any] | None:
+    """Two NumPy arrays in page-locked memory; None if the default device has none, or `like` is not uint8.
 
     Args:
         like: an object with the `shape` and `dtype` of the arrays.
-        count: the number of arrays.
     """
     device = jax.devices()[0]
     kinds = {memory.kind for memory in device.addressable_memories()}
     if "pinned_host" not in kinds or like.dtype != np.uint8:
         return None
     memory = jax.sharding.SingleDeviceSharding(device, memory_kind="pinned_host")
-    return [_view(jax.device_put(np.zeros(like.shape, np.uint8), memory)) for _ in range(count)]
+    return [_view(jax.device_put(np.zeros(like.shape, np.uint8), memory)) for _ in range(2)]
 
 
 def _view(array: Any) -> Any:

@@ -48,14 +48,14 @@ class ResultParts:
 
             info["action_mask"] = jax.numpy.asarray(self._masks)[parts["env_id"]]
         if self._same_step:
-            info["final_obs"] = self._shown(parts, "final_")
+            info["final_obs"] = self._observation(parts, "final_")
             info["final_info"] = {name: parts["final_" + name] for name in COUNTERS}
             info["_final_obs"] = info["_final_info"] = parts["ended"]
         reward = parts["reward"] if self._players == 1 else parts["reward"].astype(float)
         reward = parts.get("own_reward_float", reward)
-        return self._shown(parts), reward, parts["terminated"], parts["truncated"], info
+        return self._observation(parts), reward, parts["terminated"], parts["truncated"], info
 
-    def _shown(self, arrays: dict[str, Any], prefix: str = "") -> Any:
+    def _observation(self, arrays: dict[str, Any], prefix: str = "") -> Any:
         parts = {part: arrays[prefix + name] for name, part in self._parts.items()}
         observation = parts if self._named else parts[""]
         return observation if self._layout.is_engines else self._layout.apply(observation)

@@ -171,7 +171,6 @@ def _played(work: Sequence[_Work]) -> Iterator[_Part]:
 
 
 def _play(work: _Work) -> _Part:
-    """Play the game of a seed, in a worker."""
     if (own := version("atari-envs")) != work.version:
         raise RuntimeError(f"a worker has atari-envs {own}, and the collection was begun with {work.version}")
     with TemporaryDirectory() as folder:

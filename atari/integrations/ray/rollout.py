@@ -1,4 +1,4 @@
-"""`Rollout`: a batch of steps of an actor's environments; and `Frames`, which stores images once."""
+"""`Rollout`: a batch of steps of an actor's environments; and `FrameTable`, which stores images once."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -89,7 +89,7 @@ class Rollout:
         return sum(array.nbytes for array in (*arrays, *self.extras.values()))
 
 
-class Frames:
+class FrameTable:
     """Stacked observations of a rollout, as a table of single frames and an index.
 
     An observation has one new frame, and shares the others with the observation before it. At the start and after the

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from atari.base.gymnasium_versions import AutoresetMode
 from atari.cores.options import SEED_LIMIT
-from atari.integrations.ray.rollout import Frames, Rollout
+from atari.integrations.ray.rollout import FrameTable, Rollout
 from atari.learning.policies import load_policy
 from atari.policy.needs import needs_of
 from atari.task import Task
@@ -121,7 +121,7 @@ class RolloutWorker:
         self._renewed = self._ended  # lanes in which the next step also begins a stack of images
         shape = self._observations.shape
         stacked = settings.unstacked and len(shape) > 3 and shape[1] > 1
-        self._frames = Frames(settings.steps, shape) if stacked else None
+        self._frames = FrameTable(settings.steps, shape) if stacked else None
         self._table: npt.NDArray[np.uint8] | None = None
         self._position: Position | None = position
 
@@ -164,7 +164,8 @@ class RolloutWorker:
         table = self._frames.table if self._frames else table
         rollout = rows.rollout(self._index, self._number, version, table, index)
         self._number += 1
-        return Played(rollout, self._snapshot() if take_snapshot else None, self._policy_state())
+        state = self._policy.state() if hasattr(self._policy, "state") else None
+        return Played(rollout, self._snapshot() if take_snapshot else None, pickle.dumps(state, 5))
 
     def _begin(self) -> npt.NDArray[np.uint8]:
         """Begin a rollout with the last observations; returns the array for whole observations."""
@@ -184,12 +185,7 @@ class RolloutWorker:
     def _snapshot(self) -> bytes:
         return zlib.compress(pickle.dumps((self._envs.snapshot(), self._ended, self._renewed), 5), 1)
 
-    def _policy_state(self) -> bytes:
-        state = self._policy.state() if hasattr(self._policy, "state") else None
-        return pickle.dumps(state, 5)
-
     def _begin_policy(self) -> None:
-        """Begin with the policy."""
         played, needs = self._envs.task, needs_of(self._policy, self._envs.games[0])
         if needs.task is not None:
             fields = needs.task.differences(played)
@@ -270,18 +266,5 @@ class _Rows:
         scores = np.array([score for score, _ in self._games], np.float64)
         lengths = np.array([length for _, length in self._games], np.int64)
         actions, rewards, terminations, truncations, valid = self._columns
-        return Rollout(
-            actor=index,
-            number=number,
-            version=version,
-            observations_table=table,
-            observations_index=table_index,
-            actions=actions,
-            rewards=rewards,
-            terminations=terminations,
-            truncations=truncations,
-            valid=valid,
-            extras=self._extras,
-            scores=scores,
-            lengths=lengths,
-        )
+        signals = rewards, terminations, truncations, valid
+        return Rollout(index, number, version, table, table_index, actions, *signals, self._extras, scores, lengths)

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 import atari._emulator as _emulator
 from atari.base.validation import check_integer
-from atari.cores.native import NativeCore, compiled
+from atari.cores.compiled import compiled
+from atari.cores.native import NativeCore
 from atari.lab.causal.fit import suggest
 from atari.lab.causal.map import ByteCauses, CausalMap
 from atari.roms import find
@@ -71,7 +72,7 @@ def causes(
         A `CausalMap`. `bytes[i]` has the effects of byte i: `derived`, `inert`, `rewritten`, `seen`, `frames`,
         `reward`, `lives`, `over`, `writes`, `pixels` and `box`. `pixel(x, y)` returns the bytes that change a pixel.
         `suggestions` are probable meanings of bytes, and `suggestion.label()` is one as a line of a game file. The
-        classes, in `atari.lab.causal.map` and `.suggestion`, document all fields; `atari.lab.causal.files` stores maps.
+        classes, in `atari.lab.causal.map`, document all fields; `atari.lab.causal.files` stores maps.
 
     Raises:
         TypeError, ValueError: a number outside its range, as `Task.of`, or the task has another field that changes the

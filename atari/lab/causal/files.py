@@ -17,8 +17,7 @@ from atari.base import archives, durable, json_text
 from atari.base.validation import check_file
 from atari.games.catalog import games
 from atari.games.game import Game
-from atari.lab.causal.map import ByteCauses, CausalMap
-from atari.lab.causal.suggestion import Suggestion
+from atari.lab.causal.map import ByteCauses, CausalMap, Suggestion
 
 DATA = Path(__file__).parent / "data"
 """The folder of the maps of all games, a file each: `<id>.npz`."""

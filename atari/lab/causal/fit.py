@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from atari.lab.causal.suggestion import Suggestion
+from atari.lab.causal.map import Suggestion
 
 Integers = NDArray[np.int32]
 

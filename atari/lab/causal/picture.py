@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from atari.base import durable
+from atari.base.notebook import png
 from atari.games.game import Game
-from atari.lab.causal.map import ByteCauses, CausalMap
-from atari.lab.causal.suggestion import Suggestion
+from atari.lab.causal.map import ByteCauses, CausalMap, Suggestion
 
 Picture = NDArray[np.uint8]
 _Colour = tuple[int, int, int]
@@ -55,8 +55,7 @@ def draw(causal_map: CausalMap, game: Game | None = None) -> Picture:
 
 def write_png(causal_map: CausalMap, file: str | PathLike[str], game: Game | None = None) -> None:
     """Write the picture of `draw` to a PNG file."""
-    _, png = cv2.imencode(".png", draw(causal_map, game)[..., ::-1])
-    durable.write_file(Path(file), png.tobytes())
+    durable.write_file(Path(file), png(draw(causal_map, game)))
 
 
 def category(byte: ByteCauses, suggestions: list[Suggestion]) -> str:

@@ -1,4 +1,4 @@
-"""The exports of a session: labels and interventions as TOML, the game as a replay, a part of it as a video."""
+"""The exports of an inspection: labels and interventions as TOML, the game as a replay, a part of it as a video."""
 
 from pathlib import Path
 from typing import Any
@@ -7,7 +7,7 @@ import tomli_w
 
 from atari.base import durable
 from atari.env import AtariEnv
-from atari.lab.inspector.session import Session
+from atari.lab.inspector.inspection import Inspection
 from atari.lab.inspector.timeline import Timeline
 from atari.recording import RecordReplay, VideoWriter
 
@@ -18,33 +18,33 @@ MOST_CLIP_FRAMES = 60 * 60
 """The longest clip: a minute."""
 
 
-def labels_toml(session: Session) -> str:
+def labels_toml(inspection: Inspection) -> str:
     """The names that the user has given, as lines of a game definition's table `[ram]`.
 
     Raises:
         ValueError: no byte was named.
     """
-    if not session.names:
+    if not inspection.names:
         raise ValueError("no byte was named; choose one and give it a name")
     labels = {
         name: {"index": index, "kind": "other", "sources": ["measured"], "evidence": "seen in play"}
-        for index, name in sorted(session.names.items())
+        for index, name in sorted(inspection.names.items())
     }
-    return f"# Names given in the inspector, for the game {session.game.id!r}\n" + tomli_w.dumps({"ram": labels})
+    return f"# Names given in the inspector, for the game {inspection.game.id!r}\n" + tomli_w.dumps({"ram": labels})
 
 
-def interventions_toml(session: Session) -> str:
+def interventions_toml(inspection: Inspection) -> str:
     """The frozen bytes and the pokes, as a file of interventions.
 
     Raises:
         ValueError: there are neither.
     """
-    pokes = [change for change in session.changes if change.kind == "poke"]
-    if not session.frozen and not pokes:
+    pokes = [change for change in inspection.changes if change.kind == "poke"]
+    if not inspection.frozen and not pokes:
         raise ValueError("nothing is frozen and no byte was poked; there is no intervention to export")
     tables: dict[str, Any] = {}
-    for index, value in sorted(session.frozen.items()):
-        name = _name(session, index)
+    for index, value in sorted(inspection.frozen.items()):
+        name = _name(inspection, index)
         tables[f"frozen_{name}"] = {
             "description": f"{name} (byte {index}) is held at {value}.",
             "source": "own",
@@ -52,26 +52,26 @@ def interventions_toml(session: Session) -> str:
             "check": {"frames": 600, "actions": "random", "holds": f"ram[{index}] == {value}"},
         }
     for number, change in enumerate(pokes, 1):
-        name = _name(session, change.index)
+        name = _name(inspection, change.index)
         tables[f"poke_{number}_{name}"] = {
             "description": f"{name} (byte {change.index}) becomes {change.new} after {change.game_frame} frames.",
             "source": "own",
             "writes": [{"to": change.index, "value": change.new, "when": change.game_frame or "reset"}],
         }
-    return f"# Changes made in the inspector, for the game {session.game.id!r}\n" + tomli_w.dumps(tables)
+    return f"# Changes made in the inspector, for the game {inspection.game.id!r}\n" + tomli_w.dumps(tables)
 
 
-def write_replay(session: Session, path: Path) -> Path:
+def write_replay(inspection: Inspection, path: Path) -> Path:
     """Write the played frames, up to the present one, with frozen bytes and pokes, as a replay (.a26r).
 
     Raises:
         ValueError: no frame was played.
         OSError: the file cannot be written.
     """
-    timeline = session.main
+    timeline = inspection.main
     if timeline.at == timeline.first:
         raise ValueError("no frame was played; there is nothing to export")
-    env = _at_first_frame(session)
+    env = _at_first_frame(inspection)
     recording = RecordReplay(env, path)
     try:
         recorded = Timeline(env.core)
@@ -84,7 +84,7 @@ def write_replay(session: Session, path: Path) -> Path:
     return path
 
 
-def write_clip(session: Session, path: Path, start: int, stop: int) -> None:
+def write_clip(inspection: Inspection, path: Path, start: int, stop: int) -> None:
     """Write the frames after `start`, up to `stop`, as a video with sound.
 
     Raises:
@@ -92,16 +92,16 @@ def write_clip(session: Session, path: Path, start: int, stop: int) -> None:
         OSError: the file cannot be written.
         gymnasium.error.DependencyNotInstalled: PyAV is not installed.
     """
-    timeline = session.main
+    timeline = inspection.main
     if not timeline.first <= start < stop <= timeline.end:
         raise ValueError(f"a clip is within frames {timeline.first}..{timeline.end}, got {start}..{stop}")
     if stop - start > MOST_CLIP_FRAMES:
         raise ValueError(f"a clip has at most {MOST_CLIP_FRAMES} frames, got {stop - start}; export the replay instead")
-    env = _at_first_frame(session)
+    env = _at_first_frame(inspection)
     env.driver.make_sound()
     try:
         again = Timeline(env.core, timeline.first)
-        with VideoWriter(path, session.game, scale=2, sound=True) as video:
+        with VideoWriter(path, inspection.game, scale=2, sound=True) as video:
             for frame in timeline.frames(timeline.first, stop):
                 again.play(frame)
                 if again.at > start:
@@ -110,7 +110,7 @@ def write_clip(session: Session, path: Path, start: int, stop: int) -> None:
         env.close()
 
 
-def write(session: Session, name: str, path: Path) -> None:
+def write(inspection: Inspection, name: str, path: Path) -> None:
     """Write one of `NAMES`.
 
     Raises:
@@ -118,18 +118,18 @@ def write(session: Session, name: str, path: Path) -> None:
         OSError: the file cannot be written.
     """
     if name == "replay.a26r":
-        write_replay(session, path)
+        write_replay(inspection, path)
     else:
-        text = labels_toml(session) if name == "labels.toml" else interventions_toml(session)
+        text = labels_toml(inspection) if name == "labels.toml" else interventions_toml(inspection)
         durable.write_file(path, text.encode())
 
 
-def _at_first_frame(session: Session) -> AtariEnv:
-    env = session.copied_env()
-    env.restore_state(session.main.first_state)
+def _at_first_frame(inspection: Inspection) -> AtariEnv:
+    env = inspection.copied_env()
+    env.restore_state(inspection.main.first_state)
     return env
 
 
-def _name(session: Session, index: int) -> str:
-    known = session.readings.names.get(index, [f"byte_{index}"])[0]
-    return session.names.get(index, known)
+def _name(inspection: Inspection, index: int) -> str:
+    known = inspection.readings.names.get(index, [f"byte_{index}"])[0]
+    return inspection.names.get(index, known)

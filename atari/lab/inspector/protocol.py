@@ -1,6 +1,6 @@
-"""The messages between the page and the session.
+"""The messages between the page and the inspection.
 
-The session sends binary messages, one a frame:
+The inspection sends binary messages, one a frame:
 
     offset  type          content
     0       uint8         1, the version
@@ -11,14 +11,14 @@ The session sends binary messages, one a frame:
     16      int32 x 2     score, and score of the fork
     24      uint16        lives
     26      uint16        number of histories, n
-    28      uint32        version of the session's state (`state` below)
+    28      uint32        version of the inspection's state (`state` below)
     32      128           RAM
     160     height * 160  screen, palette indices
             128, height * 160   the same for the fork, if there is one
             n * (2 + 240) for each history, byte index, number of values, and values, the newest last
 
 All integers are little-endian. The other messages are JSON objects: to the page {"hello"}, {"state"}, {"objects"},
-{"pixels"}, {"bytes"}, {"error"}, {"notice"}; to the session {"do": the name of a command, and its arguments}.
+{"pixels"}, {"bytes"}, {"error"}, {"notice"}; to the inspection {"do": the name of a command, and its arguments}.
 """
 
 import base64
@@ -32,7 +32,7 @@ import numpy as np
 
 import atari._emulator as _emulator
 from atari.base import json_text
-from atari.lab.inspector.session import HISTORY, SPEEDS, Session
+from atari.lab.inspector.inspection import HISTORY, SPEEDS, Inspection
 
 VERSION = 1
 _HEAD = struct.Struct("<BBH3I2iHHI")
@@ -41,64 +41,64 @@ MOST_PLACES = 40
 """The number of places of a search that are sent."""
 
 
-def hello(session: Session) -> dict[str, Any]:
-    """The message with all that is fixed during a session."""
-    game = session.game
+def hello(inspection: Inspection) -> dict[str, Any]:
+    """The message with all that is fixed during an inspection."""
+    game = inspection.game
     return {
         "hello": {
             "game": game.id,
             "title": game.title,
             "height": game.screen.height,
             "palette": base64.b64encode(_emulator.palette(game.screen.format).tobytes()).decode(),
-            "labels": session.readings.names,
-            "facts": session.readings.facts(),
+            "labels": inspection.readings.names,
+            "facts": inspection.readings.facts(),
             "speeds": SPEEDS,
             "history": HISTORY,
-            "agent": None if session.agent is None else session.agent.name,
+            "agent": None if inspection.agent is None else inspection.agent.name,
         }
     }
 
 
-def state(session: Session) -> dict[str, Any]:
+def state(inspection: Inspection) -> dict[str, Any]:
     """The message with all that only commands change."""
-    search = session.search
+    search = inspection.search
     return {
         "state": {
-            "speed": session.speed,
-            "frozen": session.frozen,
-            "watched": session.watched,
-            "selected": session.selected,
-            "names": session.names,
-            "changes": [vars(change) for change in session.changes[-20:]],
+            "speed": inspection.speed,
+            "frozen": inspection.frozen,
+            "watched": inspection.watched,
+            "selected": inspection.selected,
+            "names": inspection.names,
+            "changes": [vars(change) for change in inspection.changes[-20:]],
             "search": {
                 "candidates": search.candidates if search.filters else [],
                 "places": [[str(place), list(place.bytes)] for place in search.places[:MOST_PLACES]],
                 "left": len(search.places),
-                "before": session.searched.tolist(),
+                "before": inspection.searched.tolist(),
                 "applied": [each.call for each in search.filters],
             },
         }
     }
 
 
-def frame(session: Session) -> bytes:
+def frame(inspection: Inspection) -> bytes:
     """The binary message of the present frame."""
-    main, fork = session.main, session.fork
-    screen, preview = session.screen(main)
+    main, fork = inspection.main, inspection.fork
+    screen, preview = inspection.screen(main)
     parts = [main.core.ram().tobytes(), screen.tobytes()]
-    flags = session.playing | session.by_agent << 1 | session.over << 2 | preview << 3
+    flags = inspection.playing | inspection.by_agent << 1 | inspection.over << 2 | preview << 3
     if fork is not None:
-        screen, preview = session.screen(fork)
+        screen, preview = inspection.screen(fork)
         parts += [fork.core.ram().tobytes(), screen.tobytes()]
         flags |= 16 | preview << 5
-    shown = session.watched if session.selected is None else [session.selected, *session.watched]
+    shown = inspection.watched if inspection.selected is None else [inspection.selected, *inspection.watched]
     for index in shown:
-        values = session.shown.history(index, HISTORY)
+        values = inspection.active.history(index, HISTORY)
         parts.append(bytes((index, len(values))) + values.tobytes().ljust(HISTORY, b"\0"))
     head = _HEAD.pack(
         VERSION,
         flags,
-        session.game.screen.height,
+        inspection.game.screen.height,
         main.at,
         main.first,
         main.end,
@@ -106,69 +106,69 @@ def frame(session: Session) -> bytes:
         fork.score if fork else 0,
         min(main.core.lives, 65535),
         len(shown),
-        session.version % 2**32,
+        inspection.version % 2**32,
     )
     return b"".join([head, *parts])
 
 
-def overlay(session: Session) -> dict[str, Any]:
+def overlay(inspection: Inspection) -> dict[str, Any]:
     """The objects on the screen and the values of labels."""
-    values, objects = session.readings.read(session.ram())
+    values, objects = inspection.readings.read(inspection.ram())
     return {"objects": objects, "values": values}
 
 
-def news(session: Session, known: str) -> tuple[str, list[dict[str, Any]]]:
+def news(inspection: Inspection, known: str) -> tuple[str, list[dict[str, Any]]]:
     """The state as JSON, and the messages after a frame to a page with the state `known`. Clears error and notice."""
-    shown, present = overlay(session), json.dumps(state(session))
+    shown, present = overlay(inspection), json.dumps(state(inspection))
     messages = [shown] if any(shown.values()) else []
     if present != known:
         messages.append(json.loads(present))
-    messages += [{kind: text} for kind in ("error", "notice") if (text := getattr(session, kind))]
-    session.error = session.notice = ""
+    messages += [{kind: text} for kind in ("error", "notice") if (text := getattr(inspection, kind))]
+    inspection.error = inspection.notice = ""
     return present, messages
 
 
 _INTEGER, _TEXT, _BOOL, _NUMBER, _BYTE = int, str, bool, float, (int, type(None))
 
 _COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, type | tuple[type, ...]]]] = {
-    "play": (Session.play, {}),
-    "pause": (Session.pause, {}),
-    "step": (Session.step, {"frames": _INTEGER}),
-    "seek": (Session.seek, {"frame": _INTEGER}),
-    "take_over": (Session.take_over, {}),
-    "new_game": (Session.new_game, {}),
-    "speed": (Session.set_speed, {"speed": _NUMBER}),
-    "hold": (Session.hold, {"vertical": _INTEGER, "horizontal": _INTEGER, "fire": _BOOL}),
-    "agent": (Session.let_agent_play, {"on": _BOOL}),
-    "poke": (Session.poke, {"index": _INTEGER, "value": _INTEGER}),
-    "freeze": (Session.freeze, {"index": _INTEGER, "value": _BYTE}),
-    "release": (Session.release, {"index": _INTEGER}),
-    "undo": (Session.undo, {}),
-    "name": (Session.name, {"index": _INTEGER, "name": _TEXT}),
-    "fork": (Session.open_fork, {}),
-    "close_fork": (Session.close_fork, {"keep": _BOOL}),
-    "select": (Session.select, {"index": _BYTE}),
-    "watch": (Session.watch, {"index": _INTEGER, "on": _BOOL}),
-    "new_search": (Session.new_search, {}),
-    "filter": (Session.filter, {"name": _TEXT, "low": _INTEGER, "high": _INTEGER}),
-    "undo_filter": (Session.undo_filter, {}),
-    "pixels": (Session.pixels_of, {"index": _INTEGER}),
-    "bytes": (Session.bytes_of, {"x": _INTEGER, "y": _INTEGER}),
+    "play": (Inspection.play, {}),
+    "pause": (Inspection.pause, {}),
+    "step": (Inspection.step, {"frames": _INTEGER}),
+    "seek": (Inspection.seek, {"frame": _INTEGER}),
+    "take_over": (Inspection.take_over, {}),
+    "new_game": (Inspection.new_game, {}),
+    "speed": (Inspection.set_speed, {"speed": _NUMBER}),
+    "hold": (Inspection.hold, {"vertical": _INTEGER, "horizontal": _INTEGER, "fire": _BOOL}),
+    "agent": (Inspection.let_agent_play, {"on": _BOOL}),
+    "poke": (Inspection.poke, {"index": _INTEGER, "value": _INTEGER}),
+    "freeze": (Inspection.freeze, {"index": _INTEGER, "value": _BYTE}),
+    "release": (Inspection.release, {"index": _INTEGER}),
+    "undo": (Inspection.undo, {}),
+    "name": (Inspection.name, {"index": _INTEGER, "name": _TEXT}),
+    "fork": (Inspection.open_fork, {}),
+    "close_fork": (Inspection.close_fork, {"keep": _BOOL}),
+    "select": (Inspection.select, {"index": _BYTE}),
+    "watch": (Inspection.watch, {"index": _INTEGER, "on": _BOOL}),
+    "new_search": (Inspection.new_search, {}),
+    "filter": (Inspection.filter, {"name": _TEXT, "low": _INTEGER, "high": _INTEGER}),
+    "undo_filter": (Inspection.undo_filter, {}),
+    "pixels": (Inspection.pixels_of, {"index": _INTEGER}),
+    "bytes": (Inspection.bytes_of, {"x": _INTEGER, "y": _INTEGER}),
 }
 """The method and the types of the arguments, by the name of a command."""
 
 
-def run(session: Session, text: str) -> list[dict[str, Any]]:
+def run(inspection: Inspection, text: str) -> list[dict[str, Any]]:
     """Run a command of the page, and return the answers. A command that fails is answered by its error."""
     try:
         name, arguments = _parse(text)
         if name not in ("pixels", "bytes"):  # these two change nothing that the page shows
-            session.version += 1
-        result = _COMMANDS[name][0](session, **arguments)
+            inspection.version += 1
+        result = _COMMANDS[name][0](inspection, **arguments)
     except (TypeError, ValueError, RuntimeError) as error:
         return [{"error": str(error)}]
     except Exception as error:  # no mistake of the user
-        session.fail(error)
+        inspection.fail(error)
         return []
     answers: list[dict[str, Any]] = []
     if name == "pixels":
@@ -183,11 +183,7 @@ def run(session: Session, text: str) -> list[dict[str, Any]]:
 
 
 def _parse(text: str) -> tuple[str, dict[str, Any]]:
-    """The name and the arguments of a command.
-
-    Raises:
-        ValueError: `text` is no command.
-    """
+    """The name and the arguments of a command."""
     message = json_text.parse(text, "a command", most_bytes=_MOST_BYTES, most_depth=_MOST_DEPTH)
     name = message.pop("do", None) if isinstance(message, dict) else None
     if not isinstance(name, str) or name not in _COMMANDS:

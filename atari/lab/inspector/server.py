@@ -1,4 +1,4 @@
-"""`serve`: the inspector's page on 127.0.0.1, and the loop that plays its session.
+"""`serve`: the inspector's page on 127.0.0.1, its connection and its thread, and the loop that plays its inspection.
 
 Only a browser on this computer that has the token of the address is served. The header Host is checked, which refuses
 pages of other names that resolve to 127.0.0.1 (DNS rebinding). The header Origin is checked, which refuses pages of
@@ -7,17 +7,21 @@ other origins.
 
 import asyncio
 import contextlib
+import ctypes
 import errno
 import hmac
 import logging
 import secrets
 import tempfile
+import threading
 import time
 from collections.abc import Awaitable, Callable, Mapping
+from concurrent.futures import Future
 from functools import partial
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from queue import SimpleQueue
+from typing import Any, TypeVar
 from urllib.parse import quote
 
 import gymnasium
@@ -25,15 +29,13 @@ import gymnasium
 from atari.base.extras import install_extra
 
 try:
-    from aiohttp import WSCloseCode, web
+    from aiohttp import WSCloseCode, WSMsgType, web
     from aiohttp.http_exceptions import HttpProcessingError
 except ImportError as error:
     raise gymnasium.error.DependencyNotInstalled(f"the inspector needs aiohttp: {install_extra('lab')}") from error
 
-from atari.lab.inspector import export
-from atari.lab.inspector.session import FRAMES_PER_SECOND, Session
-from atari.lab.inspector.tab import SECONDS_AFTER_ERROR, SECONDS_TO_CLOSE, Tab
-from atari.lab.inspector.worker import Worker
+from atari.lab.inspector import export, protocol
+from atari.lab.inspector.inspection import FRAMES_PER_SECOND, Inspection
 
 _TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 _MOST_MESSAGE = 1 << 13  # bytes
@@ -47,17 +49,163 @@ _HEADERS = {
     "Referrer-Policy": "no-referrer",
     "X-Content-Type-Options": "nosniff",
 }
-_CLOSE_TAKEN = 4001  # the session went on in another tab
+_CLOSE_TAKEN = 4001  # the inspection went on in another tab
+
+MOST_COMMANDS = 1000
+"""The most commands of a page that wait; a page that sends more is disconnected."""
+
+SECONDS_AFTER_ERROR = 1.0
+"""Between the repetitions of an error."""
+
+SECONDS_TO_CLOSE = 0.3
+_TOO_MANY = 4002
+_SECONDS_UNTIL_REFRESH = 0.25
+
+T = TypeVar("T")
+_SECONDS_TO_END = 0.3
+_ENDED = "the inspector has ended"
+
+
+class InspectionThread:
+    """The thread in which an inspection is used, so that the server answers while a command runs.
+
+    It runs one call after another, and ends with the process, also in the middle of a call.
+    """
+
+    def __init__(self) -> None:
+        self._calls: SimpleQueue[tuple[Future[Any], Callable[..., Any], tuple[Any, ...]] | None] = SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name="atari lab", daemon=True)
+        self._thread.start()
+
+    async def call(self, function: Callable[..., T], *arguments: Any) -> T:
+        """The result of a call, or its error. A call that is cancelled before it begins is left out.
+
+        Raises:
+            ConnectionError: the thread has ended.
+        """
+        future: Future[T] = Future()
+        self._calls.put((future, function, arguments))
+        if not self._thread.is_alive():
+            self._drop_calls()
+        return await asyncio.wrap_future(future)
+
+    def stop(self) -> None:
+        """End the thread, also in the middle of a call: Ctrl-C must not wait for an export of half an hour of play."""
+        self._calls.put(None)
+        self._thread.join(_SECONDS_TO_END)
+        if self._thread.is_alive():
+            thread = ctypes.c_ulong(self._thread.ident or 0)
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(SystemExit))
+            self._thread.join(_SECONDS_TO_END)
+        self._drop_calls()
+
+    def _drop_calls(self) -> None:
+        while not self._calls.empty():
+            if (call := self._calls.get()) and call[0].set_running_or_notify_cancel():
+                call[0].set_exception(ConnectionError(_ENDED))
+
+    def _run(self) -> None:
+        while (call := self._calls.get()) is not None:
+            future, function, arguments = call
+            if not future.set_running_or_notify_cancel():
+                continue
+            try:
+                future.set_result(function(*arguments))
+            except Exception as error:
+                future.set_exception(error)
+            except SystemExit:  # of `stop`
+                future.set_exception(ConnectionError(_ENDED))
+                return
+
+
+class Tab:
+    """A page. Its commands run one after another; it gets the newest frame, as often as it can take one.
+
+    Args:
+        socket: the connection, prepared.
+        inspection: the inspection.
+        thread: the thread that uses the inspection.
+    """
+
+    def __init__(self, socket: web.WebSocketResponse, inspection: Inspection, thread: InspectionThread) -> None:
+        self.socket = socket
+        self._inspection = inspection
+        self._thread = thread
+        self._commands: asyncio.Queue[str] = asyncio.Queue(MOST_COMMANDS)
+        self._due = asyncio.Event()
+        self._sent = (-1, 0.0)  # version and time of the newest frame that was sent
+        self._state = ""  # the state that the page has
+
+    async def serve(self) -> None:
+        """Send frames and run commands until the connection ends."""
+        for first in (protocol.hello, protocol.state):
+            await self.socket.send_json(await self._thread.call(first, self._inspection))
+        tasks = [asyncio.create_task(self._repeat(step)) for step in (self._run_command, self._send_frame)]
+        try:
+            async for message in self.socket:
+                if message.type == WSMsgType.TEXT:
+                    self._commands.put_nowait(message.data)
+        except asyncio.QueueFull:
+            await self.close(_TOO_MANY, f"the page sent too many commands: {MOST_COMMANDS} were waiting")
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def close(self, code: int, reason: str, refused: str = "") -> None:
+        """Close the connection; the page shows `refused` or the reason. A page that does not read is not waited for."""
+
+        async def close() -> None:
+            if refused:
+                await self.socket.send_json({"refused": refused})
+            await self.socket.close(code=code, message=reason.encode())
+
+        with contextlib.suppress(asyncio.TimeoutError, ConnectionError):
+            await asyncio.wait_for(close(), SECONDS_TO_CLOSE)
+
+    def update(self) -> None:
+        """Send a frame if the inspection has changed since the last one, or that was a while ago."""
+        version, sent = self._sent
+        if self._inspection.version != version or time.perf_counter() - sent >= _SECONDS_UNTIL_REFRESH:
+            self._due.set()
+
+    async def _repeat(self, step: Callable[[], Awaitable[Any]]) -> None:
+        """Repeat a step until the connection ends. The page shows errors."""
+        while True:
+            try:
+                await step()
+            except ConnectionError:
+                return
+            except Exception as error:
+                self._inspection.fail(error)
+                await self.socket.send_json({"error": self._inspection.error})
+                await asyncio.sleep(SECONDS_AFTER_ERROR)
+
+    async def _run_command(self) -> None:
+        for answer in await self._thread.call(protocol.run, self._inspection, await self._commands.get()):
+            await self.socket.send_json(answer)
+
+    async def _send_frame(self) -> None:
+        await self._due.wait()
+        self._due.clear()
+        self._sent = self._inspection.version, time.perf_counter()
+        frame, (self._state, messages) = await self._thread.call(self._present)
+        await self.socket.send_bytes(frame)
+        for message in messages:
+            await self.socket.send_json(message)
+
+    def _present(self) -> tuple[bytes, tuple[str, list[dict[str, Any]]]]:
+        return protocol.frame(self._inspection), protocol.news(self._inspection, self._state)
 
 
 class Inspector:
-    """The server of one session. Its `token` is the secret in the address."""
+    """The server of one inspection. Its `token` is the secret in the address."""
 
-    def __init__(self, session: Session) -> None:
-        self.session = session
+    def __init__(self, inspection: Inspection) -> None:
+        self.inspection = inspection
         self.token = secrets.token_urlsafe(24)
         self.port = 0
-        self._worker = Worker()
+        self._thread = InspectionThread()
         self._tab: Tab | None = None
         self._runner: web.AppRunner | None = None
         self._loop: asyncio.Task[None] | None = None
@@ -111,7 +259,7 @@ class Inspector:
             await self._tab.close(WSCloseCode.GOING_AWAY, "the inspector has ended")
         if self._runner is not None:
             await self._runner.cleanup()
-        self._worker.stop()
+        self._thread.stop()
 
     # --- requests
 
@@ -138,7 +286,7 @@ class Inspector:
             except ConnectionError:
                 response = web.Response(status=400, text="The connection was lost.")
             except Exception as error:
-                self.session.fail(error)
+                self.inspection.fail(error)
                 response = web.Response(status=500, text=str(error))
         if not response.prepared:
             response.headers.update(_HEADERS)
@@ -157,7 +305,7 @@ class Inspector:
 
     async def _export(self, request: web.Request) -> web.StreamResponse:
         try:
-            name, content = await self._worker.call(self._exported, request.match_info["name"], request.query)
+            name, content = await self._thread.call(self._exported, request.match_info["name"], request.query)
         except (ValueError, OSError, RuntimeError, gymnasium.error.Error) as error:
             return web.Response(status=400, text=str(error))
         disposition = {"Content-Disposition": f'attachment; filename="{quote(name)}"'}
@@ -168,16 +316,16 @@ class Inspector:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, f"export-{name}")
             if name in export.NAMES:
-                export.write(self.session, name, path)
+                export.write(self.inspection, name, path)
             elif name == "clip.mp4":
                 start, stop = (int(query.get(key, "-1")) for key in ("start", "stop"))
-                export.write_clip(self.session, path, start, stop)
+                export.write_clip(self.inspection, path, start, stop)
             else:
                 raise web.HTTPNotFound(text=f"There is no export {name!r}.")
-            return f"{self.session.game.id}-{name}", path.read_bytes()
+            return f"{self.inspection.game.id}-{name}", path.read_bytes()
 
     async def _socket(self, request: web.Request) -> web.StreamResponse:
-        """The tab's connection. There is one at a time; a second one gets a message, and may take the session over."""
+        """The tab's connection. There is one at a time; a second one gets a message, and may take its place."""
         socket = web.WebSocketResponse(
             heartbeat=20, max_msg_size=_MOST_MESSAGE, compress=False, timeout=SECONDS_TO_CLOSE
         )
@@ -187,7 +335,7 @@ class Inspector:
             await socket.send_json({"refused": "This session is open in another tab."})
             await socket.close()
             return socket
-        self._tab = tab = Tab(socket, self.session, self._worker)
+        self._tab = tab = Tab(socket, self.inspection, self._thread)
         if old is not None:
             await old.close(_CLOSE_TAKEN, "taken over", refused="This session went on in another tab.")
         with contextlib.suppress(ConnectionError):
@@ -196,13 +344,13 @@ class Inspector:
             finally:
                 if self._tab is tab:  # closed, not taken over
                     self._tab = None
-                    await self._worker.call(self.session.pause)
+                    await self._thread.call(self.inspection.pause)
         return socket
 
-    # --- the session
+    # --- the inspection
 
     async def _play(self) -> None:
-        """Play the session, 60 frames a second."""
+        """Play the inspection, 60 frames a second."""
         due = time.perf_counter()
         while True:
             due += 1 / FRAMES_PER_SECOND
@@ -212,9 +360,9 @@ class Inspector:
             await asyncio.sleep(max(0, due - now))
             # Always the same time, and not the time that has passed: at normal speed each message has one frame more.
             try:
-                await self._worker.call(self.session.tick, 1 / FRAMES_PER_SECOND)
+                await self._thread.call(self.inspection.tick, 1 / FRAMES_PER_SECOND)
             except Exception as error:
-                self.session.fail(error)
+                self.inspection.fail(error)
                 await asyncio.sleep(SECONDS_AFTER_ERROR)
             if self._tab is not None:
                 self._tab.update()
@@ -232,12 +380,16 @@ def _logger() -> logging.Logger:
 
 
 def serve(
-    session: Session, *, port: int = 0, browser: Callable[[str], Any] | None = None, ready: Callable[[str], Any] = print
+    inspection: Inspection,
+    *,
+    port: int = 0,
+    browser: Callable[[str], Any] | None = None,
+    ready: Callable[[str], Any] = print,
 ) -> None:
-    """Serve the page of a session until Ctrl-C.
+    """Serve the page of an inspection until Ctrl-C.
 
     Args:
-        session: the session to show.
+        inspection: the inspection to show.
         port: a port of 127.0.0.1; 0 takes a free port.
         browser: called with the address, such as `webbrowser.open`.
         ready: called with the address first.
@@ -247,7 +399,7 @@ def serve(
     """
 
     async def run() -> None:
-        inspector = Inspector(session)
+        inspector = Inspector(inspection)
         await inspector.start(port)
         try:
             ready(inspector.url)

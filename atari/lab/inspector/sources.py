@@ -1,4 +1,4 @@
-"""Sessions of replays and of saved states."""
+"""Inspections of replays and of saved states."""
 
 from pathlib import Path
 from typing import Any
@@ -7,8 +7,8 @@ from atari.base.validation import check_file
 from atari.cores import snapshot
 from atari.env import AtariEnv
 from atari.games.catalog import games
-from atari.lab.inspector.session import Agent, Session
-from atari.lab.inspector.timeline import MOST_FRAMES, NEW_GAME, Frame, Timeline
+from atari.lab.inspector.inspection import Agent, Inspection
+from atari.lab.inspector.timeline import MOST_FRAMES, NEW_GAME, FrameInput, Timeline
 from atari.recording import Replay
 from atari.recording.replay.events import Kind
 from atari.task import Task
@@ -16,20 +16,20 @@ from atari.task import Task
 _MOST_BYTES = 64 << 20
 
 
-def session_of_replay(path: Path, *, rom: Path | None = None, agent: Agent | None = None) -> Session:
-    """A session at the beginning of a replay, with all its frames to play, step and scrub through.
+def inspection_of_replay(path: Path, *, rom: Path | None = None, agent: Agent | None = None) -> Inspection:
+    """An inspection at the beginning of a replay, with all its frames to play, step and scrub through.
 
     Raises:
         ValueError, OSError: see `Replay.load`.
     """
     replay = Replay.load(path, rom=rom)
-    session = Session(replay.make_env(frameskip=1, obs_type="rgb", render_mode=None), agent=agent)
-    _fill(session.main, replay)
-    session.main.seek(session.main.first)
-    session.let_agent_play(agent is not None)
+    inspection = Inspection(replay.make_env(frameskip=1, obs_type="rgb", render_mode=None), agent=agent)
+    _fill(inspection.main, replay)
+    inspection.main.seek(inspection.main.first)
+    inspection.let_agent_play(agent is not None)
     if replay.frames_total > MOST_FRAMES:
-        session.notice = f"the replay has {replay.frames_total:,} frames; the first {MOST_FRAMES:,} are shown"
-    return session
+        inspection.notice = f"the replay has {replay.frames_total:,} frames; the first {MOST_FRAMES:,} are shown"
+    return inspection
 
 
 def _fill(timeline: Timeline, replay: Replay) -> None:
@@ -51,14 +51,14 @@ def _fill(timeline: Timeline, replay: Replay) -> None:
             elif event.kind == Kind.RESET or (event.kind == Kind.ACT and call.played):
                 action = NEW_GAME if event.kind == Kind.RESET else event.numbers[0]
                 strength = event.floats[0] if event.floats else 1.0
-                frame = Frame(action, tuple(writes.items()), (), strength, state, slots)
+                frame = FrameInput(action, tuple(writes.items()), (), strength, state, slots)
                 writes, state = {}, None
                 if not timeline.append(frame, call.reward):
                     return
 
 
-def session_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent | None = None) -> Session:
-    """A session that begins in a saved state: the file of F5 in `atari play`, or a result of `snapshot`.
+def inspection_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent | None = None) -> Inspection:
+    """An inspection that begins in a saved state: the file of F5 in `atari play`, or a result of `snapshot`.
 
     Raises:
         ValueError: it is no snapshot, damaged, or of an unknown game, another ROM or version.
@@ -89,4 +89,4 @@ def session_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent | N
         env.core.restore(snapshot.with_options(data, sound=False, frame_skip=1, color_averaging=False))
     except (TypeError, ValueError) as error:
         raise ValueError(f"{path} cannot be opened as a saved state: {error}") from error
-    return Session(env, agent=agent)
+    return Inspection(env, agent=agent)

@@ -22,7 +22,7 @@ NEW_GAME = -1
 """In place of an action: the core is reset."""
 
 
-class Frame(NamedTuple):
+class FrameInput(NamedTuple):
     """The inputs of a frame: the action, bytes written before it, and frozen bytes, held before and after it.
 
     If `state` is not None, it is restored first. `slots` are the writes of the core; None stands for the writes of its
@@ -40,7 +40,7 @@ class Frame(NamedTuple):
 class Timeline:
     """A core, the inputs of all frames that were played on it, and the RAM after each.
 
-    Frames are counted from the beginning of the session. `first` is the oldest frame that is kept, `at` the present
+    Frames are counted from the beginning of the inspection. `first` is the oldest frame that is kept, `at` the present
     one, `end` the newest: after going back, `at < end`, and `play_again` follows the recording.
 
     Args:
@@ -61,7 +61,7 @@ class Timeline:
         self.own_slots = tuple(getattr(core, "writes", ()))
         """The writes of the core by slot, without the writes that hold frozen bytes; None where one has ended."""
         self._slots: tuple[Any, ...] | None = None
-        self._frames: list[Frame] = []
+        self._frames: list[FrameInput] = []
         self._states = [core.clone_state(include_rng=True)]
         self._ram: ByteArray = np.zeros((4096, 128), np.uint8)
         self._scores: npt.NDArray[np.int32] = np.zeros(4096, np.int32)
@@ -77,11 +77,11 @@ class Timeline:
         """The state of the core at the frame `first`."""
         return self._states[0]
 
-    def frames(self, start: int, stop: int) -> list[Frame]:
+    def frames(self, start: int, stop: int) -> list[FrameInput]:
         """The inputs of the frames after `start`, up to `stop`."""
         return self._frames[start - self.first : stop - self.first]
 
-    def play(self, frame: Frame) -> None:
+    def play(self, frame: FrameInput) -> None:
         """Play a frame; the recorded frames after the present one are dropped."""
         self.cut()
         frame = frame._replace(before=(*self.pending.items(), *frame.before))
@@ -95,7 +95,7 @@ class Timeline:
         self._frames.append(frame)
         self.pending = {}
 
-    def append(self, frame: Frame, reward: int) -> bool:
+    def append(self, frame: FrameInput, reward: int) -> bool:
         """Keep a frame that the core has played already; return whether there is room for it."""
         if len(self._frames) >= MOST_FRAMES:
             return False
@@ -166,7 +166,7 @@ class Timeline:
         """The RAM after a frame that is kept, (128,) uint8."""
         return np.array(self._ram[frame - self.first])
 
-    def _make(self, frame: Frame) -> None:
+    def _make(self, frame: FrameInput) -> None:
         """Play a frame and keep its results."""
         core: Any = self.core
         if frame.slots is not self._slots:

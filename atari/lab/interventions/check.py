@@ -118,7 +118,7 @@ def check(
 
 
 @dataclass(frozen=True)
-class _Run:
+class _Measurements:
     """The results of playing: (frames, 128) RAM, screens, and the series of reward, lives and pixels."""
 
     ram: npt.NDArray[np.uint8]
@@ -131,7 +131,7 @@ def _play(
     interventions: tuple[Intervention, ...],
     plan: Check,
     others: list[npt.NDArray[np.uint8]] | None = None,
-) -> _Run:
+) -> _Measurements:
     """Play the frames of a check; `others` are the screens without the intervention. A game that ends begins again."""
     game = task.definition
     chosen: dict[str, Any] = {"mode": task.set_mode, "difficulty": task.set_difficulty}
@@ -152,7 +152,9 @@ def _play(
             core.reset()
     core.close()
     numbers = {"reward": rewards, "lives": lives, "frame": range(1, plan.frames + 1), "pixels": pixels}
-    return _Run(np.array(rams), screens, {name: np.array(series, np.int64) for name, series in numbers.items()})
+    return _Measurements(
+        np.array(rams), screens, {name: np.array(series, np.int64) for name, series in numbers.items()}
+    )
 
 
 def _actions(game: Game, plan: Check) -> Iterator[int]:
@@ -166,7 +168,7 @@ def _actions(game: Game, plan: Check) -> Iterator[int]:
     return itertools.cycle(int(Action[name]) for name in plan.actions)
 
 
-def _values(game: Game, run: _Run, plan: Check) -> Series:
+def _values(game: Game, run: _Measurements, plan: Check) -> Series:
     """The value of the check's expression after each frame."""
     split = split_calls(plan.expression, game, "check")
     names = {name: series for name, series in run.numbers.items() if name not in game.ram_labels}

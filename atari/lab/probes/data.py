@@ -28,7 +28,7 @@ ENTROPY = 0.6
 
 
 @dataclass(frozen=True)
-class Episode:
+class EpisodeStates:
     """The states of an episode: `observations` (t, ...) uint8 and `ram` (t, 128) uint8; `task` was played."""
 
     observations: ByteArray
@@ -72,7 +72,7 @@ def play_episodes(
     epsilon: float = 0.2,
     num_envs: int = 8,
     **options: Any,
-) -> list[Episode]:
+) -> list[EpisodeStates]:
     """Play a game and return the states of its episodes, the unfinished ones too.
 
     Args:
@@ -88,7 +88,7 @@ def play_episodes(
             observations: one grayscale frame (1, 210, 160). Encoders may need other sizes and stacks.
 
     Returns:
-        A list of `Episode`, with `observations` (t, ...) uint8, `ram` (t, 128) uint8 and the `task`.
+        A list of `EpisodeStates`, with `observations` (t, ...) uint8, `ram` (t, 128) uint8 and the `task`.
 
     Raises:
         TypeError, ValueError: as `AtariVectorEnv`; or a number is out of range.
@@ -117,7 +117,7 @@ def play_episodes(
     generator = np.random.default_rng(seed)
     lanes = np.arange(num_envs)
     parts: list[list[tuple[ByteArray, ByteArray]]] = [[] for _ in lanes]
-    episodes: list[Episode] = []
+    episodes: list[EpisodeStates] = []
     try:
         observation, _ = envs.reset(seed=seed)
         # NEXT_STEP: the step after an end begins the next episode, and perhaps a new stack.
@@ -148,7 +148,7 @@ def play_episodes(
 
 
 def split_episodes(
-    episodes: Sequence[Episode],
+    episodes: Sequence[EpisodeStates],
     labels: Mapping[str, int] | str,
     *,
     entropy: float = ENTROPY,
@@ -184,7 +184,7 @@ def split_episodes(
         ('ball_x', 'ball_y')
     """
     for episode in episodes:
-        if not isinstance(episode, Episode):
+        if not isinstance(episode, EpisodeStates):
             raise TypeError(f"episodes are what play_episodes returns, got {episode!r:.80}")
     if isinstance(labels, str):
         game = games.find(labels)
@@ -229,12 +229,12 @@ def check_data(data: Any) -> None:
         raise TypeError(f"data must be a ProbeData, as split_episodes returns, got {data!r:.80}")
 
 
-def _stacked(rows: list[tuple[ByteArray, ByteArray]], task: Task) -> Episode:
+def _stacked(rows: list[tuple[ByteArray, ByteArray]], task: Task) -> EpisodeStates:
     observations, rams = zip(*rows, strict=True)
-    return Episode(np.stack(observations), np.stack(rams), task)
+    return EpisodeStates(np.stack(observations), np.stack(rams), task)
 
 
-def _join(episodes: Sequence[Episode], columns: Sequence[int]) -> Split:
+def _join(episodes: Sequence[EpisodeStates], columns: Sequence[int]) -> Split:
     observations = np.concatenate([episode.observations for episode in episodes])
     return Split(observations, np.concatenate([episode.ram[:, columns] for episode in episodes]))
 

@@ -15,7 +15,6 @@ from atari.lab.probes.data import ProbeData, Split, check_data
 from atari.lab.table import Table
 
 Encoder = Callable[[ByteArray], Any]
-FloatArray = npt.NDArray[np.float32]
 
 CLASSES = 256
 _BATCH = 256
@@ -180,11 +179,7 @@ class _Training:
 
 
 def _features(torch: Any, encoder: Encoder, split: Split) -> Any:
-    """The features of a split, (n, width) float32.
-
-    Raises:
-        ValueError: there is no row for each observation, or they are not finite.
-    """
+    """The features of a split, (n, width) float32."""
     parts = []
     for start in range(0, len(split), _BATCH):
         observations = split.observations[start : start + _BATCH]

@@ -9,7 +9,7 @@ from atari.games.game import Game
 from atari.multiplayer.core import MultiplayerCore
 from atari.recording.replay.events import Event, Kind
 from atari.recording.replay.file_format import FORMAT_OF_PLAYERS, Corrupt, Scores
-from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, plain
+from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, json_value
 from atari.recording.replay.runner import ReplayRunner
 
 _ACTIONS = 18
@@ -37,7 +37,7 @@ class RecordMatch(RecordedCore):
             "core": core.name,
             "source": type(core).__name__,
             "players": core.players,
-            "options": plain(core.options),
+            "options": json_value(core.options),
             "package": __version__,
         }
         recorder = ReplayRecorder(path, header, core)

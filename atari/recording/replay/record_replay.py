@@ -8,17 +8,19 @@ import gymnasium
 import numpy as np
 from gymnasium.utils import RecordConstructorArgs
 
-from atari.base.gymnasium_versions import VectorEnv, VectorWrapper
+from atari.base.gymnasium_versions import AutoresetMode, VectorEnv, VectorWrapper
 from atari.base.validation import check_arguments, check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.env import AtariEnv
 from atari.env.restorable import Restorable
 from atari.multiplayer.core import MultiplayerCore
+from atari.observations.settings import make_episode
+from atari.recording.recorders import not_recorded, recorded_vector
 from atari.recording.replay.events import Kind
 from atari.recording.replay.players import RecordMatch
 from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, header_of, not_copied
-from atari.recording.replay.vector_shadow import LaneShadow, shadow_env
-from atari.recording.vectors import is_vector, not_recorded, recorded_vector
+from atari.vector.env import AtariVectorEnv, is_vector
+from atari.vector.options import VectorOptions
 from atari.vector.seeds import seed_words
 
 
@@ -109,7 +111,7 @@ class RecordVectorReplay(VectorWrapper):
         if self._added.slots:
             raise ValueError("the environment has a Freeze or a Poke; release it, and make it after RecordReplay")
         self._seeded = not inner.started
-        recorded = RecordReplay(shadow_env(inner.options, self._index), path)
+        recorded = RecordReplay(_shadow_env(inner.options, self._index), path)
         self._recorder = recorded.recorder
         self.path = self._recorder.path
         self._shadow = LaneShadow(inner, self._index, recorded)
@@ -173,6 +175,70 @@ class RecordVectorReplay(VectorWrapper):
                 f"environment {self._index} differs from its recording; was its mode or state set from outside, "
                 f"or its action changed by a wrapper inside this one? {self.path} ends before this step"
             )
+
+
+class LaneShadow:
+    """Repeats the resets and steps of environment `index` of a vector on a core whose calls are recorded.
+
+    A vector plays its environments in C++ and does not return the frames inside a step or the no-ops of a reset. A
+    shadow has the same seed and plays the same actions, so its RAM and frame numbers must be equal after each step.
+
+    Args:
+        vector, index: the vector, and the number of the environment.
+        env: the recorder around the `shadow_env` of the environment.
+    """
+
+    def __init__(self, vector: AtariVectorEnv, index: int, env: Any) -> None:
+        self.env = env
+        self.core: Any = env.unwrapped.core
+        """The recorded core."""
+        self._actions = vector.options.actions[index]
+        self._autoreset = vector.autoreset_mode
+        self._episode = make_episode(vector.options.tasks[index], observed=False)
+
+    def reset(self, seed: list[int] | None = None, new_game: bool = False) -> None:
+        """Begin an episode, as the environment has.
+
+        Args:
+            seed: nine words, of `atari.vector.seeds`; None continues the generators.
+            new_game: whether a lost life does not continue the game.
+        """
+
+        def begin() -> Any:
+            if seed is not None:
+                self.core.seed(seed[0])
+            self.core.reset()
+            return self.core
+
+        self._episode.reset(self.core, begin, seed=seed, new_game=new_game)
+        self.env.recorder.flush_if_full()
+
+    def step(self, index: int, strength: float) -> None:
+        """Repeat a step, with an action's index and strength."""
+        was_over = self._episode.ended
+        if not was_over:
+            self.env.recorder.begin_step()
+            self._episode.step(self.core, int(self._actions[index]), strength)
+            self.env.recorder.end_step()
+        begins = {AutoresetMode.NEXT_STEP: was_over, AutoresetMode.SAME_STEP: self._episode.ended}
+        if begins.get(self._autoreset):
+            self.reset()
+
+
+def _shadow_env(options: VectorOptions, index: int) -> AtariEnv:
+    """An `AtariEnv` with the core of environment `index` of a vector; the replay's header describes it.
+
+    With ale-py's seeding, the header has the emulator's fields and the frame skip; otherwise it has the whole task.
+    """
+    task = options.tasks[index]
+    alone = task.of_emulator() if task.preprocessed else task.replace(max_episode_steps=None)
+    if options.mixed:
+        alone = alone.replace(actions="full")
+    if task.seeding == "ale":
+        return AtariEnv(alone.replace(frameskip=task.frameskip), rom=options.rom)
+    env = AtariEnv(alone, rom=options.rom)
+    env.whole_task = task
+    return env
 
 
 class RecordReplay(RecordEnvReplay):

@@ -11,7 +11,7 @@ import numpy as np
 from atari import __version__
 from atari.env import AtariEnv
 from atari.games.game import Game
-from atari.recording.deferred_error import DeferredErrorMixin
+from atari.recording.recorders import DeferredErrorMixin
 from atari.recording.replay.events import ACTS_PER_CHUNK, Event, Kind, pack
 from atari.recording.replay.file_format import (
     FRAMES_PER_CHUNK,
@@ -53,7 +53,7 @@ def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
         "source": source,
         "id": env.spec.id if env.spec else None,
         "task": to_short_json(env.task),
-        "options": plain(options),
+        "options": json_value(options),
         "package": __version__,
     }
 
@@ -367,10 +367,10 @@ def _digest(data: bytes) -> bytes:
     return hashlib.blake2b(data, digest_size=16).digest()
 
 
-def plain(value: Any) -> Any:
+def json_value(value: Any) -> Any:
     """Convert an option's value to a type of JSON."""
     if isinstance(value, dict):
-        return {name: plain(item) for name, item in value.items()}
+        return {name: json_value(item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
+        return [json_value(item) for item in value]
     return value.item() if hasattr(value, "item") else value

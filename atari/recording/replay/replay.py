@@ -27,15 +27,14 @@ from atari.games.interventions import resolve
 from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
-from atari.recording.replay.frames import difference, frames_of
 from atari.recording.replay.header import emulator_task, game_of_header
 from atari.recording.replay.players import PlayersRunner, make_core
-from atari.recording.replay.results import Divergence, Episode, Frame, Verification
+from atari.recording.replay.results import Divergence, EpisodeSummary, Frame, Verification, difference, frames_of
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
 from atari.recording.video.facts import PACKAGE
 from atari.recording.video.formats import has_sound, is_picture
 from atari.recording.video.overlay import Overlay
-from atari.recording.video.writer import VideoWriter, frame_rate, shown_rate
+from atari.recording.video.writer import VideoWriter, frame_rate, video_rate
 from atari.task import Task
 
 _CHUNKS_PER_CHECKPOINT = 4
@@ -127,7 +126,7 @@ class Replay:
         return {**self.header["options"], **({"frameskip": tuple(skip)} if isinstance(skip, list) else {})}
 
     @cached_property
-    def episodes(self) -> tuple[Episode, ...]:
+    def episodes(self) -> tuple[EpisodeSummary, ...]:
         """The episodes. If the recording was cut, the replay is played to count them.
 
         An episode has the number of its `frames`, its `score`, and its `end`: "game over", "truncated" by the
@@ -140,9 +139,10 @@ class Replay:
         """
         end = self._content.end
         try:
-            episodes = [Episode(**episode) for episode in (end["episodes"] if end else self._play_for_episodes())]
+            found = end["episodes"] if end else self._play_for_episodes()
+            episodes = tuple(EpisodeSummary(**episode) for episode in found)
             if all(self._is_episode(episode) for episode in episodes):
-                return tuple(episodes)
+                return episodes
             raise TypeError
         except (KeyError, TypeError):
             raise Corrupt(f"the replay is damaged: the end of {self.path} has no episodes") from None
@@ -164,7 +164,7 @@ class Replay:
             raise ValueError(f"{self.path} has no episodes")
         return scores.index(max(scores))
 
-    def _is_episode(self, episode: Episode) -> bool:
+    def _is_episode(self, episode: EpisodeSummary) -> bool:
         if (type(episode.frames), type(episode.score), type(episode.end)) != (int, int, str):
             return False
         if self.players == 1:
@@ -238,7 +238,7 @@ class Replay:
         frames = self.frames(start, stop) if episode is None else self._frames_of(episode, "native", False)
         best = max(frames, key=lambda frame: frame.reward, default=None)
         if best is None:
-            raise ValueError(f"there is no frame for a picture: the replay has {self.frames_total:,} frames")
+            raise self._no_frame()
         return best.index
 
     def best_start(self, frames: int, *, episode: int | Literal["best"] | None = None) -> int:
@@ -364,7 +364,7 @@ class Replay:
             OSError: the file cannot be written.
             gymnasium.error.DependencyNotInstalled: PyAV is not installed.
         """
-        picture, audible, shown = is_picture(path), sound and has_sound(path), Overlay(overlay)
+        picture, audible, below = is_picture(path), sound and has_sound(path), Overlay(overlay)
         if episode is not None and (start or stop is not None):
             raise ValueError("render takes episode, or start and stop, not both")
         if frame is not None:
@@ -376,31 +376,35 @@ class Replay:
             start, stop = self._part(start, stop)
             if start >= stop:
                 raise ValueError(f"there are no frames to render: the replay has {self.frames_total:,} frames")
-            if picture and "curve" not in shown.parts:  # a curve has the frames before, too
+            if picture and "curve" not in below.parts:  # a curve has the frames before, too
                 start = stop - 1
             frames = self.frames(start, stop, core=core, sound=audible)
-        size, lines = shown.size(self.game.screen.shape), shown.caption_lines
-        rate = shown_rate(self.game, Path(path).suffix, speed=speed)
+        size, lines = below.size(self.game.screen.shape), below.caption_lines
+        rate = video_rate(self.game, Path(path).suffix, speed=speed)
         comment = json.dumps(self.facts)
         with VideoWriter(path, size, rate, scale=scale, sound=audible, caption_lines=lines, comment=comment) as video:
-            last_drawn, last = None, -1
+
+            def write(one: Frame) -> None:
+                video.write(below.draw(one.screen), one.audio, below.caption(one.actions, one.ram, one.scores))
+
+            last: Frame | None = None
             for one in frames:
-                if one.episode != last:
-                    shown.begin_game()
-                    last = one.episode
-                shown.add(one.score - shown.score)  # also after a rewind
+                if last is not None and one.episode != last.episode:
+                    below.begin_game()
+                below.add(one.score - below.score)  # also after a rewind
+                last = one
                 if not picture:
-                    video.write(shown.draw(one.screen), one.audio, shown.caption(one.actions, one.ram, one.scores))
-                else:
-                    last_drawn = one
+                    write(one)
                 if progress is not None:
                     progress(1)
             if picture:
-                if last_drawn is None:
-                    raise ValueError(f"there is no frame for a picture: the replay has {self.frames_total:,} frames")
-                one = last_drawn
-                video.write(shown.draw(one.screen), None, shown.caption(one.actions, one.ram, one.scores))
+                if last is None:
+                    raise self._no_frame()
+                write(last)
         return video.path
+
+    def _no_frame(self) -> ValueError:
+        return ValueError(f"there is no frame for a picture: the replay has {self.frames_total:,} frames")
 
     def _part_of_frame(
         self, path: Any, frame: Any, start: int, stop: int | None, episode: Any

@@ -18,13 +18,78 @@ from gymnasium.utils import RecordConstructorArgs
 
 from atari.base.gymnasium_versions import AutoresetMode, VectorWrapper
 from atari.base.validation import check_integer
+from atari.cores import ByteArray, NativeCore
 from atari.env.rendering import tile
-from atari.recording.vectors import recorded_vector
-from atari.recording.video.record_video_base import RecordVideoBase, make_folder
+from atari.recording.recorders import recorded_vector
+from atari.recording.video.record_video_base import RecordVideoBase, Trigger, make_folder
 from atari.recording.video.recorder import VideoSettings
-from atari.recording.video.schedule import Schedule, Trigger
-from atari.recording.video.shadow_core import ShadowCore
-from atari.recording.video.writer import shown_rate
+from atari.recording.video.writer import video_rate
+from atari.vector import AtariVectorEnv
+
+Moves = Sequence[tuple[int, float]]
+"""The ALE action and its strength in each frame of one environment in one step."""
+
+
+class ShadowCore:
+    """A native core with sound that repeats the frames of environment `index` of a vector.
+
+    `synchronize` before a step copies the environment's state. After the step `moves` returns what the environment's
+    console got, and `play` repeats it frame by frame.
+    """
+
+    def __init__(self, vector: AtariVectorEnv, index: int) -> None:
+        self.index = index
+        self._lane = vector.lanes[index]
+        options = vector.options
+        self.core = NativeCore(
+            self._lane.game,
+            repeat_action_probability=options.task.repeat_action_probability,  # type: ignore[arg-type]
+            max_num_frames_per_episode=options.task.max_num_frames_per_episode or 0,
+            sound=True,
+            rom=options.rom,
+            interventions=options.tasks[index].interventions,
+        )
+        self.screen: ByteArray = self.core.screen_rgb()
+        """The core's current screen, (height, 160, 3) uint8."""
+        self.is_new = True
+        """Whether the environment has been seeded or reset, which may change its generator alone."""
+        self.played: tuple[int, int] | None = None
+        """Action and reward of the frame of the last `play`; None if that call played no frame."""
+        self._ended = False  # whether the next step plays no action
+
+    def synchronize(self) -> bool:
+        """Copy the environment's state if it differs, and return whether the copy is from another episode.
+
+        Equal states are not copied, because the environment has no sound.
+        """
+        core, lane = self.core, self._lane
+        self._ended = lane.ended
+        lane.record_moves()
+        if not self.is_new and core.frame_number == lane.frame_number and (core.ram() == lane.ram()).all():
+            return False
+        before = core.episode_frame_number
+        lane.copy_to(core)
+        self.is_new, self.screen = False, core.screen_rgb()
+        return core.episode_frame_number < before
+
+    def moves(self, info: dict[str, Any]) -> Moves:
+        """The actions and strengths that the console got in each frame since `synchronize`, in a step with these infos.
+
+        A step that only resets the environment has no frames.
+        """
+        moves = self._lane.take_moves()
+        ended = "_final_info" in info and bool(info["_final_info"][self.index])
+        frame = int((info["final_info"] if ended else info)["frame_number"][self.index])
+        return moves[: 0 if self._ended else max(0, frame - self.core.frame_number)]
+
+    def play(self, moves: Moves, frame: int) -> None:
+        """Play frame number `frame` of a step; after its last frame, do nothing."""
+        self.played = None
+        if frame < len(moves):
+            action, strength = moves[frame]
+            reward = self.core.act(action, strength)
+            self.played = action, reward
+            self.screen = self.core.screen_rgb()
 
 
 class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
@@ -73,10 +138,10 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         self._index = check_integer("index", index, 0, inner.num_envs - 1)
         filmed = [self._index] if record_first_only else list(range(inner.num_envs))
         self._columns = _columns([inner.games[i].screen.shape for i in filmed], video_aspect_ratio)
-        rate = shown_rate(inner.games[self._index], f".{format}", fps, speed)
+        rate = video_rate(inner.games[self._index], f".{format}", fps, speed)
         size = tile([np.zeros((*inner.games[i].screen.shape, 3), np.uint8) for i in filmed], self._columns).shape
         self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay, keep)
-        self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
+        self._plan(episode_trigger, step_trigger, video_length, name_prefix)
         self.disable_logger, self.gc_trigger = disable_logger, gc_trigger
         self.record_first_only, self.video_aspect_ratio = record_first_only, video_aspect_ratio
         self.video_folder = make_folder(video_folder, name_prefix)
@@ -112,7 +177,7 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         for shadow in self._shadows:
             shadow.is_new = shadow.is_new or bool(chosen[shadow.index])
         if ends:
-            self._schedule.episode_id += 1
+            self.episode_id += 1
             self._record_resets()
         self._count()
         return result
@@ -136,8 +201,8 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
             begins = True
             self._before_episode()
             self._record_resets()
-        self._schedule.step_id += 1
-        self._schedule.episode_id += begins
+        self.step_id += 1
+        self.episode_id += begins
         self._count()
         return result
 

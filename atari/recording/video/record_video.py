@@ -11,12 +11,12 @@ from atari.base.gymnasium_versions import VectorEnv
 from atari.base.validation import check_arguments
 from atari.env import AtariEnv
 from atari.env.restorable import Restorable
-from atari.recording.vectors import is_vector, not_recorded
+from atari.recording.recorders import not_recorded
 from atari.recording.video.record_vector_video import RecordVectorVideo
-from atari.recording.video.record_video_base import RecordVideoBase, make_folder
+from atari.recording.video.record_video_base import RecordVideoBase, Trigger, make_folder
 from atari.recording.video.recorder import VideoRecorder, VideoSettings
-from atari.recording.video.schedule import Schedule, Trigger
-from atari.recording.video.writer import shown_rate
+from atari.recording.video.writer import video_rate
+from atari.vector.env import is_vector
 
 
 class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
@@ -48,9 +48,9 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
             raise not_recorded(env, "RecordVideo", "; for other environments use gymnasium.wrappers.RecordVideo")
         super().__init__(env)
         self._atari = inner
-        rate = shown_rate(inner.game, f".{format}", fps, speed)
+        rate = video_rate(inner.game, f".{format}", fps, speed)
         self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay, keep)
-        self._schedule = Schedule(episode_trigger, step_trigger, video_length, name_prefix)
+        self._plan(episode_trigger, step_trigger, video_length, name_prefix)
         self.disable_logger, self.gc_trigger = disable_logger, gc_trigger
         self.video_folder = make_folder(video_folder, name_prefix)
         if self._settings.sound:
@@ -60,7 +60,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
     def _watch(self) -> None:
         inner = self._atari  # the recorder must not refer to this wrapper, which ends the video when it is collected
         self._make_recorder(lambda: inner.task)
-        self._atari.driver.observers.append(FrameObserver(self._atari, self._recorder))
+        self._atari.driver.observers.append(FrameWriter(self._atari, self._recorder))
 
     @property
     def render_history(self) -> list[Any]:
@@ -72,7 +72,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
         self._recorder.raise_deferred_error()
         self._before_episode()
         result = self.env.reset(seed=seed, options=options)
-        self._schedule.episode_id += 1
+        self.episode_id += 1
         if self.recording and not self._recorder.frames:  # the reset played nothing, as after a lost life
             self._recorder.write_frame(self._atari.core)
         self._count()
@@ -83,7 +83,7 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
         self._recorder.raise_deferred_error()
         self._before_step()
         result = self.env.step(action)
-        self._schedule.step_id += 1
+        self.step_id += 1
         self._count()
         return result
 
@@ -187,7 +187,7 @@ class RecordVideo(RecordEnvVideo):
         return RecordVectorVideo(env, *args, **kwargs) if kind is RecordVectorVideo else super().__new__(cls)
 
 
-class FrameObserver:
+class FrameWriter:
     """An observer of an environment that writes each frame to a `VideoRecorder`."""
 
     def __init__(self, env: AtariEnv, recorder: VideoRecorder) -> None:

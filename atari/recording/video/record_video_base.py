@@ -1,6 +1,8 @@
 """`RecordVideoBase`: the common base of `RecordVideo` and `RecordVectorVideo`.
 
-It begins and ends videos and counts episodes and steps. The subclasses record the frames of a step.
+It counts episodes and steps, and begins and ends videos as Gymnasium's `RecordVideo` would, under the same file names.
+Gymnasium decides after a reset or a step and records the frame after it. This class decides before the reset or step,
+so that the video includes the frames inside it. The subclasses record these frames.
 """
 
 import gc
@@ -8,15 +10,18 @@ import os
 import shutil
 import weakref
 from collections.abc import Callable, Sequence
+from math import inf
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 from gymnasium import logger
 
+from atari.base.validation import check_integer
 from atari.recording.video.recorder import VideoRecorder, VideoSettings
-from atari.recording.video.schedule import Schedule
 from atari.task import Task
+
+Trigger = Callable[[int], bool]
 
 
 class RecordedFrames(Sequence[Any]):
@@ -32,9 +37,27 @@ class RecordedFrames(Sequence[Any]):
         raise LookupError(f"frame {index!r} is not kept in memory; read the video's file once it is complete")
 
 
-def _scheduled(name: str, text: str) -> Any:
-    """An attribute of the `Schedule`, which can be set."""
-    return property(attrgetter(f"_schedule.{name}"), lambda self, value: self._schedule.set(name, value), doc=text)
+def capped_cubic_video_schedule(episode_id: int) -> bool:
+    """Return whether Gymnasium's default records an episode: 0, 1, 8, 27, ... 729, 1000, then every 1000th."""
+    if episode_id < 1000:
+        return bool(round(episode_id ** (1.0 / 3)) ** 3 == episode_id)
+    return episode_id % 1000 == 0
+
+
+def _setting(name: str, text: str) -> Any:
+    """An argument that can be set, for the videos that begin from then on; `video_length` for the open one too."""
+    own = f"_{name}"
+    return property(attrgetter(own), lambda self, value: setattr(self, own, _checked(name, value)), doc=text)
+
+
+def _checked(name: str, value: Any) -> Any:
+    if name.endswith("_trigger") and value is not None and not callable(value):
+        raise TypeError(f"{name} is a function of a number, got {value!r}")
+    if name == "name_prefix" and not isinstance(value, str):
+        raise TypeError(f"name_prefix is a text, got {value!r}")
+    if name == "video_length" and value != inf:
+        value = check_integer(name, value, 0, 2**31) or inf
+    return value
 
 
 class RecordVideoBase:
@@ -48,7 +71,6 @@ class RecordVideoBase:
     video_path: str = ""
     """The path of the open or last video; "" before the first."""
     _settings: VideoSettings
-    _schedule: Schedule
     _best: tuple[Path, int] | None = None
     _watch: Any
 
@@ -68,10 +90,24 @@ class RecordVideoBase:
 
     disable_logger: bool = True
     gc_trigger: Callable[[int], bool] | None = None
-    episode_trigger = _scheduled("episode_trigger", "Whether to record an episode, by its number; or None.")
-    step_trigger = _scheduled("step_trigger", "Whether to begin a video at a step, by its number; or None.")
-    video_length = _scheduled("video_length", "The steps in a video; infinite if it ends with its episode.")
-    name_prefix = _scheduled("name_prefix", "The start of the names of the videos.")
+    episode_trigger = _setting("episode_trigger", "Whether to record an episode, by its number; or None.")
+    step_trigger = _setting("step_trigger", "Whether to begin a video at a step, by its number; or None.")
+    video_length = _setting("video_length", "The steps in a video; infinite if it ends with its episode.")
+    name_prefix = _setting("name_prefix", "The start of the names of the videos.")
+    episode_id: int = -1
+    """The number of this episode (in a vector, of environment `index`), from 0; -1 before the first."""
+    step_id: int = -1
+    """The number of the last step over all episodes, from 0; -1 before the first."""
+
+    def _plan(self, episodes: Trigger | None, steps: Trigger | None, video_length: int, name_prefix: str) -> None:
+        """Set the triggers, the length of the videos and their names; see `RecordVideo`.
+
+        A reset counts as a step of `video_length`.
+        """
+        self.episode_trigger = capped_cubic_video_schedule if episodes is None and steps is None else episodes
+        self.step_trigger, self.video_length, self.name_prefix = steps, video_length, name_prefix
+        self._asked: dict[str, int] = {}  # by unit: the last number that was passed to its trigger
+        self._counted = 0  # the steps and resets in a video
 
     @property
     def video_name(self) -> str:
@@ -98,16 +134,6 @@ class RecordVideoBase:
         """Whether a video is being written."""
         return self._recorder.recording
 
-    @property
-    def episode_id(self) -> int:
-        """The number of this episode (in a vector, of environment `index`), from 0; -1 before the first."""
-        return self._schedule.episode_id
-
-    @property
-    def step_id(self) -> int:
-        """The number of the last step over all episodes, from 0; -1 before the first."""
-        return self._schedule.step_id
-
     def start_recording(self, video_name: str) -> None:
         """Complete the current video and begin one of this name, which has no suffix.
 
@@ -118,7 +144,7 @@ class RecordVideoBase:
         path = self._settings.path(self.video_folder, video_name)
         self._recorder.start(path)
         self.video_path = str(path)
-        self._schedule.start_video()
+        self._counted = 0
 
     def stop_recording(self) -> None:
         """Complete the video; without one, do nothing. With keep="best", delete it or the best so far.
@@ -147,18 +173,25 @@ class RecordVideoBase:
         self._best = path, score
 
     def _before_episode(self) -> None:
-        if self.recording and self._schedule.by_episode:
+        if self.recording and self.video_length == inf:
             self.stop_recording()
-        if (name := self._schedule.episode_video()) is not None:
-            self.start_recording(name)
+        self._begin_video("episode", self.episode_trigger, self.episode_id + 1)
 
     def _before_step(self) -> None:
-        if (name := self._schedule.step_video()) is not None:
-            self.start_recording(name)
+        self._begin_video("step", self.step_trigger, self.step_id + 1)
+
+    def _begin_video(self, unit: str, trigger: Trigger | None, number: int) -> None:
+        """Begin a video if a trigger selects the number of its unit. Each trigger is called once for a number."""
+        if trigger is not None and number != self._asked.get(unit):
+            self._asked[unit] = number
+            if trigger(number):
+                self.start_recording(f"{self.name_prefix}-{unit}-{number}")
 
     def _count(self) -> None:
-        if self.recording and self._schedule.count_step():
-            self.stop_recording()
+        if self.recording:
+            self._counted += 1
+            if self._counted > self.video_length:
+                self.stop_recording()
 
     def close(self, **kwargs: Any) -> None:
         """Complete the video and close the environment."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from atari.base.validation import check_name
 from atari.cores import ByteArray, Core
-from atari.recording.deferred_error import DeferredErrorMixin
+from atari.recording.recorders import DeferredErrorMixin
 from atari.recording.video.encoder import import_av
 from atari.recording.video.facts import facts_of
 from atari.recording.video.formats import FORMATS

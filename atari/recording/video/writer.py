@@ -49,7 +49,7 @@ def frame_rate(game: Game) -> Fraction:
     return COLOUR_CLOCK_HZ[tv] / (COLOUR_CLOCKS_PER_LINE * LINES_PER_FRAME[tv])
 
 
-def shown_rate(game: Game, suffix: str, fps: Any = None, speed: Any = 1) -> Any:
+def video_rate(game: Game, suffix: str, fps: Any = None, speed: Any = 1) -> Any:
     """The frames a second of a video: `fps`, or without it the console's rate times `speed`.
 
     Args:
@@ -146,7 +146,7 @@ class VideoWriter:
         comment: str = "",
     ) -> None:
         if isinstance(size, Game):
-            fps = shown_rate(size, Path(path).suffix, fps, speed)
+            fps = video_rate(size, Path(path).suffix, fps, speed)
             size = size.screen.shape
         elif speed != 1:
             raise ValueError(f"speed={speed} is for a Game, whose frame rate is known; multiply fps by it instead")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from atari.classic.algorithmic import CopyEnv, ReversedAdditionEnv
-from atari.registry.algorithmic import TASKS
+from atari.registry.registration import ALGORITHMIC
 
 LEFT, RIGHT, UP, DOWN = range(4)
 BLANK = 2
@@ -123,7 +123,7 @@ def test_copies_and_pickles_continue(env: CopyEnv) -> None:
         assert other_next == env_next
 
 
-@pytest.mark.parametrize("env_id", TASKS)
+@pytest.mark.parametrize("env_id", ALGORITHMIC)
 def test_vector_environments_take_them(env_id: str) -> None:
     envs = gymnasium.make_vec(env_id, num_envs=3, vectorization_mode="sync")
     single = gymnasium.make(env_id)

@@ -19,7 +19,7 @@ from atari.cores import CORES
 from atari.recording import RecordReplay, RecordVideo, Replay, to_minari
 from atari.recording.replay.events import Event, Kind, pack, unpack
 from atari.recording.replay.file_format import ReplayContent, ReplayFileWriter, read
-from atari.recording.replay.results import Divergence, Episode
+from atari.recording.replay.results import Divergence, EpisodeSummary
 from atari.recording.video.writer import frame_rate
 
 GAMES = [game.id for game in atari.games.playable()]
@@ -139,7 +139,7 @@ def test_steps_after_the_end_are_kept_and_are_no_frames(tmp_path: Path) -> None:
     env.step(0)
     env.close()
     replay = Replay.load(env.path)
-    assert replay.episodes == (Episode(10, 0, "truncated"), Episode(4, 0, "open"))
+    assert replay.episodes == (EpisodeSummary(10, 0, "truncated"), EpisodeSummary(4, 0, "open"))
     assert replay.frames_total == 14
     assert replay.verify("ale")
     # The end of the game cut the third step short.

@@ -1,4 +1,4 @@
-"""`Session`: all actions of a user of the inspector, without a page."""
+"""`Inspection`: all actions of a user of the inspector, without a page."""
 
 import copy
 import logging
@@ -12,10 +12,9 @@ from atari.base.json_text import escaped
 from atari.base.validation import check_action, check_integer, check_name
 from atari.cores import ByteArray, Core
 from atari.env import AtariEnv
-from atari.games.actions import PLAYER_ACTIONS, Action
-from atari.lab.inspector.effects import ahead, causes_of, changed_pixels
-from atari.lab.inspector.readings import Readings
-from atari.lab.inspector.timeline import NEW_GAME, Frame, Timeline
+from atari.games.actions import Action, nearest_action
+from atari.lab.inspector.readings import Readings, ahead, causes_of, changed_pixels
+from atari.lab.inspector.timeline import NEW_GAME, FrameInput, Timeline
 from atari.lab.search import Search
 
 _log = logging.getLogger(__name__)
@@ -28,7 +27,6 @@ _ROUNDING = 1e-6
 _MOST_LAG = 0.25  # seconds; after a longer delay the lost time is dropped
 _GAME_OVER = "the game is over; begin a new one (R), or go back in time"
 _PAUSED = "the game is paused; Play (P) goes on"
-_ACTIONS = {(action.vertical, action.horizontal, action.fire): action for action in PLAYER_ACTIONS}
 
 
 FILTERS = {
@@ -45,7 +43,7 @@ FILTERS = {
 
 
 class Agent(Protocol):
-    """A player of a session, instead of a person."""
+    """A player of an inspection, instead of a person."""
 
     name: str
 
@@ -69,28 +67,28 @@ class Change:
     """Frames since the game began."""
 
 
-class _Shown:
+class _ActiveCore:
     """The core that is shown, the main one or the fork's, for `Search`."""
 
-    def __init__(self, session: "Session") -> None:
-        self._session = session
-        self.game = session.game
+    def __init__(self, inspection: "Inspection") -> None:
+        self._inspection = inspection
+        self.game = inspection.game
 
     def ram(self) -> ByteArray:
-        return self._session.ram()
+        return self._inspection.ram()
 
     def set_ram(self, index: int, value: int) -> None:
-        self._session.poke(index, value)
+        self._inspection.poke(index, value)
 
 
-class Session:
+class Inspection:
     """A game that is played, looked into and changed.
 
     Frames are played one at a time, without a frame skip. While a fork is open, each frame is played in both timelines,
     and changes go to the fork.
 
     Args:
-        env: an `AtariEnv` in any wrappers. The session plays its core directly; the wrappers do not see it.
+        env: an `AtariEnv` in any wrappers. The inspection plays its core directly; the wrappers do not see it.
         agent: plays instead of a person.
         seed: seed of the first game, if the environment was not reset before.
 
@@ -134,14 +132,14 @@ class Session:
         """While there is a fork, the number of changes before it."""
 
     @property
-    def shown(self) -> Timeline:
+    def active(self) -> Timeline:
         """The timeline that changes go to: the fork, or the main one."""
         return self.fork or self.main
 
     @property
     def frozen(self) -> dict[int, int]:
         """The bytes that are held in the shown timeline, and their values."""
-        return self.shown.frozen
+        return self.active.frozen
 
     @property
     def at(self) -> int:
@@ -155,7 +153,7 @@ class Session:
 
     def ram(self) -> ByteArray:
         """The RAM that is shown, (128,) uint8."""
-        return self.shown.core.ram()
+        return self.active.core.ram()
 
     def screen(self, timeline: Timeline) -> tuple[ByteArray, bool]:
         """The screen, (height, 160) palette indices, and whether it is a preview.
@@ -169,7 +167,7 @@ class Session:
     # --- playing
 
     def tick(self, seconds: float) -> None:
-        """Play the frames of some seconds, at the speed of the session. An error pauses it; see `fail`."""
+        """Play the frames of some seconds, at the speed of the inspection. An error pauses it; see `fail`."""
         if not self.playing:
             self._debt = 0.0
             return
@@ -227,7 +225,7 @@ class Session:
     def new_game(self) -> None:
         """Begin a new game."""
         for timeline in self._timelines():
-            timeline.play(Frame(NEW_GAME, held=tuple(timeline.frozen.items())))
+            timeline.play(FrameInput(NEW_GAME, held=tuple(timeline.frozen.items())))
         self._moved()
 
     def set_speed(self, speed: float) -> None:
@@ -248,11 +246,7 @@ class Session:
         """
         vertical = check_integer("vertical", vertical, -1, 1)
         horizontal = check_integer("horizontal", horizontal, -1, 1)
-        wanted = [(vertical, horizontal, bool(fire)), (vertical, horizontal, False), (0, horizontal, bool(fire))]
-        wanted += [(vertical, 0, bool(fire)), (0, 0, bool(fire)), (0, horizontal, False), (vertical, 0, False)]
-        legal = self.game.legal_actions
-        found = (_ACTIONS[motion] for motion in wanted if _ACTIONS[motion] in legal)
-        self.action = next(found, Action.NOOP)
+        self.action = nearest_action(vertical, horizontal, bool(fire), self.game.legal_actions) or Action.NOOP
         if self.action != Action.NOOP:
             dropped = self.main.end - self.main.at
             if dropped:
@@ -278,7 +272,7 @@ class Session:
     def poke(self, index: int, value: int) -> None:
         """Write a byte now."""
         index, value = self._byte(index), check_integer("value", value, 0, 255)
-        timeline = self.shown
+        timeline = self.active
         old, since = int(timeline.core.ram()[index]), timeline.frames_of_game()
         if index in timeline.frozen:
             timeline.freeze({**timeline.frozen, index: value})
@@ -292,7 +286,7 @@ class Session:
             ValueError, RuntimeError: the byte cannot be held; see `atari.lab.Freeze`.
         """
         index = self._byte(index)
-        timeline = self.shown
+        timeline = self.active
         value = int(timeline.core.ram()[index]) if value is None else check_integer("value", value, 0, 255)
         held = timeline.frozen.get(index)
         timeline.freeze({**timeline.frozen, index: value})
@@ -302,7 +296,7 @@ class Session:
     def release(self, index: int) -> None:
         """Hold a byte no longer."""
         index = self._byte(index)
-        timeline = self.shown
+        timeline = self.active
         if index in timeline.frozen:
             timeline.cut()
             self.changes.append(Change(self.at, index, timeline.frozen[index], None, "freeze"))
@@ -312,7 +306,7 @@ class Session:
         """Undo the last change: a poke is taken back, or its old value is written if frames were played since."""
         if not self.changes:
             raise ValueError("there is no change of RAM to undo")
-        change, timeline = self.changes.pop(), self.shown
+        change, timeline = self.changes.pop(), self.active
         if change.kind == "freeze":
             held = {**timeline.frozen, change.index: change.old}
             timeline.freeze({index: value for index, value in held.items() if value is not None})
@@ -343,7 +337,7 @@ class Session:
             self.names[index] = name
 
     def copied_env(self) -> AtariEnv:
-        """A copy of the environment, without the bytes that the session holds; each `Frame` has its held bytes."""
+        """A copy of the environment, without the bytes that the inspection holds; a `FrameInput` has its held bytes."""
         env = copy.deepcopy(self.env)
         if hasattr(env.core, "writes"):
             env.core.writes = self.main.own_slots
@@ -398,8 +392,8 @@ class Session:
 
     def new_search(self) -> None:
         """Begin a search over all bytes."""
-        self.search = Search(_Shown(self))
-        self.search_scores = [self.shown.score]
+        self.search = Search(_ActiveCore(self))
+        self.search_scores = [self.active.score]
         """The score at the start of the search and at each filter."""
         self.searched = self.ram()
         """The RAM at the last filter."""
@@ -413,14 +407,14 @@ class Session:
         count = FILTERS[check_name("filter", name, FILTERS)]
         numbers = (check_integer("the number", low, 0, 99_999_999), check_integer("the second number", high, 0, 255))
         if name == "correlates":  # this RAM and score are part of the history that is compared
-            scores = [*self.search_scores, self.shown.score]
+            scores = [*self.search_scores, self.active.score]
             if len(set(scores)) < 2:
                 raise ValueError("the score has not changed since the search began; play on until it has")
             self.search.keep().correlates(scores)
             self.search_scores = scores
         else:
             getattr(self.search, name)(*numbers[:count])
-        self.search_scores.append(self.shown.score)
+        self.search_scores.append(self.active.score)
         self.searched = self.ram()
 
     def undo_filter(self) -> None:
@@ -438,7 +432,7 @@ class Session:
         The source is "state", the present state; or "map", the causal map, if the byte causes no pixels in this state.
         """
         index = self._byte(index)
-        pixels = changed_pixels(self.shown.core, index)
+        pixels = changed_pixels(self.active.core, index)
         if pixels.any() or self.readings.causes is None:
             return pixels, "state"
         return self.readings.causes.bytes[index].pixels, "map"
@@ -447,7 +441,7 @@ class Session:
         """The bytes that cause a pixel of the present state, and further bytes for other states, by the causal map."""
         height, width = self.game.screen.shape
         x, y = check_integer("x", x, 0, width - 1), check_integer("y", y, 0, height - 1)
-        found = causes_of(self.shown.core, x, y)
+        found = causes_of(self.active.core, x, y)
         known = [] if self.readings.causes is None else self.readings.causes.pixel(x, y)
         return found, [index for index in known if index not in found]
 
@@ -475,14 +469,10 @@ class Session:
         if self.by_agent and self.agent is not None:
             action = self._ask_agent(self.agent)
         for timeline in self._timelines():
-            timeline.play(Frame(action, held=tuple(timeline.frozen.items())))
+            timeline.play(FrameInput(action, held=tuple(timeline.frozen.items())))
 
     def _ask_agent(self, agent: Agent) -> int:
-        """The agent's action.
-
-        Raises:
-            RuntimeError: the agent, which is the user's code, has raised an error.
-        """
+        """The agent's action."""
         try:
             if self._agent_is_new:
                 agent.begin(self.main.core)

@@ -1,19 +1,13 @@
-"""The environments that recorders wrap."""
+"""The parts that all recorders share: the environments that they wrap, and the errors that they defer."""
 
 from typing import Any
 
-from atari.base.gymnasium_versions import VectorEnv
 from atari.vector import AtariVectorEnv
 
 _SEVERAL = (
     "games of several players are recorded by RecordReplay around a MultiplayerCore, and by "
     "`atari record GAME --players N`, see docs/multiplayer.md"
 )
-
-
-def is_vector(env: Any) -> bool:
-    """Whether `env` is a vector environment, in any wrappers."""
-    return isinstance(env, VectorEnv) or isinstance(getattr(env, "unwrapped", None), AtariVectorEnv)
 
 
 def not_recorded(env: Any, recorder: str, other: str = "") -> TypeError:
@@ -41,3 +35,23 @@ def recorded_vector(envs: Any, recorder: str) -> AtariVectorEnv:
     if inner.batch_size != inner.num_envs:
         raise ValueError(f"{recorder} needs batches of all environments, got batch_size={inner.batch_size}")
     return inner
+
+
+class DeferredErrorMixin:
+    """The base of recorders that write files during steps. It owns at most one deferred error.
+
+    An error raised in the middle of a step would leave the environment between two states. So the recording ends, the
+    step completes, and the next call of the environment raises the error before it changes anything.
+    """
+
+    _deferred_error: OSError | None = None
+
+    def raise_deferred_error(self) -> None:
+        """Raise the deferred error and drop it; without one, do nothing.
+
+        Raises:
+            OSError: the file could not be written.
+        """
+        error, self._deferred_error = self._deferred_error, None
+        if error is not None:
+            raise error

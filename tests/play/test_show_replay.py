@@ -7,13 +7,13 @@ import pygame
 import pytest
 
 import atari
-from atari.play import viewer
+from atari.play import loop
 from atari.recording import RecordReplay, Replay
 
 
 @pytest.fixture
 def replay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Replay:
-    monkeypatch.setattr(viewer.Pacer, "wait", lambda self: None)
+    monkeypatch.setattr(loop.Pacer, "wait", lambda self: None)
     env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r")
     env.reset(seed=0)
     for _ in range(20):
@@ -24,8 +24,8 @@ def replay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Replay:
 
 def test_every_frame_is_shown(replay: Replay, monkeypatch: pytest.MonkeyPatch) -> None:
     shown: list[Any] = []
-    monkeypatch.setattr(viewer.GameWindow, "show", lambda self, rgb, title, text="": shown.append((rgb.copy(), title)))
-    assert viewer.show_replay(replay, sound=False)
+    monkeypatch.setattr(loop.GameWindow, "show", lambda self, rgb, title, text="": shown.append((rgb.copy(), title)))
+    assert loop.show_replay(replay, sound=False)
     assert len(shown) == replay.frames_total == 80
     assert (shown[-1][0] == list(replay.frames())[-1].screen).all()
     assert shown[-1][1].startswith("Pong: ")
@@ -40,6 +40,6 @@ def test_the_window_can_be_closed(replay: Replay, event: dict[str, int], monkeyp
         if len(shown) == 5:
             pygame.event.post(pygame.event.Event(event["type"], {k: v for k, v in event.items() if k != "type"}))
 
-    monkeypatch.setattr(viewer.GameWindow, "show", show)
-    assert not viewer.show_replay(replay, sound=False)
+    monkeypatch.setattr(loop.GameWindow, "show", show)
+    assert not loop.show_replay(replay, sound=False)
     assert len(shown) == 5
