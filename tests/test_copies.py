@@ -26,7 +26,8 @@ from atari.recording import RecordReplay, VideoWriter
 
 ABSTRACT = {
     "atari.cores.core.Core": "atari.cores.native.NativeCore",
-    "atari.learning.training.Agent": None,
+    "atari.learning.agent.Agent": None,
+    "atari.learning.agent.TrainingLoop": None,
     "atari.policy.Policy": None,
     "atari.policy.ScoresPolicy": None,
     "atari.classic.algorithmic.environment.AlgorithmicEnv": "atari.classic.algorithmic.tasks.CopyEnv",

@@ -14,10 +14,9 @@ from atari.base import durable, json_text
 from atari.base.validation import check_file, check_integer
 from atari.learning.evaluation.results import versions
 from atari.learning.memory import ReplayMemory
-from atari.learning.programs import program
+from atari.learning.programs import program, sha256, trust
 from atari.learning.run_log import RunLog, read_rows
 from atari.learning.sealed import load_sealed, sealed
-from atari.learning.trust import sha256, trust
 from atari.task import Task
 
 FORMAT = 3

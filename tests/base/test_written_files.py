@@ -112,7 +112,7 @@ BY_ANOTHER = {
     "atari.learning.sweep.plan": "report",
     "atari.learning.sweep.processes": "logs of child processes",
     "atari.learning.sweep.report": "report",
-    "atari.learning.trust": "trusted programs",
+    "atari.learning.programs": "trusted programs",
     "atari.play.base": "state of a play session",
     "atari.recording.datasets": "Minari",
     "atari.recording.replay.file_format": "RecordReplay",

@@ -14,7 +14,16 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-from atari.learning import Agent, Encoder, Replicas, RunFolder, Training, TrainingEnvironments, TrainingOptions, main
+from atari.learning import (
+    Agent,
+    Encoder,
+    Replicas,
+    RunFolder,
+    TrainingEnvironments,
+    TrainingLoop,
+    TrainingOptions,
+    main,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -235,7 +244,7 @@ class PPO(Agent):
         encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=options.computes_bfloat16)
         return ActorCritic(encoder, actions)
 
-    def train(self, training: Training) -> None:
+    def train(self, training: TrainingLoop) -> None:
         """The loop: update after update, a row of the log for each, and a checkpoint now and then."""
         while training.goes_on():
             training.log(self.update())

@@ -14,7 +14,16 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from atari.learning import Agent, Encoder, Replicas, RunFolder, Training, TrainingEnvironments, TrainingOptions, main
+from atari.learning import (
+    Agent,
+    Encoder,
+    Replicas,
+    RunFolder,
+    TrainingEnvironments,
+    TrainingLoop,
+    TrainingOptions,
+    main,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -205,7 +214,7 @@ class PQN(Agent):
         )
         return QNetwork(encoder, actions)
 
-    def train(self, training: Training) -> None:
+    def train(self, training: TrainingLoop) -> None:
         """The loop: update after update, a row of the log for each, and a checkpoint now and then."""
         while training.goes_on():
             training.log(self.update())

@@ -13,7 +13,7 @@ from atari.base import durable
 from atari.base.validation import check_integer
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences, refusal
-from atari.learning.evaluation.published import Published
+from atari.learning.evaluation.published import Published, read_table
 from atari.learning.evaluation.results import Result, aligned
 from atari.learning.evaluation.statistics import (
     Estimate,
@@ -22,7 +22,6 @@ from atari.learning.evaluation.statistics import (
     estimate_of_episodes,
     estimate_of_runs,
 )
-from atari.learning.evaluation.tables import read_table
 
 References = Mapping[str, tuple[float, float]]
 """By game, the score of random play and of a human."""

@@ -10,13 +10,12 @@ from typing import Any
 
 from atari.base import durable
 from atari.base.validation import check_file
+from atari.learning.agent import AgentCode, read_options
 from atari.learning.evaluation.played import EvaluatedGame, played_task
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol
 from atari.learning.options import SEEDS, TrainingOptions
-from atari.learning.programs import Program, is_program, program
+from atari.learning.programs import Program, is_program, program, sha256
 from atari.learning.run import RunFolder
-from atari.learning.training import AgentCode, read_options
-from atari.learning.trust import sha256
 
 MOST_SEEDS = 1000
 

@@ -9,8 +9,8 @@ import pytest
 import atari
 from atari.learning import Published
 from atari.learning.evaluation import tables
+from atari.learning.evaluation.published import read_table
 from atari.learning.evaluation.statistics import interquartile_mean
-from atari.learning.evaluation.tables import read_table
 
 
 def test_every_agent_can_be_read():

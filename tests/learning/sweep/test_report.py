@@ -11,7 +11,7 @@ from atari.learning import PROTOCOLS, Result  # noqa: E402
 from atari.learning.agents.ppo import PPO  # noqa: E402
 from atari.learning.evaluation.results import GameResult  # noqa: E402
 from atari.learning.sweep.plan import Run, plan  # noqa: E402
-from atari.learning.sweep.results import comparable_agents, compare_runs, planned_frames  # noqa: E402
+from atari.learning.sweep.report import comparable_agents, compare_runs, planned_frames  # noqa: E402
 
 
 def runs_of(games: list[str], seeds: list[int], total_steps: int, **options: Any) -> list[Run]:
