@@ -31,8 +31,8 @@ ABSTRACT = {
     "atari.policy.Policy": None,
     "atari.policy.ScoresPolicy": None,
     "atari.classic.algorithmic.environment.AlgorithmicEnv": "atari.classic.algorithmic.tasks.CopyEnv",
-    "atari.classic.algorithmic.grid.GridEnv": "atari.classic.algorithmic.tasks.ReversedAdditionEnv",
-    "atari.classic.algorithmic.tape.TapeEnv": "atari.classic.algorithmic.tasks.CopyEnv",
+    "atari.classic.algorithmic.tasks.GridEnv": "atari.classic.algorithmic.tasks.ReversedAdditionEnv",
+    "atari.classic.algorithmic.tasks.TapeEnv": "atari.classic.algorithmic.tasks.CopyEnv",
 }
 """Classes without objects of their own, and a class here that stands for them. Policies and agents are the user's own objects."""
 
