@@ -1,4 +1,4 @@
-"""`Agent`, what a training calls, and `AgentCode`: the class of this package, or of a user's file, that is an agent."""
+"""`Agent`, which a training calls, and `AgentCode`: a class of this package, or of a user's file, that is an agent."""
 
 import inspect
 from abc import ABC, abstractmethod
@@ -31,7 +31,15 @@ _OURS = Path(agents.__file__).parent
 
 
 class TrainingLoop(Protocol):
-    """What the loop of an agent calls: these methods of `Training`."""
+    """The methods of `Training` that the loop of an agent calls.
+
+    Example:
+        >>> from atari.learning import TrainingLoop
+        >>> def train(self, training: TrainingLoop) -> None:  # of an `Agent`
+        ...     while training.goes_on():
+        ...         training.log(self.update())
+        ...         training.save_when_due()
+    """
 
     def goes_on(self) -> bool:
         """Whether the agent shall make another update."""
