@@ -5,7 +5,6 @@ import platform
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Any, BinaryIO
 
 import torch
@@ -115,10 +114,13 @@ class RunFolder:
         }
         for kind in programs or {}:
             _check_kind(kind)
-        kept = {kind: _read_program(text) for kind, text in (programs or {}).items()}
-        if kept:
-            config["programs"] = {kind: entry for kind, (entry, _) in kept.items()}
-        sources = {f"{kind}.py": source for kind, (_, source) in kept.items()}
+        named = {kind: program(text) for kind, text in (programs or {}).items()}
+        sources = {f"{kind}.py": check_file(one.file).read_bytes() for kind, one in named.items()}
+        if named:
+            config["programs"] = {
+                kind: {"file": str(one.file.absolute()), "name": one.name, "sha256": sha256(sources[f"{kind}.py"])}
+                for kind, one in named.items()
+            }
         try:
             json.dumps(config, allow_nan=False)
         except (TypeError, ValueError) as error:
@@ -380,9 +382,7 @@ class RunFolder:
     def __enter__(self) -> "RunFolder":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         self.close()
 
     def _check_locked(self) -> None:
@@ -459,13 +459,6 @@ class RunFolder:
         self._log.forget_after(content["step"])
         weights: Mapping[str, torch.Tensor] = content["weights"]
         return weights
-
-
-def _read_program(text: str) -> tuple[dict[str, str], bytes]:
-    """The entry in the configuration and the bytes of FILE.py or FILE.py:NAME."""
-    named = program(text)
-    source = check_file(named.file).read_bytes()
-    return {"file": str(named.file.absolute()), "name": named.name, "sha256": sha256(source)}, source
 
 
 def _check_kind(kind: str) -> None:

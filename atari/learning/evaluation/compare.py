@@ -357,7 +357,4 @@ def _published_row(other: Published, references: References, frames: int | None,
 
 def _normalised(scores: Mapping[str, Floats], references: References) -> dict[str, Floats]:
     """Human-normalised scores by game: random play is 0, a human 1."""
-    normalised = {}
-    for game, (random, human) in references.items():
-        normalised[game] = (scores[game] - random) / (human - random)
-    return normalised
+    return {game: (scores[game] - random) / (human - random) for game, (random, human) in references.items()}

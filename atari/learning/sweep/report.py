@@ -5,17 +5,15 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from string import Template
 
-from atari.base import durable
 from atari.learning.evaluation.compare import Comparison, budget_faults, compare
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result
 from atari.learning.options import TrainingOptions
-from atari.learning.report import STYLE, learning_curves
+from atari.learning.report import learning_curves, write_page
 from atari.learning.run import RunFolder
-from atari.learning.sweep.plan import Run
+from atari.learning.sweep.plan import TrainingRun
 from atari.learning.sweep.processes import Settings
 
 
@@ -29,7 +27,7 @@ def planned_frames(options: TrainingOptions) -> int | None:
     return None if options.stop_score is not None else round(options.total_steps * sum(range(low, high)) / (high - low))
 
 
-def comparable_agents(runs: Sequence[Run], protocol: EvaluationProtocol) -> list[str]:
+def comparable_agents(runs: Sequence[TrainingRun], protocol: EvaluationProtocol) -> list[str]:
     """The published agents of a protocol that have scores of all games of the runs, at the frames of the trainings."""
     frames, games = planned_frames(runs[0].options), {run.options.task.game for run in runs}
     if frames is None:
@@ -40,7 +38,7 @@ def comparable_agents(runs: Sequence[Run], protocol: EvaluationProtocol) -> list
 
 
 def compare_runs(
-    name: str, runs: Sequence[Run], results: Sequence[Result], to: Sequence[str], mixed: bool
+    name: str, runs: Sequence[TrainingRun], results: Sequence[Result], to: Sequence[str], mixed: bool
 ) -> Comparison | None:
     """The runs, as an agent `name`, beside published ones: median, mean and IQM with intervals over games and seeds.
 
@@ -67,7 +65,7 @@ def compare_runs(
 def write_report(
     folder: Path,
     agent: str,
-    runs: Sequence[Run],
+    runs: Sequence[TrainingRun],
     settings: Settings,
     results: Sequence[Result],
     comparison: Comparison | None,
@@ -77,7 +75,7 @@ def write_report(
     Raises:
         ImportError: Matplotlib is not installed.
     """
-    games: dict[str, list[Run]] = {}
+    games: dict[str, list[TrainingRun]] = {}
     for run in runs:
         games.setdefault(run.options.task.game, []).append(run)
     drawing = ""
@@ -87,8 +85,9 @@ def write_report(
     seeds = ",".join(str(seed) for seed in sorted({run.options.seed for run in runs}))
     numbers = ["--games", settings.games, "--protocol", settings.protocol.name, "--episodes", settings.episodes]
     words = [settings.agent, ",".join(games), *settings.words, "--seeds", seeds, *numbers, "-o", folder]
-    page = Template(_PAGE).substitute(
-        style=STYLE,
+    return write_page(
+        folder / "report.html",
+        _PAGE,
         title=html.escape(f"{agent.upper()}: {len(games)} games, {len(runs)} runs"),
         command=html.escape(shlex.join(["atari", "train", *map(str, words)])),
         curves="\n".join(f"<h3>{html.escape(game)}</h3>\n{_curves(game, several)}" for game, several in games.items()),
@@ -97,11 +96,9 @@ def write_report(
         comparison=html.escape("no game has a score of a human" if comparison is None else str(comparison)),
         drawing=drawing,
     )
-    durable.write_file(folder / "report.html", page.encode())
-    return folder / "report.html"
 
 
-def _curves(game: str, runs: Sequence[Run]) -> str:
+def _curves(game: str, runs: Sequence[TrainingRun]) -> str:
     """A picture of the scores of the runs of a game."""
     logs = [
         (f"seed {run.options.seed}", f"C{number}", RunFolder.open(run.path).rows())
@@ -110,7 +107,7 @@ def _curves(game: str, runs: Sequence[Run]) -> str:
     return learning_curves(game, logs)
 
 
-def _table(runs: Sequence[Run], results: Sequence[Result]) -> str:
+def _table(runs: Sequence[TrainingRun], results: Sequence[Result]) -> str:
     """The runs with their scores, and links to their own reports."""
     rows = ["<tr><th>run<th>games<th>mean score<th>standard deviation<th>least<th>greatest"]
     for run, result in zip(runs, results, strict=True):
@@ -123,13 +120,6 @@ def _table(runs: Sequence[Run], results: Sequence[Result]) -> str:
 
 
 _PAGE = """\
-<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>$title</title>
-<style>$style</style>
-<h1>$title</h1>
 <p><code>$command</code></p>
 <h2>Evaluation</h2>
 <p>$protocol</p>
@@ -139,5 +129,4 @@ $drawing
 <pre>$comparison</pre>
 <h2>Learning curves</h2>
 $curves
-</html>
 """
