@@ -390,11 +390,7 @@ class RunFolder:
             raise ValueError(f"{self.path} is open for reading; RunFolder.resume opens it for a training")
 
     def _check_memory(self, memory: ReplayMemory) -> None:
-        """Refuse a memory with which `resume` could not go on.
-
-        Raises:
-            ValueError: it is in no file, in another one, or flushes by itself.
-        """
+        """Refuse a memory with which `resume` could not go on."""
         file = self.path / "memory.replay"
         if memory.path is None or memory.path.resolve() != file.resolve():
             given = "in no file" if memory.path is None else f"in {memory.path}"
@@ -485,7 +481,6 @@ def _locked(path: Path) -> BinaryIO:
 
 
 def _check_weights(weights: Any) -> None:
-    """Raises: TypeError: these are no tensors by name."""
     if not isinstance(weights, Mapping):
         raise TypeError(f"weights must be tensors by name, as network.state_dict(), got {type(weights).__name__}")
     for name, value in weights.items():
