@@ -9,6 +9,16 @@ from types import ModuleType
 
 _PACKAGE = __name__.rpartition(".")[0]
 
+_MONITOR = {
+    "monitor": "Monitor",
+    "monitor_files": (
+        "FILE_PREFIX MANIFEST_PREFIX capped_cubic_video_schedule clear_monitor_files collapse_env_infos "
+        "detect_monitor_files detect_training_manifests disable_videos load_env_info_from_manifests load_results "
+        "merge_stats_files"
+    ),
+    "monitor_hooks": "monitor_closer",
+}
+
 MODULES: dict[str, dict[str, str]] = {
     "benchmarks": {"scoreboard": "Benchmark BenchmarkTask benchmark_spec"},
     "configuration": {"logger": "undo_logger_setup"},
@@ -48,7 +58,7 @@ MODULES: dict[str, dict[str, str]] = {
     "monitoring": {
         "stats_recorder": "StatsRecorder",
         "video_recorder": "VideoRecorder",
-        "wrappers.monitor": "detect_training_manifests load_env_info_from_manifests load_results",
+        "monitor_files": "detect_training_manifests load_env_info_from_manifests load_results",
     },
     "monitoring.stats_recorder": {"stats_recorder": "StatsRecorder"},
     "monitoring.video_recorder": {"video_recorder": "ImageEncoder TextEncoder VideoRecorder touch"},
@@ -107,31 +117,31 @@ MODULES: dict[str, dict[str, str]] = {
         ),
     },
     "version": {"gym_ids": "VERSION"},
-    "wrappers.autoreset": {"wrappers.rendering": "AutoResetWrapper"},
+    "wrappers.autoreset": {"wrappers.episodes": "AutoResetWrapper"},
     "wrappers.clip_action": {"wrappers.transforms": "ClipAction"},
     "wrappers.compatibility": {"wrappers.conversions": "EnvCompatibility LegacyEnv"},
     "wrappers.env_checker": {"wrappers.conversions": "PassiveEnvChecker"},
     "wrappers.filter_observation": {"wrappers.observations": "FilterObservation"},
     "wrappers.flatten_observation": {"wrappers.transforms": "FlattenObservation"},
+    "wrappers.frame_stack": {"wrappers.observations": "FrameStack LazyFrames"},
     "wrappers.frame_skipping": {"wrappers.transforms": "SkipWrapper"},
     "wrappers.gray_scale_observation": {"wrappers.transforms": "GrayScaleObservation"},
     "wrappers.human_rendering": {"wrappers.rendering": "HumanRendering"},
-    "wrappers.monitoring": {
-        "wrappers.monitor": (
-            "FILE_PREFIX MANIFEST_PREFIX Monitor capped_cubic_video_schedule clear_monitor_files "
-            "collapse_env_infos detect_monitor_files detect_training_manifests disable_videos "
-            "load_env_info_from_manifests load_results merge_stats_files monitor_closer"
-        ),
-    },
+    "wrappers.monitor": _MONITOR,
+    "wrappers.monitoring": _MONITOR,
     "wrappers.monitoring.stats_recorder": {"stats_recorder": "StatsRecorder"},
     "wrappers.monitoring.video_recorder": {"video_recorder": "ImageEncoder TextEncoder VideoRecorder touch"},
     "wrappers.order_enforcing": {"wrappers.conversions": "OrderEnforcing"},
     "wrappers.pixel_observation": {"wrappers.observations": "PixelObservationWrapper STATE_KEY"},
+    "wrappers.record_episode_statistics": {
+        "wrappers.episodes": "RecordEpisodeStatistics add_vector_episode_statistics"
+    },
     "wrappers.render_collection": {"wrappers.rendering": "RenderCollection"},
     "wrappers.rescale_action": {"wrappers.transforms": "RescaleAction"},
     "wrappers.resize_observation": {"wrappers.transforms": "ResizeObservation"},
     "wrappers.step_api_compatibility": {"wrappers.conversions": "StepAPICompatibility"},
     "wrappers.time_aware_observation": {"wrappers.observations": "TimeAwareObservation"},
+    "wrappers.time_limit": {"wrappers.episodes": "TimeLimit"},
     "wrappers.transform_observation": {"wrappers.transforms": "TransformObservation"},
     "wrappers.transform_reward": {"wrappers.transforms": "TransformReward"},
     "wrappers.vector_list_info": {"wrappers.conversions": "VectorListInfo"},

@@ -30,8 +30,7 @@ from atari.classic.core import Env
 from atari.classic.envs.atari import modern_options, old_options
 from atari.classic.modern import EntryPoint
 from atari.classic.spec import Spec
-from atari.classic.wrappers.rendering import AutoResetWrapper
-from atari.classic.wrappers.time_limit import TimeLimit
+from atari.classic.wrappers.episodes import AutoResetWrapper, TimeLimit
 
 __all__ = [
     "ENV_ID_RE",
