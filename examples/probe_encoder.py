@@ -15,8 +15,8 @@ import torch
 
 from atari.lab.probes import majority, play_episodes, probe, split_episodes
 from atari.lab.probes.probe import ProbeResult
+from atari.learning.agent import kept_agent, read_options
 from atari.learning.run import RunFolder
-from atari.learning.training import kept_agent, read_options
 
 
 def main() -> None:

@@ -26,12 +26,13 @@ from atari.recording import RecordReplay, VideoWriter
 
 ABSTRACT = {
     "atari.cores.core.Core": "atari.cores.native.NativeCore",
-    "atari.learning.training.Agent": None,
+    "atari.learning.agent.Agent": None,
+    "atari.learning.agent.TrainingLoop": None,
     "atari.policy.Policy": None,
     "atari.policy.ScoresPolicy": None,
     "atari.classic.algorithmic.environment.AlgorithmicEnv": "atari.classic.algorithmic.tasks.CopyEnv",
-    "atari.classic.algorithmic.grid.GridEnv": "atari.classic.algorithmic.tasks.ReversedAdditionEnv",
-    "atari.classic.algorithmic.tape.TapeEnv": "atari.classic.algorithmic.tasks.CopyEnv",
+    "atari.classic.algorithmic.tasks.GridEnv": "atari.classic.algorithmic.tasks.ReversedAdditionEnv",
+    "atari.classic.algorithmic.tasks.TapeEnv": "atari.classic.algorithmic.tasks.CopyEnv",
 }
 """Classes without objects of their own, and a class here that stands for them. Policies and agents are the user's own objects."""
 

@@ -17,7 +17,7 @@ OTHERS = {
     "atari/env/episode_env.py": "whether a reset takes the options noops and fire, and what wrappers around it must know",
     "atari/learning/evaluation/protocols.py": "evaluation protocols prescribe them",
     "atari/integrations/envpool/spec.py": "EnvPool's names of them",
-    "atari/learning/memory/environments.py": "refuses, by name, what a replay memory does not serve",
+    "atari/learning/memory/options.py": "refuses, by name, what a replay memory does not serve",
     "atari/integrations/ray/rollout_worker.py": "refuses, by name, what its learner does not serve",
     "atari/cli/policies.py": "whether a termination is a report (`life_loss_info`)",
     "atari/play/session.py": "whether a termination is a report (`life_loss_info`)",

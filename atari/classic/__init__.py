@@ -4,16 +4,20 @@
 `python -m atari.classic script.py` runs a script in which `import gym` means this package.
 """
 
-from atari.classic import configuration, envs, error, gym_modules, logger, spaces, utils, vector, version, wrappers
-from atari.classic.benchmarks import benchmark_spec
-from atari.classic.configuration import undo_logger_setup
+from types import ModuleType
+
+from atari.classic import envs, error, gym_modules, logger, spaces, utils, vector, wrappers
 from atari.classic.core import ActionWrapper, Env, GoalEnv, ObservationWrapper, RewardWrapper, Wrapper
 from atari.classic.envs import make, register, spec
-from atari.classic.scoreboard import upload
+from atari.classic.gym_ids import VERSION
+from atari.classic.logger import undo_logger_setup
+from atari.classic.scoreboard import benchmark_spec, upload
 from atari.classic.spaces import Space
 from atari.classic.utils.reraise import reraise
 
-__version__ = version.VERSION
+configuration: ModuleType
+version: ModuleType
+__version__ = VERSION
 notice = None
 """The notice of a newer version: there is none."""
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from gymnasium.core import ActType, ObsType, RenderFrame
 
-from atari.classic.env_monitor import EnvMonitor
+from atari.classic.monitor_hooks import EnvMonitor
 from atari.classic.spaces import Space
 from atari.classic.spec import Spec
 from atari.classic.utils import seeding

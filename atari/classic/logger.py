@@ -72,3 +72,7 @@ def warn_once(text: str) -> None:
     """Print a warning in one line, once in a process."""
     if _logger.min_level <= WARN:  # not `warn`, which prints three lines
         print(f"atari.classic: {text}", file=sys.stderr)
+
+
+def undo_logger_setup() -> None:
+    """Return without a change: Gym set up Python's logging until 2017, and this package does not."""

@@ -1,11 +1,16 @@
-"""The files of monitors: which are in a folder, and what they say together."""
+"""The files of monitors: how they are written, which are in a folder, and what they say together."""
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from os import replace  # noqa: F401, a name of Gym's `utils.atomic_write`
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
+import numpy as np
+
+from atari.base import durable
 from atari.classic import error, logger
 
 FILE_PREFIX = "openaigym"
@@ -132,6 +137,47 @@ def capped_cubic_video_schedule(episode_id: int) -> bool:
 def disable_videos(episode_id: int) -> bool:
     """False: no episode is recorded."""
     return False
+
+
+@contextmanager
+def atomic_write(filepath: str | os.PathLike[str], binary: bool = False, fsync: bool = False) -> Iterator[IO[Any]]:
+    """A file to write, which takes the place of `filepath` once the block ends without an exception.
+
+    Args:
+        filepath: the file.
+        binary: whether it takes bytes rather than text.
+        fsync: has no effect; the content is on the disk.
+
+    Example:
+        >>> import pathlib, tempfile
+        >>> from atari.classic.utils.atomic_write import atomic_write
+        >>> path = pathlib.Path(tempfile.mkdtemp(), "results.txt")
+        >>> with atomic_write(path) as file:
+        ...     _ = file.write("195.0")
+        >>> path.read_text()
+        '195.0'
+    """
+    with durable.replacing(Path(filepath)) as part, open(part, "wb" if binary else "w") as file:
+        yield file
+
+
+def json_encode_np(obj: Any) -> Any:
+    """The Python value of a number or array of NumPy.
+
+    Raises:
+        TypeError: it is something else, which JSON cannot hold.
+
+    Example:
+        >>> import json, numpy
+        >>> from atari.classic.utils.json_utils import json_encode_np
+        >>> json.dumps({"steps": numpy.int64(200)}, default=json_encode_np)
+        '{"steps": 200}'
+    """
+    if isinstance(obj, (np.ndarray, np.generic)):
+        return obj.tolist()
+    if obj is None or isinstance(obj, (str, int, float, list, dict)):
+        return obj
+    raise TypeError(f"JSON holds no {type(obj).__name__}, got {obj!r}; give numbers, texts, lists or dictionaries")
 
 
 def _read(path: Folder) -> dict[str, Any]:

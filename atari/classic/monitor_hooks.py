@@ -1,12 +1,15 @@
-"""`MonitorHooks`: what a monitor does around `reset` and `step`, in methods that subclasses replace.
+"""`MonitorHooks`: what a monitor does around `reset` and `step`, in methods that subclasses replace; `EnvMonitor`.
 
 The files are those of Gym's Monitor. A folder has, for each monitor that wrote to it, a manifest, statistics of all
 episodes (`*.stats.json`) and some videos, each with a `*.meta.json`. Their names share the numbers of the monitor and
 of the process, which scripts expect.
 """
 
+import atexit
 import json
 import os
+import threading
+import weakref
 from collections.abc import Callable
 from typing import Any, Literal, Protocol
 
@@ -14,20 +17,64 @@ import atari
 from atari.classic import error
 from atari.classic.monitor_files import (
     FILE_PREFIX,
+    atomic_write,
     capped_cubic_video_schedule,
     clear_monitor_files,
     detect_monitor_files,
     disable_videos,
+    json_encode_np,
 )
 from atari.classic.stats_recorder import StatsRecorder
-from atari.classic.utils.atomic_write import atomic_write
-from atari.classic.utils.closer import Closer
-from atari.classic.utils.json_utils import json_encode_np
 from atari.classic.video_recorder import Renderable, VideoRecorder
 
 VideoCallable = Callable[[int], bool]
 
 _TYPES = {"training": "t", "evaluation": "e"}
+
+
+class Closer:
+    """Closes the registered objects that are still there when the interpreter exits.
+
+    An object registers itself, unregisters itself in its `close`, and calls `close` in its `__del__`.
+
+    Args:
+        atexit_register: False leaves it to the script to call `close`.
+    """
+
+    def __init__(self, atexit_register: bool = True) -> None:
+        self.lock = threading.Lock()
+        self.next_id = -1
+        self.closeables: weakref.WeakValueDictionary[int, Any] = weakref.WeakValueDictionary()
+        if atexit_register:
+            atexit.register(self.close)
+
+    def generate_next_id(self) -> int:
+        """A number that no other object of this closer has."""
+        with self.lock:
+            self.next_id += 1
+            return self.next_id
+
+    def register(self, closeable: Any) -> int:
+        """Close an object at exit; returns its number for `unregister`.
+
+        Raises:
+            TypeError: it has no `close`.
+        """
+        if not callable(getattr(closeable, "close", None)):
+            raise TypeError(f"a Closer closes objects that have a method close(), got {closeable!r}")
+        number = self.generate_next_id()
+        self.closeables[number] = closeable
+        return number
+
+    def unregister(self, id: int) -> None:
+        """Forget the object of a number; without effect if it is gone."""
+        self.closeables.pop(id, None)
+
+    def close(self) -> None:
+        """Close all objects, in the order in which they were registered."""
+        for _, closeable in sorted(self.closeables.items(), key=lambda item: item[0]):
+            closeable.close()
+
 
 monitor_closer = Closer()
 """Closes the monitors that are open when the interpreter exits."""
@@ -201,6 +248,67 @@ class MonitorHooks:
     def close(self) -> None:
         """See `_finish`."""
         self._finish()
+
+
+class MonitoredByMethods(Monitored, Protocol):
+    """The part of an environment that `EnvMonitor` needs; `atari.classic.Env` has it."""
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, dict[str, Any]]:
+        """Take an action; return observation, reward, done and info."""
+
+    def reset(self) -> Any:
+        """Start an episode and return its first observation."""
+
+    def seed(self, seed: int | None = None) -> list[int]:
+        """Seed the environment."""
+
+
+class EnvMonitor:
+    """`env.monitor`, with `start(directory)` and `close()`, as in 2016, before `Monitor` was a wrapper.
+
+    Between `start` and `close`, the methods of this class replace the instance's `step` and `reset`. They call the
+    methods of the environment's class and record.
+    """
+
+    def __init__(self, env: MonitoredByMethods) -> None:
+        self._env = env
+        self._hooks: MonitorHooks | None = None
+
+    def start(self, directory: str | os.PathLike[str], *, seed: int | None = None, **options: Any) -> None:
+        """Begin to record, after seeding the environment if `seed` is given; `options` are options of `Monitor`.
+
+        Raises:
+            gymnasium.error.Error: it records already, or see `Monitor`.
+        """
+        if self._hooks is not None:
+            raise error.Error("env.monitor is started already; call env.monitor.close() first")
+        if seed is not None:
+            self._env.seed(seed)
+        hooks = MonitorHooks(self._env)
+        hooks._start(directory, **options)
+        self._hooks = hooks
+        env: Any = self._env
+        kind = type(env)
+
+        def step(action: Any) -> tuple[Any, Any, bool, dict[str, Any]]:
+            hooks._before_step(action)
+            observation, reward, done, info = kind.step(env, action)
+            return observation, reward, hooks._after_step(observation, reward, done, info), info
+
+        def reset(**options: Any) -> Any:
+            hooks._before_reset()
+            observation = kind.reset(env, **options)
+            hooks._after_reset(observation)
+            return observation
+
+        vars(env).update(step=step, reset=reset)
+
+    def close(self) -> None:
+        """Write the files, and stop recording."""
+        hooks, self._hooks = self._hooks, None
+        if hooks is not None:
+            del vars(self._env)["step"], vars(self._env)["reset"]
+            hooks.close()
 
 
 def _type_of(mode: str) -> str:

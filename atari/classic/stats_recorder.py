@@ -6,8 +6,7 @@ import time
 from typing import Any
 
 from atari.classic import error
-from atari.classic.utils.atomic_write import atomic_write
-from atari.classic.utils.json_utils import json_encode_np
+from atari.classic.monitor_files import atomic_write, json_encode_np
 
 
 class StatsRecorder:

@@ -22,7 +22,7 @@ from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol
 from atari.learning.evaluation.published import Published
 
 if TYPE_CHECKING:
-    from atari.learning.training import AgentCode
+    from atari.learning.agent import AgentCode
 
 FLAGS = ("--seeds", "--jobs")
 """Flags that make a training a sweep."""
@@ -53,7 +53,7 @@ def run_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str])
     import atari.learning.evaluation.plot  # noqa: F401 - raises an error without Matplotlib, before the trainings
     from atari.learning.command import options_of
     from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, plan
-    from atari.learning.sweep.results import comparable_agents
+    from atari.learning.sweep.report import comparable_agents
 
     args, games, options = _parsed(args, code, words)
     protocol = find_protocol(args.protocol)
@@ -98,7 +98,7 @@ def _parsed(
 
 def _check_comparable(args: argparse.Namespace, protocol: EvaluationProtocol, run: Any) -> None:
     """Check the published agents of `--compare` before the trainings, which may take days."""
-    from atari.learning.sweep.results import planned_frames
+    from atari.learning.sweep.report import planned_frames
 
     for agent in map(Published, args.compare):
         faults = [refusal(protocol, agent), *budget_faults(agent, planned_frames(run.options))]
@@ -143,8 +143,7 @@ def _finish(
 ) -> int:
     """Compare, write the page, and print the results."""
     from atari.learning.sweep.processes import evaluation_of
-    from atari.learning.sweep.report import write_report
-    from atari.learning.sweep.results import compare_runs
+    from atari.learning.sweep.report import compare_runs, write_report
 
     results = [result for run in runs if (result := evaluation_of(run, settings)) is not None]
     comparison = compare_runs(f"{agent} ({folder.name})", runs, results, to, args.mixed)

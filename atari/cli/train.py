@@ -102,9 +102,9 @@ def _output_parser() -> argparse.ArgumentParser:
 def _train(args: argparse.Namespace) -> int:
     if find_spec("torch") is None:
         raise gymnasium.error.DependencyNotInstalled(f"atari train needs torch: {install_extra('learn')}")
+    from atari.learning.agent import agent_code
     from atari.learning.command import finish_run, resume, train
     from atari.learning.run import RunFolder
-    from atari.learning.training import agent_code
 
     if args.resume is not None:
         if args.seeds is not None or args.jobs is not None:

@@ -20,11 +20,12 @@ from atari.learning.policies import load_policy
 from atari.policy import Policy, ScoresPolicy
 
 if TYPE_CHECKING:
+    from atari.learning.agent import Agent, TrainingLoop
     from atari.learning.command import main
     from atari.learning.networks import Encoder
     from atari.learning.replicas import Replicas
     from atari.learning.run import RunFolder
-    from atari.learning.training import Agent, Training
+    from atari.learning.training import Training
 
 __all__ = [
     "GAME_SETS",
@@ -41,6 +42,7 @@ __all__ = [
     "ScoresPolicy",
     "Training",
     "TrainingEnvironments",
+    "TrainingLoop",
     "TrainingOptions",
     "compare",
     "evaluate",
@@ -50,11 +52,12 @@ __all__ = [
 ]
 
 _WITH_TORCH = {
-    "Agent": "training",
+    "Agent": "agent",
     "Encoder": "networks",
     "Replicas": "replicas",
     "RunFolder": "run",
     "Training": "training",
+    "TrainingLoop": "agent",
     "main": "command",
 }
 """The modules of the names that need PyTorch."""

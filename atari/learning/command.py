@@ -15,9 +15,10 @@ import gymnasium
 
 from atari.base.program import ctrl_c_as_event, interruptible, run
 from atari.base.progress import ProgressBar
+from atari.learning.agent import Agent, AgentCode, agent_code
 from atari.learning.options import FAST_RAM, TrainingOptions, is_switch, parse, shown
 from atari.learning.run import RunFolder
-from atari.learning.training import Agent, AgentCode, Training, agent_code
+from atari.learning.training import Training
 from atari.task import Task
 from atari.task.arguments import (
     StoreOnce,

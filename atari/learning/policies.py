@@ -163,11 +163,7 @@ class _Noop:
 
 
 def _file(file: Path, sample: bool) -> Policy:
-    """The policy in a file. The ending .onnx decides for ONNX; the content decides for all other kinds.
-
-    Raises:
-        FileNotFoundError, ValueError, gymnasium.error.DependencyNotInstalled: see `load_policy`.
-    """
+    """The policy in a file. The ending .onnx decides for ONNX; the content decides for all other kinds."""
     if not file.exists():
         raise FileNotFoundError(
             f"there is no file {file}; a policy is random, noop, {_KINDS}; or, in commands, a replay"
@@ -197,11 +193,7 @@ def _file(file: Path, sample: bool) -> Policy:
 
 
 def _check_unpacked(archive: zipfile.ZipFile, size: int) -> None:
-    """Refuse an archive that libraries would unpack to much more than its size.
-
-    Raises:
-        ValueError: it unpacks to more than 64 MiB and 32 bytes for each byte of it.
-    """
+    """Refuse an archive that libraries would unpack to more than 64 MiB and 32 bytes for each byte of it."""
     left = _MOST_UNPACKED + 32 * size
     for info in archive.infolist():
         check_member(info, left)

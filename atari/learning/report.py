@@ -56,8 +56,9 @@ def write_report(folder: RunFolder, result: Result) -> Path:
         raise ValueError(f"{folder.path / 'log.csv'} has no rows: the training was stopped before its first update")
     last = rows[-1]
     video = '<video controls loop src="best.mp4#t=3"></video>' if (folder.path / "best.mp4").exists() else ""
-    page = Template(_PAGE).substitute(
-        style=STYLE,
+    return write_page(
+        folder.path / "report.html",
+        _PAGE,
         title=html.escape(f"{config['agent'].upper()} on {game.title}, from {kind}"),
         score=f"{played.mean:,.1f}",
         episodes=len(played.scores),
@@ -73,8 +74,13 @@ def write_report(folder: RunFolder, result: Result) -> Path:
         options=_table(config["options"]),
         versions=_table(config["versions"]),
     )
-    durable.write_file(folder.path / "report.html", page.encode())
-    return folder.path / "report.html"
+
+
+def write_page(path: Path, body: str, **values: object) -> Path:
+    """Write a page whose body has the values in place of their names, with the title among them; return its path."""
+    page = Template(_HEAD + body + "</html>\n").substitute(style=_STYLE, **values)
+    durable.write_file(path, page.encode())
+    return path
 
 
 def learning_curves(game: str, logs: Sequence[tuple[str, str, Sequence[Mapping[str, float]]]]) -> str:
@@ -154,7 +160,7 @@ def _duration(seconds: float) -> str:
     return f"{hours} h {minutes} min" if hours else f"{minutes} min {rest} s" if minutes else f"{rest} s"
 
 
-STYLE = """
+_STYLE = """
   :root { color-scheme: light dark; --line: #8884; }
   body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 0 auto; padding: 1rem; }
   h1 { font-size: 1.6rem; margin: 0.5rem 0; }
@@ -169,9 +175,8 @@ STYLE = """
   th, td { text-align: left; padding: 0.15rem 1rem 0.15rem 0; border-bottom: 1px solid var(--line);
     vertical-align: top; overflow-wrap: anywhere; }
 """
-"""The style of the pages about runs."""
 
-_PAGE = """\
+_HEAD = """\
 <!doctype html>
 <html lang="en">
 <meta charset="utf-8">
@@ -179,6 +184,9 @@ _PAGE = """\
 <title>$title</title>
 <style>$style</style>
 <h1>$title</h1>
+"""
+
+_PAGE = """\
 <dl>
   <div><dt>mean score of $episodes whole games after training<dd>$score</div>
   <div><dt>agent steps<dd>$steps</div>
@@ -196,5 +204,4 @@ $video
 <details><summary>What was played in the training</summary><pre>$task</pre></details>
 <details><summary>Options of the training</summary>$options</details>
 <details><summary>Versions</summary>$versions</details>
-</html>
 """

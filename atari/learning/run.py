@@ -5,7 +5,6 @@ import platform
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 from typing import Any, BinaryIO
 
 import torch
@@ -14,10 +13,9 @@ from atari.base import durable, json_text
 from atari.base.validation import check_file, check_integer
 from atari.learning.evaluation.results import versions
 from atari.learning.memory import ReplayMemory
-from atari.learning.programs import program
+from atari.learning.programs import program, sha256, trust
 from atari.learning.run_log import RunLog, read_rows
 from atari.learning.sealed import load_sealed, sealed
-from atari.learning.trust import sha256, trust
 from atari.task import Task
 
 FORMAT = 3
@@ -116,10 +114,13 @@ class RunFolder:
         }
         for kind in programs or {}:
             _check_kind(kind)
-        kept = {kind: _read_program(text) for kind, text in (programs or {}).items()}
-        if kept:
-            config["programs"] = {kind: entry for kind, (entry, _) in kept.items()}
-        sources = {f"{kind}.py": source for kind, (_, source) in kept.items()}
+        named = {kind: program(text) for kind, text in (programs or {}).items()}
+        sources = {f"{kind}.py": check_file(one.file).read_bytes() for kind, one in named.items()}
+        if named:
+            config["programs"] = {
+                kind: {"file": str(one.file.absolute()), "name": one.name, "sha256": sha256(sources[f"{kind}.py"])}
+                for kind, one in named.items()
+            }
         try:
             json.dumps(config, allow_nan=False)
         except (TypeError, ValueError) as error:
@@ -381,9 +382,7 @@ class RunFolder:
     def __enter__(self) -> "RunFolder":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         self.close()
 
     def _check_locked(self) -> None:
@@ -391,11 +390,7 @@ class RunFolder:
             raise ValueError(f"{self.path} is open for reading; RunFolder.resume opens it for a training")
 
     def _check_memory(self, memory: ReplayMemory) -> None:
-        """Refuse a memory with which `resume` could not go on.
-
-        Raises:
-            ValueError: it is in no file, in another one, or flushes by itself.
-        """
+        """Refuse a memory with which `resume` could not go on."""
         file = self.path / "memory.replay"
         if memory.path is None or memory.path.resolve() != file.resolve():
             given = "in no file" if memory.path is None else f"in {memory.path}"
@@ -462,13 +457,6 @@ class RunFolder:
         return weights
 
 
-def _read_program(text: str) -> tuple[dict[str, str], bytes]:
-    """The entry in the configuration and the bytes of FILE.py or FILE.py:NAME."""
-    named = program(text)
-    source = check_file(named.file).read_bytes()
-    return {"file": str(named.file.absolute()), "name": named.name, "sha256": sha256(source)}, source
-
-
 def _check_kind(kind: str) -> None:
     if not kind.isidentifier():
         raise ValueError(f"a program's kind must be a name such as loop, got {kind!r}")
@@ -493,7 +481,6 @@ def _locked(path: Path) -> BinaryIO:
 
 
 def _check_weights(weights: Any) -> None:
-    """Raises: TypeError: these are no tensors by name."""
     if not isinstance(weights, Mapping):
         raise TypeError(f"weights must be tensors by name, as network.state_dict(), got {type(weights).__name__}")
     for name, value in weights.items():

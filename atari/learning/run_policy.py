@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
+from atari.learning.agent import Agent, kept_agent, read_options
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.run import RunFolder
-from atari.learning.training import Agent, kept_agent, read_options
 from atari.observations.settings import image_shape
 from atari.policy import Accepted, ScoresPolicy
 

@@ -94,20 +94,21 @@ def ours_new(game: str) -> Run:
     return timed(lambda: memory.sample(BATCH))
 
 
+def drawn_by_priority(memory: ReplayMemory, share: bool = False) -> Run:
+    """Sampling by priority from a `ReplayMemory`, with an update."""
+    batch, errors = memory.make_batch(BATCH, share=share), np.random.default_rng(0).random(BATCH)
+
+    def sample() -> None:
+        memory.sample(BATCH, beta=BETA, out=batch)
+        memory.update_priorities(batch.indices, errors)
+
+    return timed(sample)
+
+
 def ours_by_priority(share: bool = False, **options: Any) -> Callable[[str], Run]:
     """Sampling by priority from `ReplayMemory`, with an update."""
 
-    def prepare(game: str) -> Run:
-        memory = filled_memory(game, priority_exponent=ALPHA, **options)
-        batch, errors = memory.make_batch(BATCH, share=share), np.random.default_rng(0).random(BATCH)
-
-        def sample() -> None:
-            memory.sample(BATCH, beta=BETA, out=batch)
-            memory.update_priorities(batch.indices, errors)
-
-        return timed(sample)
-
-    return prepare
+    return lambda game: drawn_by_priority(filled_memory(game, priority_exponent=ALPHA, **options), share)
 
 
 def ours_without_frames(game: str) -> Run:
@@ -118,15 +119,8 @@ def ours_without_frames(game: str) -> Run:
     zeros, no = np.zeros(MANY, np.int64), np.zeros(MANY, bool)
     for _ in range(MILLION // MANY):
         memory.add(zeros, zeros, no, no, observations=np.zeros((MANY, 1), np.uint8))
-    random = np.random.default_rng(0)
-    memory.update_priorities(np.arange(MILLION), random.random(MILLION))
-    batch, errors = memory.make_batch(BATCH), random.random(BATCH)
-
-    def sample() -> None:
-        memory.sample(BATCH, beta=BETA, out=batch)
-        memory.update_priorities(batch.indices, errors)
-
-    return timed(sample)
+    memory.update_priorities(np.arange(MILLION), np.random.default_rng(0).random(MILLION))
+    return drawn_by_priority(memory)
 
 
 def cpprb_without_frames(game: str) -> Run:
@@ -140,9 +134,13 @@ def cpprb_without_frames(game: str) -> Run:
     zeros, frames = np.zeros(MANY, np.int64), np.zeros((MANY, 1), np.uint8)
     for _ in range(MILLION // MANY):
         buffer.add(obs=frames, next_obs=frames, act=zeros, rew=zeros, done=zeros)
-    random = np.random.default_rng(0)
-    buffer.update_priorities(np.arange(MILLION), random.random(MILLION))
-    errors = random.random(BATCH)
+    buffer.update_priorities(np.arange(MILLION), np.random.default_rng(0).random(MILLION))
+    return cpprb_drawn_by_priority(buffer)
+
+
+def cpprb_drawn_by_priority(buffer: Any) -> Run:
+    """Sampling by priority from a buffer of cpprb, with an update."""
+    errors = np.random.default_rng(0).random(BATCH)
 
     def sample() -> None:
         batch = buffer.sample(BATCH, beta=BETA)
@@ -192,15 +190,7 @@ def cpprb_buffer(by_priority: bool) -> Callable[[str], Run]:
             buffer = cpprb.ReplayBuffer(STEPS, fields)
         for before, after, action, reward, ended in stream_of(game).rows():
             buffer.add(obs=before, next_obs=after, act=action, rew=reward, done=ended)
-        if not by_priority:
-            return timed(lambda: buffer.sample(BATCH))
-        errors = np.random.default_rng(0).random(BATCH)
-
-        def sample() -> None:
-            batch = buffer.sample(BATCH, beta=BETA)
-            buffer.update_priorities(batch["indexes"], errors)
-
-        return timed(sample)
+        return cpprb_drawn_by_priority(buffer) if by_priority else timed(lambda: buffer.sample(BATCH))
 
     return prepare
 

@@ -58,12 +58,15 @@ def raw() -> Iterator[Comparison]:
 def state() -> Iterator[Comparison]:
     """The calls of a core that start a game, save its state and restore it."""
     for name, part, ours, theirs in (
-        ("construct, load and first reset", 0.003, core_construct, ale_py_construct),
-        ("reset", 0.02, core_reset, ale_py_reset),
+        (
+            "construct, load and first reset", 0.003,
+            lambda game: lambda: native_core(game).reset(), lambda game: lambda: loaded_ale(game).reset_game(),
+        ),
+        ("reset", 0.02, lambda game: native_core(game).reset, lambda game: loaded_ale(game).reset_game),
         ("reset with a seed", 0.005, core_seed, ale_py_seed),
         ("clone the state", 1.0, core_clone, ale_py_clone),
         ("restore the state", 1.0, core_restore, ale_py_restore),
-    ):
+    ):  # fmt: skip
         sides = [Contestant("native", repeated(ours)), Contestant("ale-py", repeated(theirs))]
         yield Comparison(name, sides, part)
 
@@ -90,10 +93,11 @@ def preset() -> Iterator[Comparison]:
         sides.append(Contestant(f"4 x act {core}", four_frames(core)))
         sides += [Contestant(f"{name} {core}", ours(core, name)) for name in ("dqn2015", "gymnasium", "ale_vector")]
     if has_envpool():
-        sides.append(Contestant("EnvPool x1", envpool_vector))
+        sides.append(Contestant("EnvPool x1", batches_of(lambda game: envpool_envs(game, 1), np.int32)))
     if find_spec("stable_baselines3") is not None:
         sides.append(Contestant("SB3 wrapper", steps_of(sb3_preset, count_resets=True)))
     sides.append(Contestant("Gymnasium wrappers", steps_of(gymnasium_preset, count_resets=True)))
+    ale_py_vector = batches_of(lambda game: ale_py.AtariVectorEnv(game, 1, num_threads=1), np.int64)
     yield Comparison("preset.step", [*sides, Contestant("ale-py vector x1", ale_py_vector)])
 
 
@@ -103,7 +107,7 @@ def vector() -> Iterator[Comparison]:
         sides = [native_envs("native", count), native_envs("native dqn2015", count, preset="dqn2015")]
         yield Comparison(f"{count} x 84x84 gray", [*sides, *peer_envs(count)], part)
     rgb = {"grayscale": False, "stack_num": 1, "img_height": 210, "img_width": 160}
-    ale_py_rgb = Contestant("ale-py", batches_of(lambda game: ale_py_envs(game, 8, **rgb), np.int64))
+    ale_py_rgb = Contestant("ale-py", batches_of(lambda game: ale_py.AtariVectorEnv(game, 8, **rgb), np.int64))
     yield Comparison("8 x 210x160 RGB", [native_envs("native", 8, **rgb), ale_py_rgb], 0.5)
     ram = native_envs("native RAM", 64, obs_type="ram")
     yield Comparison("64 x RAM and 84x84 gray", [ram, native_envs("native gray", 64)], 3.0)
@@ -275,26 +279,6 @@ def repeated(make: Callable[[str], Callable[[], object]]) -> Callable[[str], Run
     return prepare
 
 
-def core_construct(game: str) -> Callable[[], object]:
-    """Construction, from the name of the game to the first frame."""
-    return lambda: native_core(game).reset()
-
-
-def ale_py_construct(game: str) -> Callable[[], object]:
-    """Construction, from the name of the game to the first frame."""
-    return lambda: loaded_ale(game).reset_game()
-
-
-def core_reset(game: str) -> Callable[[], object]:
-    """A reset."""
-    return native_core(game).reset
-
-
-def ale_py_reset(game: str) -> Callable[[], object]:
-    """A reset."""
-    return loaded_ale(game).reset_game  # type: ignore[no-any-return]
-
-
 def core_seed(game: str) -> Callable[[], object]:
     """A reset with a seed."""
     core = native_core(game)
@@ -391,11 +375,6 @@ def sb3_preset(game: str) -> gymnasium.Env[Any, Any]:
     return AtariWrapper(ale_py.AtariEnv(game, frameskip=1, repeat_action_probability=0.0))
 
 
-def ale_py_vector(game: str) -> Run:
-    """ale-py's vector environment, one environment, one thread."""
-    return vector_steps(ale_py.AtariVectorEnv(game, 1, num_threads=1), np.int64)
-
-
 def native_envs(name: str, count: int, **options: Any) -> Contestant:
     """Our vector environment."""
     return Contestant(name, batches_of(lambda game: atari.AtariVectorEnv(game, count, **options), np.int64))
@@ -406,7 +385,7 @@ def peer_envs(count: int) -> list[Contestant]:
     envpool = [Contestant("EnvPool", batches_of(lambda game: envpool_envs(game, count), np.int32))]
     return [
         *(envpool if has_envpool() else []),
-        Contestant("ale-py", batches_of(lambda game: ale_py_envs(game, count), np.int64)),
+        Contestant("ale-py", batches_of(lambda game: ale_py.AtariVectorEnv(game, count), np.int64)),
     ]
 
 
@@ -444,13 +423,8 @@ def envpool_task(game: str) -> str:
     return atari.task.env_ids.stem(game) + "-v5"
 
 
-def ale_py_envs(game: str, count: int, **options: Any) -> Any:
-    """ale-py's vector environment with its default number of threads."""
-    return ale_py.AtariVectorEnv(game, count, **options)
-
-
 def envpool_envs(game: str, count: int) -> Any:
-    """EnvPool with as many threads as there are cores."""
+    """EnvPool with as many threads as there are cores, at most one for each environment."""
     import envpool
 
     threads = min(count, os.cpu_count() or 1)
@@ -477,25 +451,3 @@ def batches_of(make: Callable[[str], Any], dtype: type[np.integer[Any]]) -> Call
         return run
 
     return prepare
-
-
-def envpool_vector(game: str) -> Run:
-    """EnvPool, one environment, one thread."""
-    import envpool
-
-    return vector_steps(envpool.make(envpool_task(game), env_type="gymnasium", num_envs=1, num_threads=1), np.int32)
-
-
-def vector_steps(envs: Any, dtype: type[np.integer[Any]]) -> Run:
-    """Steps of a vector environment, which resets its environments itself."""
-    envs.reset()
-    count = int(getattr(envs, "single_action_space", envs.action_space).n)
-
-    def run(steps: int) -> float:
-        actions = [np.full(1, action, dtype) for action in random_choices(list(range(count)), steps)]
-        started = perf_counter()
-        for action in actions:
-            envs.step(action)
-        return perf_counter() - started
-
-    return run

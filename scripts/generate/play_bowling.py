@@ -10,9 +10,8 @@ from itertools import product
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
-from plays import HOLD, keep
+from plays import keep_best_ways
 
-import atari
 from atari.cores import NativeCore
 from atari.lab import Ram
 
@@ -22,8 +21,10 @@ LONGEST = 180
 """Decisions that a throw takes at most."""
 
 
-def throw(core: NativeCore, ram: Ram, side: int, steps: int, wait: int, curve: int) -> tuple[list[int], float]:
+def throw(core: NativeCore, way: tuple[int, int, int, int]) -> tuple[list[int], float]:
     """Stand, throw and curve. Return the actions until the ball is back, and the throw's quality."""
+    side, steps, wait, curve = way
+    ram = Ram(core)
     actions = [side] * steps + [NOOP] + [FIRE] * 8 + [NOOP] * wait + [curve] * 40
     actions += [NOOP] * (LONGEST - len(actions))
     played, reward, fallen = [], 0.0, 0
@@ -40,25 +41,9 @@ def throw(core: NativeCore, ram: Ram, side: int, steps: int, wait: int, curve: i
 def main() -> None:
     """Plan, throw by throw, and keep the play if it is better."""
     argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
-    env = atari.make("bowling", frameskip=HOLD, repeat_action_probability=0.0)
-    env.reset(seed=0)
-    core = NativeCore("bowling", frame_skip=HOLD, repeat_action_probability=0.0)
-    core.restore_state(env.unwrapped.core.clone_state())
-    ram = Ram(core)
-    played: list[int] = []
     ways = list(product((UP, DOWN), (0, 2, 4, 7, 10), (0, 4, 8, 14), (NOOP, UP, DOWN)))
-    while len(played) * HOLD < 60 * 60 and not core.game_over:
-        state, best = core.clone_state(), ([NOOP], -1.0)
-        for way in ways:
-            core.restore_state(state)
-            best = max(best, throw(core, ram, *way), key=lambda each: each[1])
-        core.restore_state(state)
-        for action in best[0]:
-            core.act(action)
-        played += best[0]
-    numbers = [int(action) for action in core.game.minimal_actions]
     how = "A script with snapshots (scripts/generate/play_bowling.py): it tried every way to throw and took the best."
-    print(keep("bowling", [numbers.index(action) for action in played], policy="script", how=how))
+    print(keep_best_ways("bowling", ways, throw, how))
 
 
 if __name__ == "__main__":

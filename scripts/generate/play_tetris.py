@@ -13,9 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
-from plays import HOLD, keep
+from plays import keep_best_ways
 
-import atari
 from atari.cores import NativeCore
 
 ROWS, STORED = 18, 22
@@ -39,7 +38,7 @@ def quality(cells: npt.NDArray[np.bool_]) -> float:
 
 
 def drop(core: NativeCore, actions: list[int]) -> tuple[list[int], float]:
-    """Play the actions and then let the piece fall. Return all actions, and the sum of the rewards."""
+    """Play the actions and then let the piece fall. Return all actions, and the quality of the board with rewards."""
     played, rewards = [], 0.0
     for action in actions:
         rewards += core.act(action)
@@ -50,41 +49,20 @@ def drop(core: NativeCore, actions: list[int]) -> tuple[list[int], float]:
         played.append(DOWN)
         if abs(int(core.ram()[PIECE_ROW]) - before) > 4:  # the next piece
             break
-    return played, rewards
+    return played, quality(board(core)) + rewards - 1000 * core.game_over
 
 
 def main() -> None:
     """Plan, piece by piece, and keep the play if it is better."""
     argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
-    env = atari.make("tetris", frameskip=HOLD, repeat_action_probability=0.0)
-    env.reset(seed=0)
-    core = NativeCore("tetris", frame_skip=HOLD, repeat_action_probability=0.0)
-    core.restore_state(env.unwrapped.core.clone_state())
     places = [
         [FIRE, NOOP] * turns + [way, NOOP] * steps for turns in range(4) for way in (LEFT, RIGHT) for steps in range(7)
     ]
-    played: list[int] = []
-    score = 0.0
-    while len(played) < 60 * 60 // HOLD and not core.game_over:
-        state, best = core.clone_state(), (-1e9, [NOOP], 0.0)
-        for place in places:
-            core.restore_state(state)
-            actions, rewards = drop(core, place)
-            value = quality(board(core)) + rewards - 1000 * core.game_over
-            if value > best[0]:
-                best = value, actions, rewards
-        core.restore_state(state)
-        for action in best[1]:
-            core.act(action)
-        played += best[1]
-        score += best[2]
-    numbers = [int(action) for action in core.game.minimal_actions]
     how = (
         "A script with snapshots (scripts/generate/play_tetris.py): "
         "it tried every place for the piece and took the best board."
     )
-    facts = keep("tetris", [numbers.index(action) for action in played], policy="script", how=how)
-    print(facts)
+    print(keep_best_ways("tetris", places, drop, how))
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import shutil
 import statistics
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +81,32 @@ def make(game: str, *, seconds: float, effort: Effort, method: str, seed: int, *
         f"plans of {effort.horizon * HOLD / 60:.1f} s before each action, and played the best."
     )
     return keep(game, actions, policy="search", how=how, **options)
+
+
+def keep_best_ways(
+    game: str, ways: Iterable[Any], attempt: Callable[[NativeCore, Any], tuple[list[int], float]], how: str
+) -> dict[str, Any]:
+    """Try all ways from a state with snapshots, play the best, and so on for a minute; then `keep` the play.
+
+    `attempt` plays a way, and returns its actions and its quality.
+    """
+    env = atari.make(game, frameskip=HOLD, repeat_action_probability=0.0)
+    env.reset(seed=0)
+    core = NativeCore(game, frame_skip=HOLD, repeat_action_probability=0.0)
+    core.restore_state(env.unwrapped.core.clone_state())
+    played: list[int] = []
+    while len(played) * HOLD < 60 * 60 and not core.game_over:
+        state, tried = core.clone_state(), []
+        for way in ways:
+            core.restore_state(state)
+            tried.append(attempt(core, way))
+        actions, _ = max(tried, key=lambda each: each[1])
+        core.restore_state(state)
+        for action in actions:
+            core.act(action)
+        played += actions
+    numbers = [int(action) for action in core.game.minimal_actions]
+    return keep(game, [numbers.index(action) for action in played], policy="script", how=how)
 
 
 def keep(game: str, actions: Sequence[int], *, policy: str, how: str, **options: Any) -> dict[str, Any]:

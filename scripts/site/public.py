@@ -122,6 +122,8 @@ def _resolve(module: str, name: str) -> tuple[str, ast.stmt] | None:
 def _name(node: ast.AST) -> str:
     if isinstance(node, ast.ClassDef | ast.FunctionDef):
         return node.name
+    if isinstance(node, ast.AnnAssign) and node.value is None:
+        return ""  # a module that is made when it is imported
     target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", None)
     return target.id if isinstance(target, ast.Name) else ""
 

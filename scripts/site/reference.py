@@ -6,6 +6,9 @@ from collections.abc import Iterator
 from page import Page
 from public import MODULES, Definition, definitions, module_docstring
 
+# Classes with public methods in a base class that has no page.
+_WITH_METHODS_OF_BASES = {"atari.learning.memory.replay_memory.ReplayMemory"}
+
 
 class Undocumented(Exception):
     """Public names have no docstring."""
@@ -45,7 +48,8 @@ def _page(module: str) -> Iterator[str]:
     yield ""
     for definition in found:
         if definition.page == module:
-            yield f"::: {definition.path}\n"
+            bases = "    options:\n      inherited_members: true\n" if definition.path in _WITH_METHODS_OF_BASES else ""
+            yield f"::: {definition.path}\n{bases}"
 
 
 def _identifier(definition: Definition) -> str:

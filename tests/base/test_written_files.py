@@ -93,7 +93,7 @@ def test_the_table_has_every_option_that_names_an_output() -> None:
 BY_ANOTHER = {
     "atari.cli.record": "atari record",
     "atari.cli.sweep": "the lock",
-    "atari.classic.utils.atomic_write": "classic Monitor",
+    "atari.classic.monitor_files": "classic Monitor",
     "atari.classic.video_recorder": "classic Monitor",
     "atari.cores.ale_interface": "screen",
     "atari.cores.verify": "difference",
@@ -112,7 +112,7 @@ BY_ANOTHER = {
     "atari.learning.sweep.plan": "report",
     "atari.learning.sweep.processes": "logs of child processes",
     "atari.learning.sweep.report": "report",
-    "atari.learning.trust": "trusted programs",
+    "atari.learning.programs": "trusted programs",
     "atari.play.base": "state of a play session",
     "atari.recording.datasets": "Minari",
     "atari.recording.replay.file_format": "RecordReplay",
@@ -125,7 +125,7 @@ ITSELF = {
     "atari.base.durable",
     "atari.base.writer_process",  # HDF5, which takes the name of the successor
     "atari.base.program",  # the null device
-    "atari.classic.utils.atomic_write",  # the successor
+    "atari.classic.monitor_files",  # the successor
     "atari.classic.video_recorder",  # an empty file, as Gym's `touch`
     "atari.recording.video.encoder",  # FFmpeg, as well
     "atari.lab.causal.files",  # in memory

@@ -10,7 +10,7 @@ import pytest
 from env_tools import needs_gymnasium_1
 
 import atari.classic as gym
-from atari.classic import history, lookup, modern
+from atari.classic import gym_ids, modern
 from atari.classic import logger as classic_logger
 from atari.task import env_ids
 
@@ -142,7 +142,7 @@ def test_the_error_for_an_unknown_id_says_what_to_do(wrong: str, cure: str) -> N
 
 
 def test_the_error_for_robotics_names_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lookup, "load_robotics", lambda: None)
+    monkeypatch.setattr(gym_ids, "load_robotics", lambda: None)
     kept = {i: s for i, s in gymnasium.registry.items() if "gymnasium_robotics" not in str(s.entry_point)}
     monkeypatch.setattr(gymnasium, "registry", kept)
     for env_id in ("FetchPickAndPlace-v1", "HandManipulateEgg-v0", "HandReach-v0"):
@@ -305,11 +305,11 @@ def test_ids_that_only_say_that_they_are_gone_are_not_listed() -> None:
     assert {"Ant-v5", "Hopper-v4"} <= listed
     old = modern.EntryPoint("gymnasium_robotics.envs.mujoco.ant_v2:AntEnv").entry_point
     gymnasium.registry["Ant-v2"] = gymnasium.envs.registration.EnvSpec("Ant-v2", entry_point=old)
-    assert not lookup.is_alive("Ant-v2")
+    assert not gym_ids.is_alive("Ant-v2")
 
 
 def test_environments_that_are_gone_have_a_fate() -> None:
-    assert history.fate("CartPole-v0") is None
-    assert history.fate("RoboschoolHumanoidFlagrun-v1") == (
+    assert gym_ids.fate("CartPole-v0") is None
+    assert gym_ids.fate("RoboschoolHumanoidFlagrun-v1") == (
         "the package that had it is no longer maintained, and no other has it"
     )

@@ -20,13 +20,10 @@ from small_trainings import make_options  # noqa: E402
 import atari.learning.agents.ppo  # noqa: E402
 from atari.cli import main  # noqa: E402
 from atari.learning import RunFolder, load_policy  # noqa: E402
+from atari.learning.agent import agent_code, kept_agent  # noqa: E402
 from atari.learning.agents import AGENTS, find_agent  # noqa: E402
-from atari.learning.training import (  # noqa: E402
-    Training,
-    agent_code,
-    kept_agent,
-)
-from atari.learning.trust import trusted_file  # noqa: E402
+from atari.learning.programs import trusted_file  # noqa: E402
+from atari.learning.training import Training  # noqa: E402
 
 SMALL = "--fast --num-envs 4 --horizon 16 --minibatch 32 --total-steps 128".split()
 SOURCE = Path(str(atari.learning.agents.ppo.__file__)).read_text()
@@ -42,7 +39,7 @@ CHANGED = SOURCE.replace(
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A user who has not yet trusted any program."""
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    monkeypatch.setattr("atari.learning.trust.user_data_path", lambda *_, **__: tmp_path / "data" / "atari-envs")
+    monkeypatch.setattr("atari.learning.programs.user_data_path", lambda *_, **__: tmp_path / "data" / "atari-envs")
     return tmp_path
 
 
@@ -175,7 +172,7 @@ def test_a_changed_copy_is_refused(script: Path, tmp_path: Path) -> None:
 def test_a_script_that_trains_when_it_is_loaded_is_refused(guard: str, tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
-        "from atari.learning.training import agent_code\nfrom atari.learning.agents.ppo import PPO\n"
+        "from atari.learning.agent import agent_code\nfrom atari.learning.agents.ppo import PPO\n"
         f"class Mine(PPO): pass\n{guard}agent_code(Mine)\n"
     )
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
@@ -207,7 +204,7 @@ def test_a_class_is_taken(tmp_path: Path) -> None:
 
 
 NO_AGENT = "import atari\n"
-ABSTRACT = "from atari.learning.training import Agent\nclass Mine(Agent):\n    def update(self): ...\n"
+ABSTRACT = "from atari.learning.agent import Agent\nclass Mine(Agent):\n    def update(self): ...\n"
 TWO = "from atari.learning.agents.ppo import PPO\nclass One(PPO): ...\nclass Two(PPO): ...\n"
 
 

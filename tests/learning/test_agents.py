@@ -110,7 +110,7 @@ def test_ppo_estimates_advantages() -> None:
 
     options = make_options("ppo", workers=1, num_envs=2, minibatch=32)
     agent = PPO(options)
-    worker = agent.workers[0]
+    worker = agent.rollouts[0]
     worker.play(Returns(False))
     rewards, ends, values = worker.rewards.numpy(), worker.ends.numpy().copy(), worker.values.numpy()
     ends[5, 1] = 1

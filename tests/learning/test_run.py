@@ -106,9 +106,9 @@ PLAYED: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("name", PLAYED)
 def test_games_of_the_evaluation_are_those_of_the_training(tmp_path: Path, name: str) -> None:
     from atari.learning import evaluate
+    from atari.learning.agent import read_options
     from atari.learning.environments import TrainingEnvironments
     from atari.learning.run_policy import run_policy, training_protocol
-    from atari.learning.training import read_options
 
     folder = make_run(tmp_path / "run", game="breakout", steps=64, **PLAYED[name])
     policy = run_policy(folder.path, sample=False)

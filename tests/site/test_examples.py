@@ -5,7 +5,7 @@ import gymnasium
 
 # Public functions without an example: they need a display, a notebook, the network or a package that few have.
 WITHOUT_EXAMPLE = {
-    "atari.classic.configuration.undo_logger_setup",  # does nothing
+    "atari.classic.logger.undo_logger_setup",  # does nothing
     "atari.classic.scoreboard.upload",  # likewise
     "atari.classic.utils.reraise.reraise",  # raises always
     "atari.integrations.arrays.to_jax",

@@ -90,10 +90,10 @@ def test_the_ids_exist(pages):
 
 
 def test_media_are_linked_where_the_build_has_them(pages):
-    from gamepages import contents, index, text
+    from gamepages import facts, index, text
 
     game = atari.games["pong"]
-    page = text.page(game, frozenset({contents.VIDEO, contents.SCREEN, contents.MODES, contents.VIEWS}))
+    page = text.page(game, frozenset({facts.VIDEO, facts.SCREEN, facts.MODES, facts.VIEWS}))
     assert page.count("pong/play.mp4") == 1
     assert "muted loop playsinline" in page
     assert page.count("url(pong/modes.png)") == len(game.modes)

@@ -12,10 +12,9 @@ from typing import Any, ClassVar, Literal
 
 import gymnasium
 from gymnasium import spaces
+from gymnasium.utils import colorize
 
-from atari.classic.algorithmic import text
-from atari.classic.algorithmic.checks import check_integer
-from atari.classic.algorithmic.curriculum import MAX_LENGTH, Curriculum
+from atari.base.validation import check_integer
 
 Action = tuple[int, int, int]
 """Movement, an index into `moves`; 1 to write and 0 not to; the character."""
@@ -25,6 +24,34 @@ Rows = list[list[int]]
 
 MOVES = {"left": (-1, 0), "right": (1, 0), "up": (0, -1), "down": (0, 1)}
 """A movement of the read head, columns and rows."""
+
+
+MAX_LENGTH = 30
+"""No input is drawn from a greater minimal length."""
+
+MARGIN = 2
+"""Blanks on either side of a rendered input."""
+
+
+class Curriculum:
+    """The minimal length of inputs: after enough solved episodes in a row, they become longer by one character.
+
+    Args:
+        length: the initial minimal length.
+        window: the number of solved episodes in a row after which it grows.
+    """
+
+    def __init__(self, length: int, window: int) -> None:
+        self.length = length
+        self._window = window
+        self._streak = 0
+
+    def record(self, solved: bool) -> None:
+        """Count an episode."""
+        self._streak = self._streak + 1 if solved else 0
+        if self._streak == self._window and self.length < MAX_LENGTH:
+            self.length += 1
+            self._streak = 0
 
 
 class AlgorithmicEnv(gymnasium.Env[Any, Any]):
@@ -184,7 +211,7 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
             raise gymnasium.error.Error(
                 "render() needs a render mode; make the environment with render_mode='ansi' or 'human'"
             )
-        return text.show(self) if self.render_mode == "ansi" else None
+        return show(self) if self.render_mode == "ansi" else None
 
     def _begin(self, rows: Rows, target: list[int]) -> None:
         self.rows = rows
@@ -226,4 +253,51 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
 
     def _print(self) -> None:
         if self.render_mode == "human":
-            print(text.show(self))
+            print(show(self))
+
+
+def show(env: AlgorithmicEnv) -> str:
+    """The state of an environment as lines of text, with the labels and colours of OpenAI Gym's screenshots."""
+    title = f"Total length of input instance: {len(env.rows[0])}, step: {env.time}"
+    return "\n".join([title, "=" * len(title), *_input(env), *_output(env), "", *_last_step(env)]) + "\n"
+
+
+def _input(env: AlgorithmicEnv) -> list[str]:
+    label = "Observation Tape" if env.height == 1 else "Observation Grid"
+    above = 0 if env.height == 1 else 1
+    lines: list[str] = []
+    for row in range(-above, env.height + above):
+        places = [(column, row) for column in range(-MARGIN, len(env.rows[0]) + MARGIN)]
+        cells = [env.spell([env.read(*place)]) for place in places]
+        if env.read_head in places:
+            head = places.index(env.read_head)
+            cells[head] = colorize(cells[head], "green", highlight=True)
+        lines.append(_line("" if lines else label, "".join(cells)))
+    return lines
+
+
+def _output(env: AlgorithmicEnv) -> list[str]:
+    written = env.spell(env.target[: env.write_head])
+    if env.action is not None and env.action[1]:
+        character = env.action[2]
+        color = "green" if character == env.target[env.write_head - 1] else "red"
+        written = written[:-1] + colorize(env.spell([character]), color, highlight=True)
+    margin = " " * MARGIN
+    return [_line("Output Tape", margin + written), _line("Targets", margin + env.spell(env.target))]
+
+
+def _last_step(env: AlgorithmicEnv) -> list[str]:
+    if env.action is None:
+        return []
+    move, write, character = env.action
+    return [
+        _line("Current reward", f"{env.reward:.3f}"),
+        _line("Cumulative reward", f"{env.total_reward:.3f}"),
+        _line("Action", f"Tuple(move over input: {env.moves[move]},"),
+        _line("", f"      write to the output tape: {bool(write)},"),
+        _line("", f"      prediction: {env.spell([character])})"),
+    ]
+
+
+def _line(label: str, content: str) -> str:
+    return f"{label:<20}: {content}" if label else " " * 22 + content

@@ -1,13 +1,71 @@
-"""The five tasks: the target of each, and the drawing of inputs whose characters are not independent."""
+"""The inputs, a tape or a grid, and the five tasks: the target of each, and how its inputs are drawn."""
 
+import string
+from abc import abstractmethod
 from typing import Literal
 
-from atari.classic.algorithmic.checks import check_integer
-from atari.classic.algorithmic.environment import Rows
-from atari.classic.algorithmic.grid import GridEnv
-from atari.classic.algorithmic.tape import TapeEnv
+from atari.base.validation import check_integer
+from atari.classic.algorithmic.environment import AlgorithmicEnv, Rows
 
 RenderMode = Literal["human", "ansi"] | None
+
+
+class TapeEnv(AlgorithmicEnv):
+    """A task on a tape; the head starts on its first letter. See `AlgorithmicEnv` for arguments and rules.
+
+    Example:
+        >>> from atari.classic.algorithmic import CopyEnv, TapeEnv
+        >>> issubclass(CopyEnv, TapeEnv), CopyEnv.moves
+        (True, ('left', 'right'))
+    """
+
+    moves = ("left", "right")
+    alphabet = string.ascii_uppercase
+
+    def draw(self, length: int) -> Rows:
+        """One row of independent letters."""
+        return [self.np_random.integers(self.base, size=length).tolist()]
+
+    def solve(self, rows: Rows) -> list[int]:
+        """The letters that must be written for the single row."""
+        return self.solve_tape(rows[0])
+
+    @abstractmethod
+    def solve_tape(self, tape: list[int]) -> list[int]:
+        """The letters that must be written for a tape."""
+
+
+class GridEnv(AlgorithmicEnv):
+    """A task on a grid of `rows` rows; the head starts on the upper left digit. See `AlgorithmicEnv` for the rest.
+
+    Raises:
+        TypeError, ValueError: an option is not an integer, or out of range; a grid has 1 to 100 rows.
+
+    Example:
+        >>> from atari.classic.algorithmic import GridEnv, ReversedAdditionEnv
+        >>> issubclass(ReversedAdditionEnv, GridEnv), GridEnv.moves
+        (True, ('left', 'right', 'up', 'down'))
+    """
+
+    moves = ("left", "right", "up", "down")
+    alphabet = string.digits
+
+    def __init__(self, rows: int, base: int, min_length: int = 2, render_mode: RenderMode = None) -> None:
+        self.height = check_integer("rows", rows, 1, 100)
+        super().__init__(base, min_length, render_mode)
+
+    def draw(self, length: int) -> Rows:
+        """Rows of independent digits."""
+        rows: Rows = self.np_random.integers(self.base, size=(self.height, length)).tolist()
+        return rows
+
+    def solve(self, rows: Rows) -> list[int]:
+        """The digits that must be written for the rows of a grid."""
+        return self.solve_columns(list(zip(*rows, strict=True)))
+
+    @abstractmethod
+    def solve_columns(self, columns: list[tuple[int, ...]]) -> list[int]:
+        """The digits that must be written for a grid, given by its columns from left to right."""
 
 
 class CopyEnv(TapeEnv):

@@ -23,15 +23,14 @@ from gymnasium.envs.registration import (
     namespace,
 )
 
-from atari.classic import history, lookup
+from atari.classic import gym_ids
 from atari.classic.adapter import Adapter, adapt, quiet_options
 from atari.classic.checks import Checked
 from atari.classic.core import Env
-from atari.classic.envs.atari.atari_env import modern_options, old_options
+from atari.classic.envs.atari import modern_options, old_options
 from atari.classic.modern import EntryPoint
 from atari.classic.spec import Spec
-from atari.classic.wrappers.rendering import AutoResetWrapper
-from atari.classic.wrappers.time_limit import TimeLimit
+from atari.classic.wrappers.episodes import AutoResetWrapper, TimeLimit
 
 __all__ = [
     "ENV_ID_RE",
@@ -69,7 +68,7 @@ class EnvSpecs(MutableMapping[str, EnvSpec]):
     """All specs by ID; after deleting one, its ID can be registered again."""
 
     def __getitem__(self, env_id: str) -> EnvSpec:
-        if not lookup.is_alive(env_id):
+        if not gym_ids.is_alive(env_id):
             raise KeyError(env_id)
         return _classic_spec(gymnasium.registry[env_id])
 
@@ -88,8 +87,8 @@ class EnvSpecs(MutableMapping[str, EnvSpec]):
         del gymnasium.registry[env_id]
 
     def __iter__(self) -> Iterator[str]:
-        lookup.load_robotics()
-        return iter([env_id for env_id in gymnasium.registry if lookup.is_alive(env_id)])
+        gym_ids.load_robotics()
+        return iter([env_id for env_id in gymnasium.registry if gym_ids.is_alive(env_id)])
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
@@ -226,7 +225,7 @@ def spec(id: str) -> EnvSpec:
         >>> classic.spec("Breakout-v0").id
         'Breakout-v0'
     """
-    return registry.env_specs[lookup.resolve(id)]
+    return registry.env_specs[gym_ids.resolve(id)]
 
 
 def load(name: str) -> Callable[..., Any]:
@@ -281,8 +280,8 @@ def make(
     if isinstance(entry_point, EntryPoint):
         env = entry_point.create(**{**quiet_options(entry_point.load()), **chosen.kwargs})
     else:
-        options = modern_options(options) if history.is_atari(modern) else options
-        modern.kwargs = {**modern.kwargs, **history.atari_changes(modern).kwargs, **options}
+        options = modern_options(options) if gym_ids.is_atari(modern) else options
+        modern.kwargs = {**modern.kwargs, **gym_ids.atari_changes(modern).kwargs, **options}
         env = _make_modern(modern)
     if not isinstance(env, Env):
         env = adapt(env)
@@ -350,14 +349,14 @@ def _make_modern(modern: ModernSpec) -> gymnasium.Env[Any, Any]:
 
 
 def _classic_spec(modern: ModernSpec) -> EnvSpec:
-    changes = history.atari_changes(modern)
+    changes = gym_ids.atari_changes(modern)
     return EnvSpec(
         modern.id,
         _old_entry_point(modern),
         modern.reward_threshold,
         changes.nondeterministic or modern.nondeterministic,
         changes.max_episode_steps or modern.max_episode_steps,
-        kwargs=old_options(modern.kwargs) if history.is_atari(modern) else dict(modern.kwargs),
+        kwargs=old_options(modern.kwargs) if gym_ids.is_atari(modern) else dict(modern.kwargs),
     )
 
 
@@ -366,7 +365,7 @@ def _old_entry_point(modern: ModernSpec) -> Any:
     entry_point = modern.entry_point
     if isinstance(entry_point, EntryPoint):
         return entry_point.entry_point
-    if history.is_atari(modern):
+    if gym_ids.is_atari(modern):
         return "gym.envs.atari:AtariEnv"
     if isinstance(entry_point, str):
         return re.sub(r"^gymnasium\.envs\.(classic_control|toy_text)\.\w+:", r"gym.envs.\1:", entry_point)

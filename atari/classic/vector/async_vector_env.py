@@ -259,11 +259,7 @@ class AsyncVectorEnv(Batches):
 
 @contextlib.contextmanager
 def _named_end() -> Iterator[None]:
-    """Raise an error that says so if a process has ended.
-
-    Raises:
-        gymnasium.error.Error: a process has ended.
-    """
+    """Raise an error that says so if a process has ended."""
     try:
         yield
     except (EOFError, OSError):

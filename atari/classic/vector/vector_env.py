@@ -185,11 +185,7 @@ class Batches(VectorEnv):
         return each
 
     def _check_spaces(self) -> bool:
-        """Whether the observations of all environments fit into the batch.
-
-        Raises:
-            RuntimeError: the observations of one have another shape.
-        """
+        """Check that the observations of all environments fit into the batch."""
         return self._check_observation_spaces()
 
     def _check_observation_spaces(self) -> bool:

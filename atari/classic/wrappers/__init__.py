@@ -1,6 +1,7 @@
 """Wrappers with the old interface."""
 
 from atari.classic import error
+from atari.classic.monitor import Monitor
 from atari.classic.monitor_files import capped_cubic_video_schedule
 from atari.classic.wrappers import normalize
 from atari.classic.wrappers.atari_preprocessing import AtariPreprocessing
@@ -11,14 +12,17 @@ from atari.classic.wrappers.conversions import (
     StepAPICompatibility,
     VectorListInfo,
 )
-from atari.classic.wrappers.frame_stack import FrameStack, LazyFrames
-from atari.classic.wrappers.monitor import Monitor
+from atari.classic.wrappers.episodes import AutoResetWrapper, RecordEpisodeStatistics, TimeLimit
 from atari.classic.wrappers.normalize import NormalizeObservation, NormalizeReward
-from atari.classic.wrappers.observations import FilterObservation, PixelObservationWrapper, TimeAwareObservation
-from atari.classic.wrappers.record_episode_statistics import RecordEpisodeStatistics
+from atari.classic.wrappers.observations import (
+    FilterObservation,
+    FrameStack,
+    LazyFrames,
+    PixelObservationWrapper,
+    TimeAwareObservation,
+)
 from atari.classic.wrappers.record_video import RecordVideo
-from atari.classic.wrappers.rendering import AutoResetWrapper, HumanRendering, RenderCollection
-from atari.classic.wrappers.time_limit import TimeLimit
+from atari.classic.wrappers.rendering import HumanRendering, RenderCollection
 from atari.classic.wrappers.transforms import (
     ClipAction,
     FlattenDictWrapper,

@@ -1,23 +1,9 @@
-"""Wrappers that render, or begin new episodes, by themselves."""
+"""Wrappers that render by themselves."""
 
 from typing import Any
 
 from atari.classic.core import Env, Step, Wrapper
 from atari.classic.viewer import Viewer
-
-
-class AutoResetWrapper(Wrapper):
-    """Begins a new episode by itself: the observation of a last step is the first of the next episode.
-
-    `info["final_observation"]` is the last observation then, and `info["final_info"]` the info of the last step.
-    """
-
-    def _step(self, action: Any) -> Step:
-        observation, reward, done, info = self.env.step(action)
-        if done:
-            info = {"final_observation": observation, "final_info": info}
-            observation = self.env.reset()
-        return observation, reward, done, info
 
 
 class HumanRendering(Wrapper):

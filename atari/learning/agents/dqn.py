@@ -21,8 +21,8 @@ from atari.learning import (
     ReplayMemory,
     Replicas,
     RunFolder,
-    Training,
     TrainingEnvironments,
+    TrainingLoop,
     TrainingOptions,
     main,
 )
@@ -209,7 +209,7 @@ class DQN(Agent):
         encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=options.computes_bfloat16)
         return QNetwork(encoder, actions, options.dueling)
 
-    def train(self, training: Training) -> None:
+    def train(self, training: TrainingLoop) -> None:
         """The loop: update after update, a row of the log for each, and a checkpoint now and then."""
         while training.goes_on():
             training.log(self.update(training.save_for_memory))

@@ -14,7 +14,16 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-from atari.learning import Agent, Encoder, Replicas, RunFolder, Training, TrainingEnvironments, TrainingOptions, main
+from atari.learning import (
+    Agent,
+    Encoder,
+    Replicas,
+    RunFolder,
+    TrainingEnvironments,
+    TrainingLoop,
+    TrainingOptions,
+    main,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,8 +134,8 @@ class ActorCritic(nn.Module):
         return self.policy(self.encoder(observations))
 
 
-class Worker:
-    """A share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""
+class Rollout:
+    """A worker's share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""
 
     def __init__(self, options: PPOOptions, index: int) -> None:
         self.options, self.device = options, options.torch_device
@@ -206,7 +215,7 @@ class Worker:
 
 
 class PPO(Agent):
-    """Workers, network and optimiser."""
+    """Rollouts, network and optimiser."""
 
     options_class = PPOOptions
     fast = FAST
@@ -218,16 +227,17 @@ class PPO(Agent):
         self.steps = 0
         self.returns = Returns(options.normalize_returns)
         self.generator = torch.Generator().manual_seed(options.seed)
-        self.workers = [Worker(options, index) for index in range(options.replicas)]
-        self.environments = [worker.environments for worker in self.workers]
+        self.rollouts = [Rollout(options, index) for index in range(options.replicas)]
+        self.environments = [rollout.environments for rollout in self.rollouts]
+        self.generators = [self.generator, *(rollout.generator for rollout in self.rollouts)]
         self.network = self.make_network(options, self.environments[0].shape, len(self.environments[0].actions))
         self.network.to(self.device)
         self.replicas = Replicas(self.network, options.replicas)
-        for worker, network in zip(self.workers, self.replicas.networks, strict=True):
-            worker.begin(network)
+        for rollout, network in zip(self.rollouts, self.replicas.networks, strict=True):
+            rollout.begin(network)
         self.learning_rate = options.learning_rate
         self.optimizer = torch.optim.Adam(self.network.parameters(), self.learning_rate, eps=1e-5, fused=True)
-        self._normalize([torch.from_numpy(worker.observations) for worker in self.workers])
+        self._normalize([torch.from_numpy(rollout.observations) for rollout in self.rollouts])
 
     @staticmethod
     def make_network(options: PPOOptions, shape: tuple[int, ...], actions: int) -> ActorCritic:
@@ -235,7 +245,7 @@ class PPO(Agent):
         encoder = Encoder(shape, options.network, normalize=options.normalize, bfloat16=options.computes_bfloat16)
         return ActorCritic(encoder, actions)
 
-    def train(self, training: Training) -> None:
+    def train(self, training: TrainingLoop) -> None:
         """The loop: update after update, a row of the log for each, and a checkpoint now and then."""
         while training.goes_on():
             training.log(self.update())
@@ -247,7 +257,7 @@ class PPO(Agent):
         left = 1 - self.steps / options.total_steps if options.anneal else 1.0
         if options.kl_target is None:
             self.learning_rate = options.learning_rate * left
-        seen = self.replicas.map(lambda worker: worker.play(self.returns), self.workers)
+        seen = self.replicas.map(lambda rollout: rollout.play(self.returns), self.rollouts)
         self.steps += options.horizon * options.num_envs
         self._scale()
         metrics = torch.stack([self._learn(options.clip * left) for _ in range(options.epochs)])
@@ -263,24 +273,24 @@ class PPO(Agent):
 
     def _scale(self) -> None:
         """Normalise advantages, and with `normalize_returns` the returns, and take the arrays to the device."""
-        self.returns.update(torch.cat([worker.returns for worker in self.workers]))
-        advantages = torch.cat([worker.advantages for worker in self.workers])
+        self.returns.update(torch.cat([rollout.returns for rollout in self.rollouts]))
+        advantages = torch.cat([rollout.advantages for rollout in self.rollouts])
         mean, deviation = advantages.mean(), advantages.std() + 1e-8
-        for worker in self.workers:
-            worker.advantages.sub_(mean).div_(deviation)
-            worker.returns.sub_(self.returns.mean).div_(self.returns.deviation)
-            arrays = (worker.actions, worker.log_probs, worker.advantages, worker.returns)
-            worker.learned = [array.flatten().to(self.device) for array in arrays]
+        for rollout in self.rollouts:
+            rollout.advantages.sub_(mean).div_(deviation)
+            rollout.returns.sub_(self.returns.mean).div_(self.returns.deviation)
+            arrays = (rollout.actions, rollout.log_probs, rollout.advantages, rollout.returns)
+            rollout.learned = [array.flatten().to(self.device) for array in arrays]
 
     def _learn(self, clip: float) -> Tensor:
         """Learn from all steps once; returns the means of the minibatches' metrics."""
         options = self.options
         steps, size = options.horizon * options.num_envs // options.replicas, options.minibatch // options.replicas
-        orders = [torch.randperm(steps, generator=self.generator).to(self.device) for _ in self.workers]
+        orders = [torch.randperm(steps, generator=self.generator).to(self.device) for _ in self.rollouts]
         metrics = []
         for start in range(0, steps, size):
             shares = [order[start : start + size] for order in orders]
-            metrics += self.replicas.map(lambda worker, share: worker.gradient(share, clip), self.workers, shares)
+            metrics += self.replicas.map(lambda rollout, share: rollout.gradient(share, clip), self.rollouts, shares)
             self._step()
         mean = torch.stack(metrics).mean(0)
         if options.kl_target is not None:
@@ -299,10 +309,6 @@ class PPO(Agent):
     def _normalize(self, observations: list[Tensor]) -> None:
         self.network.encoder.observe(torch.cat(observations).to(self.device))
 
-    def _sources(self) -> list[Any]:
-        """The objects that have a generator."""
-        return [self, *self.workers]
-
     def state(self) -> dict[str, Any]:
         """Everything that the next update depends on."""
         return {
@@ -311,9 +317,9 @@ class PPO(Agent):
             "optimizer": self.optimizer.state_dict(),
             "learning_rate": self.learning_rate,
             "returns": vars(self.returns),
-            "generators": [source.generator.get_state() for source in self._sources()],
-            "observations": [worker.observations for worker in self.workers],
-            "environments": [worker.environments.state() for worker in self.workers],
+            "generators": [generator.get_state() for generator in self.generators],
+            "observations": [rollout.observations for rollout in self.rollouts],
+            "environments": [rollout.environments.state() for rollout in self.rollouts],
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
@@ -322,11 +328,11 @@ class PPO(Agent):
         self.network.load_state_dict(state["network"])
         self.optimizer.load_state_dict(state["optimizer"])
         self.returns = Returns(**state["returns"])
-        for source, generator in zip(self._sources(), state["generators"], strict=True):
-            source.generator.set_state(generator)
-        for index, worker in enumerate(self.workers):
-            worker.observations = state["observations"][index]
-            worker.environments.restore(state["environments"][index])
+        for generator, at in zip(self.generators, state["generators"], strict=True):
+            generator.set_state(at)
+        for index, rollout in enumerate(self.rollouts):
+            rollout.observations = state["observations"][index]
+            rollout.environments.restore(state["environments"][index])
 
     def close(self) -> None:
         """Close the environments and end the threads."""

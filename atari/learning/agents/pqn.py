@@ -14,7 +14,16 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from atari.learning import Agent, Encoder, Replicas, RunFolder, Training, TrainingEnvironments, TrainingOptions, main
+from atari.learning import (
+    Agent,
+    Encoder,
+    Replicas,
+    RunFolder,
+    TrainingEnvironments,
+    TrainingLoop,
+    TrainingOptions,
+    main,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,8 +117,8 @@ class QNetwork(nn.Module):
     scores = forward
 
 
-class Worker:
-    """A share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""
+class Rollout:
+    """A worker's share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""
 
     def __init__(self, options: PQNOptions, index: int) -> None:
         self.options, self.device = options, options.torch_device
@@ -175,7 +184,7 @@ class Worker:
 
 
 class PQN(Agent):
-    """Workers, network and optimiser."""
+    """Rollouts, network and optimiser."""
 
     options_class = PQNOptions
     fast = FAST
@@ -186,16 +195,17 @@ class PQN(Agent):
         self.options, self.device = options, options.torch_device
         self.steps = 0
         self.generator = torch.Generator().manual_seed(options.seed)
-        self.workers = [Worker(options, index) for index in range(options.replicas)]
-        self.environments = [worker.environments for worker in self.workers]
+        self.rollouts = [Rollout(options, index) for index in range(options.replicas)]
+        self.environments = [rollout.environments for rollout in self.rollouts]
+        self.generators = [self.generator, *(rollout.generator for rollout in self.rollouts)]
         self.network = self.make_network(options, self.environments[0].shape, len(self.environments[0].actions))
         self.network.to(self.device)
         self.replicas = Replicas(self.network, options.replicas)
-        for worker, network in zip(self.workers, self.replicas.networks, strict=True):
-            worker.begin(network)
+        for rollout, network in zip(self.rollouts, self.replicas.networks, strict=True):
+            rollout.begin(network)
         self.optimizer = torch.optim.Adam(self.network.parameters(), options.learning_rate, fused=True)
         self.updates = 0
-        self._normalize([torch.from_numpy(worker.observations) for worker in self.workers])
+        self._normalize([torch.from_numpy(rollout.observations) for rollout in self.rollouts])
 
     @staticmethod
     def make_network(options: PQNOptions, shape: tuple[int, ...], actions: int) -> QNetwork:
@@ -205,7 +215,7 @@ class PQN(Agent):
         )
         return QNetwork(encoder, actions)
 
-    def train(self, training: Training) -> None:
+    def train(self, training: TrainingLoop) -> None:
         """The loop: update after update, a row of the log for each, and a checkpoint now and then."""
         while training.goes_on():
             training.log(self.update())
@@ -217,7 +227,7 @@ class PQN(Agent):
         done = self.steps / options.total_steps
         epsilon = self._epsilon(done)
         learning_rate = options.learning_rate * (1 - done if options.anneal else 1)
-        seen = self.replicas.map(lambda worker: worker.play(epsilon), self.workers)
+        seen = self.replicas.map(lambda rollout: rollout.play(epsilon), self.rollouts)
         self.steps += options.horizon * options.num_envs
         metrics = torch.stack([metric for _ in range(options.epochs) for metric in self._learn(learning_rate)])
         self._normalize(seen)
@@ -233,11 +243,11 @@ class PQN(Agent):
         """Learn from all steps once; returns loss and mean value of the minibatches."""
         options = self.options
         steps, size = options.horizon * options.num_envs // options.replicas, options.minibatch // options.replicas
-        orders = [torch.randperm(steps, generator=self.generator).to(self.device) for _ in self.workers]
+        orders = [torch.randperm(steps, generator=self.generator).to(self.device) for _ in self.rollouts]
         metrics: list[Tensor] = []
         for start in range(0, steps, size):
             shares = [order[start : start + size] for order in orders]
-            metrics += map(torch.stack, self.replicas.map(Worker.gradient, self.workers, shares))
+            metrics += map(torch.stack, self.replicas.map(Rollout.gradient, self.rollouts, shares))
             self.replicas.average_gradients()
             nn.utils.clip_grad_norm_(self.network.parameters(), options.max_gradient, foreach=True)
             self.updates += 1
@@ -248,10 +258,6 @@ class PQN(Agent):
     def _normalize(self, observations: list[Tensor]) -> None:
         self.network.encoder.observe(torch.cat(observations).to(self.device))
 
-    def _sources(self) -> list[Any]:
-        """The objects that have a generator."""
-        return [self, *self.workers]
-
     def state(self) -> dict[str, Any]:
         """Everything that the next update depends on."""
         return {
@@ -259,9 +265,9 @@ class PQN(Agent):
             "updates": self.updates,
             "network": self.network.state_dict(),
             "optimizer": self.optimizer.state_dict(),
-            "generators": [source.generator.get_state() for source in self._sources()],
-            "observations": [worker.observations for worker in self.workers],
-            "environments": [worker.environments.state() for worker in self.workers],
+            "generators": [generator.get_state() for generator in self.generators],
+            "observations": [rollout.observations for rollout in self.rollouts],
+            "environments": [rollout.environments.state() for rollout in self.rollouts],
         }
 
     def restore(self, state: Mapping[str, Any]) -> None:
@@ -269,11 +275,11 @@ class PQN(Agent):
         self.steps, self.updates = state["steps"], state["updates"]
         self.network.load_state_dict(state["network"])
         self.optimizer.load_state_dict(state["optimizer"])
-        for source, generator in zip(self._sources(), state["generators"], strict=True):
-            source.generator.set_state(generator)
-        for index, worker in enumerate(self.workers):
-            worker.observations = state["observations"][index]
-            worker.environments.restore(state["environments"][index])
+        for generator, at in zip(self.generators, state["generators"], strict=True):
+            generator.set_state(at)
+        for index, rollout in enumerate(self.rollouts):
+            rollout.observations = state["observations"][index]
+            rollout.environments.restore(state["environments"][index])
 
     def close(self) -> None:
         """Close the environments and end the threads."""

@@ -13,7 +13,7 @@ from atari.base import durable
 from atari.base.validation import check_integer
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences, refusal
-from atari.learning.evaluation.published import Published
+from atari.learning.evaluation.published import Published, read_table
 from atari.learning.evaluation.results import Result, aligned
 from atari.learning.evaluation.statistics import (
     Estimate,
@@ -22,7 +22,6 @@ from atari.learning.evaluation.statistics import (
     estimate_of_episodes,
     estimate_of_runs,
 )
-from atari.learning.evaluation.tables import read_table
 
 References = Mapping[str, tuple[float, float]]
 """By game, the score of random play and of a human."""
@@ -358,7 +357,4 @@ def _published_row(other: Published, references: References, frames: int | None,
 
 def _normalised(scores: Mapping[str, Floats], references: References) -> dict[str, Floats]:
     """Human-normalised scores by game: random play is 0, a human 1."""
-    normalised = {}
-    for game, (random, human) in references.items():
-        normalised[game] = (scores[game] - random) / (human - random)
-    return normalised
+    return {game: (scores[game] - random) / (human - random) for game, (random, human) in references.items()}

@@ -2,22 +2,22 @@
 
 import json
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from atari.base.validation import check_integer
+from atari.base.extras import import_extra, install_extra
+from atari.base.validation import check_integer, check_name
 from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy, IntArray
 from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games
 from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_protocol
 from atari.learning.evaluation.results import GameResult, Result, versions
-from atari.learning.evaluation.workers import Workers, find_workers
 from atari.learning.policies import load_policy
 from atari.policy import LoadedPolicy
 from atari.recording.replay.record_replay import RecordVectorReplay
@@ -28,6 +28,13 @@ from atari.vector import AtariVectorEnv
 _MOST_LANES = 64
 
 Progress = Callable[[int, int], Any]
+
+
+class Workers(Protocol):
+    """An object with `map`, such as `concurrent.futures.Executor` and the pools of `multiprocessing` and of Ray."""
+
+    def map(self, function: Callable[[Any], Any], tasks: Iterable[Any], /) -> Iterable[Any]:
+        """The results of the function for the tasks, in their order."""
 
 
 def evaluate(
@@ -349,3 +356,46 @@ def _rows(observations: Any, rows: IntArray, count: int) -> Any:
     if isinstance(observations, dict):
         return {key: value[rows] for key, value in observations.items()}
     return observations[rows]
+
+
+class RayWorkers:
+    """The cluster of Ray that this process is connected to. Without a connection, Ray starts on this machine.
+
+    Each task has one CPU. A task whose worker or node is lost is done again elsewhere.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: Ray is not installed.
+    """
+
+    def __init__(self) -> None:
+        self._ray = import_extra("ray", f"workers='ray' needs Ray: {install_extra('ray')}")
+
+    def map(self, function: Callable[[Any], Any], tasks: Iterable[Any], /) -> Iterator[Any]:
+        """The results of the function for the tasks, in their order. An error cancels the other tasks."""
+        remote = self._ray.remote(function)
+        pending = [remote.remote(task) for task in tasks]
+        try:
+            for result in pending:
+                yield self._ray.get(result)
+        except BaseException:
+            _, running = self._ray.wait(pending, num_returns=len(pending), timeout=0)
+            for result in running:
+                self._ray.cancel(result)
+            raise
+
+
+def find_workers(workers: Any) -> Workers:
+    """The workers of an argument: a name, or an object with `map`.
+
+    Raises:
+        TypeError: the object has no `map`.
+        ValueError: no workers have this name.
+        gymnasium.error.DependencyNotInstalled: the package that they need is not installed.
+    """
+    if isinstance(workers, str):
+        check_name("workers", workers, ["ray"])
+        return RayWorkers()
+    if not callable(getattr(workers, "map", None)):
+        raise TypeError(f"workers is 'ray' or has a method map(function, tasks), got {workers!r}")
+    found: Workers = workers
+    return found

@@ -8,8 +8,7 @@ from typing import Any, Literal
 
 from atari.base.validation import check_frameskip, check_integer, check_name, check_probability
 from atari.games.frozen import FrozenDict
-from atari.learning.evaluation.published import Published
-from atari.learning.evaluation.tables import check_known_name, read_table
+from atari.learning.evaluation.published import Published, check_known_name, read_table
 from atari.task import PRESETS, Task
 from atari.task.description import summary
 from atari.task.fields import DEFAULTS, GROUPS

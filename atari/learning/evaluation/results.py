@@ -172,11 +172,6 @@ _KINDS_OF_GAME = {
 
 
 def _checked_result(content: dict[str, Any]) -> Result:
-    """The result of a file's content.
-
-    Raises:
-        TypeError, ValueError: a field is missing, or of the wrong kind.
-    """
     json_text.check_table(content, "it", {"format": str, **_KINDS, "versions": dict})
     games = tuple(_checked_game(one) for one in content["games"])
     if not games or len({one.game for one in games}) < len(games):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.evaluation.tables import read_table
+from atari.learning.evaluation.published import read_table
 
 Floats = npt.NDArray[np.float64]
 Scores = Mapping[str, Floats]

@@ -38,17 +38,17 @@ class _Rows:
         self.__dict__.update(state)
         frames, seen = state.get("frames"), state["observations"]
         if isinstance(frames, Mapping):
-            pairs = {name: _views(part, seen[name]) for name, part in frames.items()}
+            pairs = {name: _views(part, seen[name].ndim < part.ndim) for name, part in frames.items()}
             first, second = ({name: pair[number] for name, pair in pairs.items()} for number in (0, 1))
             self.__dict__.update(observations=first, next_observations=second)
         elif frames is not None:
-            first, second = _views(frames, seen)
+            first, second = _views(frames, seen.ndim < frames.ndim)
             self.__dict__.update(observations=first, next_observations=second)
 
 
-def _views(frames: Any, observations: Any) -> tuple[Any, Any]:
-    """The observations and the next observations in shared frames; `observations` has the shape of the first."""
-    return (frames[:, 0], frames[:, 1]) if observations.ndim < frames.ndim else (frames[:, :-1], frames[:, 1:])
+def _views(frames: Any, single: bool) -> tuple[Any, Any]:
+    """The observations and the next observations in shared frames; a `single` frame has no axis of a stack."""
+    return (frames[:, 0], frames[:, 1]) if single else (frames[:, :-1], frames[:, 1:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,10 +106,9 @@ def make_batch(
         )
 
     both = {part.name: array((size, *part.shared(stacks[part.name])), np.uint8) for part in options.parts if share}
-    first = {name: frames[:, 0] if stacks[name] == 1 else frames[:, :-1] for name, frames in both.items()}
-    second = {name: frames[:, 1] if stacks[name] == 1 else frames[:, 1:] for name, frames in both.items()}
+    views = {name: _views(frames, stacks[name] == 1) for name, frames in both.items()}
     common = {
-        "observations": unnamed(first) if share else observations(),
+        "observations": unnamed({name: one for name, (one, _) in views.items()}) if share else observations(),
         "actions": array((*steps, *options.action_shape), options.action_dtype),
         "rewards": array(steps, np.float32),
         "terminations": array(steps, np.bool_),
@@ -122,7 +121,8 @@ def make_batch(
     floats = {name: array((size,), np.float32) for name in ("discounts", "weights")}
     if not share:
         return Batch(**common, next_observations=observations(), **floats)
-    return Batch(**common, next_observations=unnamed(second), frames=unnamed(both), **floats)
+    second = unnamed({name: other for name, (_, other) in views.items()})
+    return Batch(**common, next_observations=second, frames=unnamed(both), **floats)
 
 
 def array_maker(torch: bool, pin_memory: bool) -> Array:

@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
 from os import PathLike
 from pathlib import Path
 from typing import Any, cast
@@ -16,12 +15,11 @@ from atari.base.gymnasium_versions import AutoresetMode, autoreset_mode
 from atari.base.validation import check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.learning.memory import storage
-from atari.learning.memory.atomic import atomic
 from atari.learning.memory.batch_pool import BatchPool
 from atari.learning.memory.batches import Batch, Sequences, array_maker, check_size, check_stacks, make_batch, target_of
-from atari.learning.memory.final_frames import final_observations
-from atari.learning.memory.options import MemoryOptions, Part, as_numpy
+from atari.learning.memory.options import MemoryOptions, as_numpy, options_for
 from atari.learning.memory.step_arrays import StepArrays
+from atari.learning.memory.stored_memory import StoredMemory, atomic
 from atari.task.checks import check_bool
 
 _SEQUENCE_MOST = 2**20
@@ -29,7 +27,7 @@ _UNWRITTEN = np.frombuffer(bytes.fromhex("9e3779b97f4a7c15f39cc0605cedc834"), np
 """The first bytes of the array that `frames` returns, until a step writes there."""
 
 
-class ReplayMemory:
+class ReplayMemory(StoredMemory):
     """The steps of a vector environment, with each frame stored once; stacks are made when they are sampled.
 
     Environments write single frames into the memory without a copy, see `frames`::
@@ -154,29 +152,15 @@ class ReplayMemory:
                 file.discard()
             raise
 
-    def _begin(
-        self,
-        options: MemoryOptions,
-        threads: int,
-        file: storage.BlockFile | None,
-        block: storage.Block,
-        autoflush: bool,
-    ) -> None:
-        self._process, self._lock = os.getpid(), _emulator.CallLock("replay memory")
-        self._autoflush = autoflush and file is not None
-        self._options, self._threads, self._file = options, threads, file
-        self._parts: tuple[Part, ...] = options.parts
-        self._named = [part.name for part in self._parts] != [""]
-        self._lanes, self._arrays = options.num_envs, StepArrays(options)
+    def _use(self, core: _emulator.ReplayMemory, block: storage.Block) -> None:
+        super()._use(core, block)
+        options = self._options
+        self._arrays, self._pool = StepArrays(options), BatchPool(options)
         self._usual_actions = not options.action_shape and options.action_dtype == np.dtype(np.int64).str
+        self._same_step = autoreset_mode(options.autoreset_mode) == AutoresetMode.SAME_STEP
         self._mark: npt.NDArray[np.uint8] | None = None  # the first bytes of `frames`, called after the last `add`
         self._started = False  # whether an `add` has found that a reset came first
-        self._mode = autoreset_mode(options.autoreset_mode)
-        self._use(_emulator.ReplayMemory(options.geometry(), block), block)
-
-    def _use(self, core: _emulator.ReplayMemory, block: storage.Block) -> None:
-        self._closed_core: _emulator.ReplayMemory | None = core
-        self._block, self._rings, self._pool = block, {}, BatchPool(self._options)
+        self._rings: dict[str, npt.NDArray[np.uint8]] = {}
         for index, (name, shape) in enumerate(self._arrays.frame_shapes.items()):
             offset, places = core.places(index)
             self._rings[name] = np.ndarray((places, *shape), np.uint8, block, offset)
@@ -194,60 +178,7 @@ class ReplayMemory:
         Raises:
             TypeError, ValueError: the environment's observations are no uint8 arrays, or its options do not fit.
         """
-        from atari.learning.memory.environments import options_for
-
         return cls(capacity, **{**options_for(envs, num_envs), **options})
-
-    @classmethod
-    def open(
-        cls,
-        path: str | PathLike[str],
-        *,
-        flush: int | None = None,
-        num_threads: int = 1,
-        autoflush: bool = True,
-        verify: bool = True,
-    ) -> "ReplayMemory":
-        """Continue the memory in a file from its last `flush`, also after a kill or a loss of power.
-
-        Args:
-            path: the file.
-            flush: the number of the flush to continue from, see `flushes`: the last, or the one before while no later
-                step has overwritten it. The file then forgets a later flush. None is the last.
-            num_threads, autoflush: see `ReplayMemory`.
-            verify: read the whole file and compare its checksums. With False, damaged frames stay unnoticed.
-
-        Raises:
-            FileNotFoundError, IsADirectoryError: the file does not exist, or is a folder.
-            BlockingIOError: it is open, in this process or another.
-            ValueError: the file holds no replay memory, or is damaged; the message says where. Or it has no such flush;
-                the message says which it has. Or it is a symbolic link, a pipe or a device.
-        """
-        threads = check_integer("num_threads", num_threads, 1, 1024)
-        autoflush, verify = check_bool("autoflush", autoflush), check_bool("verify", verify)
-        number = None if flush is None else check_integer("flush", flush, 1, 2**62)
-        where = Path(os.fspath(path))
-        file = storage.BlockFile.open(where)
-        try:
-            memory = cls.__new__(cls)
-            memory._begin(file.options, threads, file, file.block, autoflush)
-            with storage.naming(where):
-                memory._core.load(verify, number)
-            if number is not None:
-                file.sync()  # a later flush is forgotten before its rows are overwritten
-            memory._core.resume()
-        except BaseException:
-            file.close()
-            raise
-        return memory
-
-    @property
-    def _core(self) -> _emulator.ReplayMemory:
-        if self._closed_core is None:
-            raise ValueError("this replay memory is closed")
-        if self._file is not None:
-            self._file.check_size()
-        return self._closed_core
 
     @atomic
     def frames(self) -> Any:
@@ -265,11 +196,7 @@ class ReplayMemory:
         frames = {name: ring[place] for name, ring in self._rings.items()}
         self._mark = next(iter(frames.values())).reshape(-1)[: len(_UNWRITTEN)]
         self._mark[:] = _UNWRITTEN[: len(self._mark)]
-        return frames if self._named else frames[""]
-
-    def _make_space(self, core: _emulator.ReplayMemory) -> None:
-        if self._autoflush and core.must_save:
-            self.flush()
+        return frames if self._arrays.named else frames[""]
 
     @atomic
     def reset(self, observations: Any, mask: Any = None) -> None:
@@ -339,8 +266,8 @@ class ReplayMemory:
         rewards = self._arrays.rewards(rewards)
         actions = self._arrays.actions(actions)
         finals: list[Any] = []
-        if self._mode == AutoresetMode.SAME_STEP and (terminations.any() or truncations.any()):
-            finals = final_observations(info, terminations | truncations, self._parts, self._named)
+        if self._same_step and (terminations.any() or truncations.any()):
+            finals = self._arrays.finals(info, terminations | truncations)
         if not self._begun(core):
             raise gymnasium.error.ResetNeeded("call reset(observations) before the first add")
         self._started = True
@@ -359,8 +286,8 @@ class ReplayMemory:
 
     def _write_frames(self, arrays: list[npt.NDArray[np.uint8]]) -> None:
         to = self.frames()
-        for part, array in zip(self._parts, arrays, strict=True):
-            np.copyto(to[part.name] if self._named else to, array)
+        for name, array in zip(self._rings, arrays, strict=True):
+            np.copyto(to[name] if self._arrays.named else to, array)
 
     @atomic
     def observations(self, *, stack_num: int | Mapping[str, int] | None = None, out: Any = None) -> Any:
@@ -377,11 +304,11 @@ class ReplayMemory:
             ValueError: before the first `reset`, or `out` does not fit.
         """
         stacks = check_stacks(self._options, stack_num)
-        shapes = {part.name: (self._lanes, *part.stacked(stacks[part.name])) for part in self._parts}
+        shapes = {part.name: (self.num_envs, *part.stacked(stacks[part.name])) for part in self._options.parts}
         if out is None:
             arrays = {name: np.empty(shape, np.uint8) for name, shape in shapes.items()}
         else:
-            given = out if self._named else {"": out}
+            given = out if self._arrays.named else {"": out}
             if not isinstance(given, Mapping) or set(given) != set(shapes):
                 raise TypeError(f"out must be a dict with the keys {', '.join(shapes)}")
             arrays = {name: as_numpy("out", given[name]) for name in shapes}
@@ -389,7 +316,7 @@ class ReplayMemory:
                 if arrays[name].shape != shape:
                     raise ValueError(f"out must have the shape {shape}, got {arrays[name].shape}")
         self._core.observe([stacks[name] for name in shapes], [arrays[name] for name in shapes])
-        return out if out is not None else arrays if self._named else arrays[""]
+        return out if out is not None else arrays if self._arrays.named else arrays[""]
 
     def make_batch(
         self,
@@ -563,158 +490,3 @@ class ReplayMemory:
     def count(self, n: int = 1) -> int:
         """Steps that `sample` can draw with this n."""
         return self._core.count(check_integer("n", n, 1, 2**40))
-
-    @property
-    @atomic
-    def steps(self) -> int:
-        """Steps ever added, of all environments together, ignored steps included."""
-        return self._core.numbers[1]
-
-    @property
-    @atomic
-    def nbytes(self) -> int:
-        """Bytes of memory, or of the file, and of the index; with compressed frames the bytes in use up to now."""
-        return self._core.numbers[3]
-
-    @property
-    def num_envs(self) -> int:
-        """Environments that step together."""
-        return self._lanes
-
-    @property
-    def capacity(self) -> int:
-        """The number of latest steps that are kept."""
-        return self._options.capacity
-
-    @property
-    def path(self) -> Path | None:
-        """The file that holds the memory; None if there is none."""
-        return None if self._file is None else self._file.path
-
-    @property
-    def autoflush(self) -> bool:
-        """Whether the memory has a file, and flushes by itself."""
-        return self._autoflush
-
-    @property
-    def stack_nums(self) -> dict[str, int]:
-        """The most frames in an observation, by part; an observation that is no dict has the part ""."""
-        return dict(self._options.stack_num)
-
-    @property
-    @atomic
-    def flushes(self) -> int:
-        """The number of the last flush, which `open` takes: flushes are counted from the first, of a new file."""
-        return self._core.numbers[2]
-
-    @property
-    @atomic
-    def must_flush(self) -> bool:
-        """Whether the next `add` or `reset` might overwrite the state of the last flush.
-
-        This reckons with the end of all episodes, and with frames that cannot be compressed. After a flush there is
-        space for at least one step, and for more by `margin`, `final_frames` and `compressed_bytes`. Without a file it
-        is always False.
-        """
-        return self._core.must_save
-
-    @atomic
-    def flush(self) -> None:
-        """Save the present state, which `open` then finds, and wait until it is on the disk.
-
-        After `margin` more steps, or an eighth of `final_frames` more final observations, the next step might
-        overwrite the saved state: then the memory flushes by itself, or with autoflush=False raises BufferError.
-        Flushes do not change what is sampled.
-
-        A saved state survives the end of the process and a loss of power; these leave the last complete flush at every
-        moment. The call takes as long as the disk needs for the frames since the last flush: milliseconds for a few
-        megabytes. Without a file nothing happens.
-
-        Raises:
-            OSError: the disk reports an error. The flush before is still complete, and a later flush tries again.
-        """
-        core = self._core
-        if self._file is None:
-            return
-        for phase in (core.begin_save, core.write_save, core.complete_save):
-            phase()
-            self._file.sync()
-        core.end_save()
-
-    @atomic
-    def state(self) -> dict[str, Any]:
-        """A copy of the whole memory, for checkpoints without a file. It is as large as the memory.
-
-        This does not change a file: `open` finds its last flush.
-        """
-        core, block = self._core, self._block.copy()
-        core.save_copy(block)
-        return storage.state_of(self._options, block)
-
-    @atomic
-    def restore(self, state: Mapping[str, Any]) -> None:
-        """Return to a state of this memory, or of another one with the same options.
-
-        A memory with a file writes a new file, which then replaces it: after a kill or a loss of power there is one of
-        them, with the flushes of the state or those before.
-
-        Raises:
-            ValueError: the state is of a memory with other options, or damaged; nothing has changed.
-            OSError: the disk has no space for the new file; nothing has changed.
-        """
-        core, old = self._core, self._file
-        with storage.naming("the state"):
-            given = storage.block_of(state, self._options)
-            file = None if old is None else old.successor()
-            try:
-                block = storage.allocate(self._options) if file is None else file.block
-                block[:] = given
-                core = _emulator.ReplayMemory(self._options.geometry(), block)
-                core.load(True, None)
-                core.resume()
-                if file is not None and old is not None:
-                    file.replace(old)
-            except BaseException:
-                if file is not None:
-                    file.discard()
-                raise
-        self._file = file
-        self._use(core, block)
-        if file is not None and old is not None:
-            old.close()
-            file.sync_name()
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Pickling and copying copy all steps, and the generator that samples.
-
-        Raises:
-            TypeError: the memory has a file.
-        """
-        if self._file is not None:
-            raise TypeError(
-                f"a ReplayMemory with a file cannot be copied or pickled: {self._file.path} is open for one object; "
-                "close it and pass the path to ReplayMemory.open, or restore its state() in a memory without a file"
-            )
-        return {"state": self.state(), "num_threads": self._threads}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        options = storage.options_of(state["state"]["options"])
-        block = storage.allocate(options)
-        block[:] = storage.block_of(state["state"], options)
-        self._begin(options, state["num_threads"], None, block, False)
-        self._core.load(True, None)
-        self._core.resume()
-
-    def close(self) -> None:
-        """Release the memory and the file, without a flush."""
-        # In a forked process, a thread that no longer exists may hold the lock.
-        with self._lock if self._process == os.getpid() else nullcontext():
-            self._closed_core = None
-            if self._file is not None:
-                self._file.close()
-
-    def __enter__(self) -> "ReplayMemory":
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self.close()

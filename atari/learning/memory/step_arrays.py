@@ -1,12 +1,14 @@
 """`StepArrays` checks the arrays of a step that a user adds to a `ReplayMemory`."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from atari.learning.memory.options import MemoryOptions, as_numpy
+
+_FINAL_KEYS = ("final_obs", "final_observation")
 
 
 class StepArrays:
@@ -17,11 +19,13 @@ class StepArrays:
     Attributes:
         shape: (num_envs,).
         frame_shapes: by part, (num_envs, *shape) of one frame.
+        named: whether observations are dicts of parts.
     """
 
     def __init__(self, options: MemoryOptions) -> None:
         self.shape = (options.num_envs,)
         self.frame_shapes = {part.name: (*self.shape, *part.shape) for part in options.parts}
+        self.named = list(self.frame_shapes) != [""]
         self._action_shape, self._action_dtype = (*self.shape, *options.action_shape), np.dtype(options.action_dtype)
 
     def flags(self, name: str, values: Any) -> npt.NDArray[np.bool_]:
@@ -71,13 +75,48 @@ class StepArrays:
 
     def frames(self, name: str, observations: Any) -> list[npt.NDArray[np.uint8]]:
         """The frames of all environments, by part."""
-        named = list(self.frame_shapes) != [""]
-        if named and not (isinstance(observations, Mapping) and set(observations) >= set(self.frame_shapes)):
+        if self.named and not (isinstance(observations, Mapping) and set(observations) >= set(self.frame_shapes)):
             raise TypeError(f"{name} must be a dict with the keys {', '.join(self.frame_shapes)}")
         result = []
         for part, shape in self.frame_shapes.items():
-            array = as_numpy(name, observations[part] if named else observations)
+            array = as_numpy(name, observations[part] if self.named else observations)
             if array.dtype != np.uint8 or array.shape != shape:
                 raise ValueError(f"{name} must be uint8 {shape}, got {array.dtype} {array.shape}")
             result.append(array)
+        return result
+
+    def finals(
+        self, info: Mapping[str, Any] | Sequence[Mapping[str, Any]] | None, ended: npt.NDArray[np.bool_]
+    ) -> list[npt.NDArray[np.uint8]]:
+        """By part, an array (num_envs, *shape) with the last observations of the environments that ended.
+
+        `info` is of a vector environment in SAME_STEP. It has one array or a dict of arrays from `AtariVectorEnv`, and
+        an object array of observations from Gymnasium's vector environments. From Gymnasium's `DictInfoToList` it is a
+        list with a dict for each environment.
+        """
+        if isinstance(info, Sequence):
+            info = {key: [one.get(key) for one in info] for key in _FINAL_KEYS if any(key in one for one in info)}
+        key = next((key for key in _FINAL_KEYS if key in (info or {})), None)
+        if info is None or key is None:
+            raise ValueError("an episode has ended, and info has no final_obs; autoreset_mode is SAME_STEP here")
+        found = info[key]
+        if self.named and isinstance(found, Mapping):
+            return [self._final_rows(found[part], ended, part, shape) for part, shape in self.frame_shapes.items()]
+        return [self._final_rows(found, ended, part, shape) for part, shape in self.frame_shapes.items()]
+
+    def _final_rows(
+        self, found: Any, ended: npt.NDArray[np.bool_], part: str, shape: tuple[int, ...]
+    ) -> npt.NDArray[np.uint8]:
+        if isinstance(found, np.ndarray) and found.dtype == np.uint8:
+            if found.shape != shape:
+                raise ValueError(f"final_obs must be uint8 {shape}, got {found.shape}")
+            return np.ascontiguousarray(found)
+        result = np.zeros(shape, np.uint8)
+        for lane in np.flatnonzero(ended):
+            frame = found[lane]
+            if self.named and isinstance(frame, Mapping):
+                frame = frame[part]
+            if frame is None or np.shape(frame) != shape[1:] or np.asarray(frame).dtype != np.uint8:
+                raise ValueError(f"final_obs of environment {lane} must be uint8 {shape[1:]}, got {np.shape(frame)}")
+            result[lane] = frame
         return result

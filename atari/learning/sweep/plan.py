@@ -10,13 +10,12 @@ from typing import Any
 
 from atari.base import durable
 from atari.base.validation import check_file
+from atari.learning.agent import AgentCode, read_options
 from atari.learning.evaluation.played import EvaluatedGame, played_task
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol
 from atari.learning.options import SEEDS, TrainingOptions
-from atari.learning.programs import Program, is_program, program
+from atari.learning.programs import Program, is_program, program, sha256
 from atari.learning.run import RunFolder
-from atari.learning.training import AgentCode, read_options
-from atari.learning.trust import sha256
 
 MOST_SEEDS = 1000
 
@@ -25,7 +24,7 @@ Resolve = Callable[[str, int], TrainingOptions]
 
 
 @dataclass(frozen=True)
-class Run:
+class TrainingRun:
     """A training of a sweep.
 
     Attributes:
@@ -76,18 +75,18 @@ def find_seeds(text: str) -> list[int]:
     return seeds
 
 
-def plan(games: Sequence[str], seeds: Sequence[int], folder: Path, resolve: Resolve) -> list[Run]:
+def plan(games: Sequence[str], seeds: Sequence[int], folder: Path, resolve: Resolve) -> list[TrainingRun]:
     """The runs of a sweep, game by game.
 
     Raises:
         ValueError: a game is named twice.
     """
-    runs: list[Run] = []
+    runs: list[TrainingRun] = []
     named: dict[str, str] = {}
     for game in games:
         for seed in seeds:
             options = resolve(game, seed)
-            run = Run(folder / f"{options.task.game}-seed{seed}", game, options)
+            run = TrainingRun(folder / f"{options.task.game}-seed{seed}", game, options)
             if named.setdefault(options.task.game, game) != game or run.path in [other.path for other in runs]:
                 other = named[options.task.game]
                 raise ValueError(
@@ -97,7 +96,7 @@ def plan(games: Sequence[str], seeds: Sequence[int], folder: Path, resolve: Reso
     return runs
 
 
-def check_protocol(runs: Sequence[Run], protocol: EvaluationProtocol) -> None:
+def check_protocol(runs: Sequence[TrainingRun], protocol: EvaluationProtocol) -> None:
     """Check that the policies of the runs can be evaluated by a protocol.
 
     Raises:
@@ -108,7 +107,7 @@ def check_protocol(runs: Sequence[Run], protocol: EvaluationProtocol) -> None:
         played_task(EvaluatedGame.of_policy(task), protocol, SimpleNamespace(task=task))
 
 
-def check_folder(folder: Path, code: AgentCode, runs: Sequence[Run], resolve: Resolve) -> None:
+def check_folder(folder: Path, code: AgentCode, runs: Sequence[TrainingRun], resolve: Resolve) -> None:
     """Check that all run folders in a folder are of this sweep, or of one with more games or seeds.
 
     Raises:

@@ -13,7 +13,7 @@ from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.evaluation.results import Result
 from atari.learning.run import RunFolder
 from atari.learning.run_log import read_last_row
-from atari.learning.sweep.plan import Run
+from atari.learning.sweep.plan import TrainingRun
 
 _POLL = 0.2
 """Seconds between two looks at the processes."""
@@ -46,7 +46,7 @@ class Settings:
 class Progress:
     """The progress of a run: `state` is "waiting", "training", "evaluating", "in use", "done" or "failed"."""
 
-    run: Run
+    run: TrainingRun
     state: str = "waiting"
     error: str = ""
     process: "subprocess.Popen[bytes] | None" = field(default=None, repr=False)
@@ -58,12 +58,12 @@ class Progress:
         return read_last_row(self.run.path / "log.csv")
 
 
-def evaluation_file(run: Run, settings: Settings) -> Path:
+def evaluation_file(run: TrainingRun, settings: Settings) -> Path:
     """The file of the evaluation of a run."""
     return run.path / f"evaluation-{settings.protocol.name}.json"
 
 
-def evaluation_of(run: Run, settings: Settings) -> Result | None:
+def evaluation_of(run: TrainingRun, settings: Settings) -> Result | None:
     """The evaluation of a run by the protocol of the sweep, if it is there and whole."""
     try:
         result = Result.load(evaluation_file(run, settings))
@@ -73,7 +73,7 @@ def evaluation_of(run: Run, settings: Settings) -> Result | None:
     return result if fits else None
 
 
-def next_step(run: Run, settings: Settings) -> tuple[str, tuple[str, ...]]:
+def next_step(run: TrainingRun, settings: Settings) -> tuple[str, tuple[str, ...]]:
     """The state of a run, and the words of the command that it needs next; "done" needs none.
 
     Raises:
@@ -93,7 +93,7 @@ def next_step(run: Run, settings: Settings) -> tuple[str, tuple[str, ...]]:
 
 
 def do_runs(
-    runs: Sequence[Run], settings: Settings, stop: Event, show: Callable[[Sequence[Progress]], Any]
+    runs: Sequence[TrainingRun], settings: Settings, stop: Event, show: Callable[[Sequence[Progress]], Any]
 ) -> list[Progress]:
     """Do what is left of all runs, `settings.jobs` at a time, until all are done or failed, or `stop` is set.
 
@@ -179,7 +179,7 @@ def _in_use(path: Path) -> bool:
     return False
 
 
-def _log_file(run: Run) -> Path:
+def _log_file(run: TrainingRun) -> Path:
     """The file with the output of a run's processes, beside its folder."""
     return run.path.with_name(f"{run.name}.log")
 

@@ -1,24 +1,71 @@
-"""The page about all runs of a sweep."""
+"""The results of a sweep beside published agents, and the page about all its runs."""
 
 import html
 import shlex
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from string import Template
 
-from atari.base import durable
-from atari.learning.evaluation.compare import Comparison
+from atari.learning.evaluation.compare import Comparison, budget_faults, compare
+from atari.learning.evaluation.protocols import EvaluationProtocol
+from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result
-from atari.learning.report import STYLE, learning_curves
+from atari.learning.options import TrainingOptions
+from atari.learning.report import learning_curves, write_page
 from atari.learning.run import RunFolder
-from atari.learning.sweep.plan import Run
+from atari.learning.sweep.plan import TrainingRun
 from atari.learning.sweep.processes import Settings
+
+
+def planned_frames(options: TrainingOptions) -> int | None:
+    """The emulator frames of a training of all steps; None if it may stop earlier, at a score.
+
+    A training ends with the update that reaches its steps, at most one update after them. It is compared at these
+    frames, as publications name theirs.
+    """
+    low, high = options.task.frames
+    return None if options.stop_score is not None else round(options.total_steps * sum(range(low, high)) / (high - low))
+
+
+def comparable_agents(runs: Sequence[TrainingRun], protocol: EvaluationProtocol) -> list[str]:
+    """The published agents of a protocol that have scores of all games of the runs, at the frames of the trainings."""
+    frames, games = planned_frames(runs[0].options), {run.options.task.game for run in runs}
+    if frames is None:
+        return []
+    agents = [Published(name) for name in protocol.comparable]
+    fitting = [agent for agent in agents if games <= {*agent.games} and not budget_faults(agent, frames)]
+    return [agent.name for agent in fitting if all(len(agent.at(game, frames)) for game in games)]
+
+
+def compare_runs(
+    name: str, runs: Sequence[TrainingRun], results: Sequence[Result], to: Sequence[str], mixed: bool
+) -> Comparison | None:
+    """The runs, as an agent `name`, beside published ones: median, mean and IQM with intervals over games and seeds.
+
+    None if no game has scores of random play and of a human.
+
+    Raises:
+        ValueError: see `compare`.
+    """
+    frames = planned_frames(runs[0].options)
+    own = [
+        replace(result, policy=name, training_frames=frames if frames else result.training_frames) for result in results
+    ]
+    if not {run.options.task.game for run in runs} & {*Published.human_scores()}:
+        return None
+    unequal = len({result.training_frames for result in own}) > 1  # they stopped at a score
+    comparison = compare(own, to, mixed=mixed or unequal)
+    if to:
+        return comparison
+    budget = "other numbers of" if frames is None else f"{frames:,}"
+    text = f"no published agent of protocol {results[0].protocol.name} has scores of these games at {budget} frames"
+    return replace(comparison, notes=(*comparison.notes, text))
 
 
 def write_report(
     folder: Path,
     agent: str,
-    runs: Sequence[Run],
+    runs: Sequence[TrainingRun],
     settings: Settings,
     results: Sequence[Result],
     comparison: Comparison | None,
@@ -28,7 +75,7 @@ def write_report(
     Raises:
         ImportError: Matplotlib is not installed.
     """
-    games: dict[str, list[Run]] = {}
+    games: dict[str, list[TrainingRun]] = {}
     for run in runs:
         games.setdefault(run.options.task.game, []).append(run)
     drawing = ""
@@ -38,8 +85,9 @@ def write_report(
     seeds = ",".join(str(seed) for seed in sorted({run.options.seed for run in runs}))
     numbers = ["--games", settings.games, "--protocol", settings.protocol.name, "--episodes", settings.episodes]
     words = [settings.agent, ",".join(games), *settings.words, "--seeds", seeds, *numbers, "-o", folder]
-    page = Template(_PAGE).substitute(
-        style=STYLE,
+    return write_page(
+        folder / "report.html",
+        _PAGE,
         title=html.escape(f"{agent.upper()}: {len(games)} games, {len(runs)} runs"),
         command=html.escape(shlex.join(["atari", "train", *map(str, words)])),
         curves="\n".join(f"<h3>{html.escape(game)}</h3>\n{_curves(game, several)}" for game, several in games.items()),
@@ -48,11 +96,9 @@ def write_report(
         comparison=html.escape("no game has a score of a human" if comparison is None else str(comparison)),
         drawing=drawing,
     )
-    durable.write_file(folder / "report.html", page.encode())
-    return folder / "report.html"
 
 
-def _curves(game: str, runs: Sequence[Run]) -> str:
+def _curves(game: str, runs: Sequence[TrainingRun]) -> str:
     """A picture of the scores of the runs of a game."""
     logs = [
         (f"seed {run.options.seed}", f"C{number}", RunFolder.open(run.path).rows())
@@ -61,7 +107,7 @@ def _curves(game: str, runs: Sequence[Run]) -> str:
     return learning_curves(game, logs)
 
 
-def _table(runs: Sequence[Run], results: Sequence[Result]) -> str:
+def _table(runs: Sequence[TrainingRun], results: Sequence[Result]) -> str:
     """The runs with their scores, and links to their own reports."""
     rows = ["<tr><th>run<th>games<th>mean score<th>standard deviation<th>least<th>greatest"]
     for run, result in zip(runs, results, strict=True):
@@ -74,13 +120,6 @@ def _table(runs: Sequence[Run], results: Sequence[Result]) -> str:
 
 
 _PAGE = """\
-<!doctype html>
-<html lang="en">
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>$title</title>
-<style>$style</style>
-<h1>$title</h1>
 <p><code>$command</code></p>
 <h2>Evaluation</h2>
 <p>$protocol</p>
@@ -90,5 +129,4 @@ $drawing
 <pre>$comparison</pre>
 <h2>Learning curves</h2>
 $curves
-</html>
 """

@@ -1,4 +1,4 @@
-"""Facts for the pages that no data file has: lives in play, names of keys, IDs."""
+"""Facts for the pages that no data file has: names of media, modes to show, lives in play, names of keys, IDs."""
 
 from functools import cache
 from types import MappingProxyType
@@ -9,7 +9,17 @@ from atari.games.game import Game
 from atari.play.controls import ALL_KEYS
 from atari.task.env_ids import FAMILIES, Family
 
+VIDEO, SCREEN, MODES, VIEWS = "play.mp4", "screen.png", "modes.png", "views.png"
+"""The names of a game's media."""
+
 _ARROWS = MappingProxyType({"up": "↑", "down": "↓", "left": "←", "right": "→"})
+
+
+def shown_modes(game: Game) -> tuple[int, ...]:
+    """The modes that a page shows: those for one player, or those for several if the game has no others."""
+    if game.single_player or game.multiplayer is None:
+        return game.modes
+    return tuple(sorted(mode for modes in game.multiplayer.modes.values() for mode in modes))
 
 
 def lives(game: Game) -> int | None:

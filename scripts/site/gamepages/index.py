@@ -4,7 +4,7 @@ from collections.abc import Collection, Iterator
 
 from atari.games.game import Game
 from gamepages import facts
-from gamepages.contents import SCREEN
+from gamepages.facts import SCREEN
 from gamepages.markup import text
 
 _FILTERS = (

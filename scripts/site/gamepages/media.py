@@ -15,7 +15,7 @@ from atari.games.game import Game
 from atari.multiplayer import MultiplayerCore
 from atari.recording import Replay, VideoWriter
 from atari.task import PRESETS
-from gamepages.contents import MODES, SCREEN, VIDEO, VIEWS, modes
+from gamepages.facts import MODES, SCREEN, VIDEO, VIEWS, shown_modes
 from gamepages.plays import Play, play_of
 from gamepages.screens import busiest, sheet
 
@@ -37,8 +37,8 @@ def render(game: Game, folder: Path) -> None:
     else:
         screens = iter(_write_random(game, folder / VIDEO)[::15])
     _write(folder / SCREEN, busiest(screens).repeat(2, axis=1))
-    if len(modes(game)) > 1:
-        _write(folder / MODES, sheet([_mode_screen(game, mode) for mode in modes(game)]))
+    if len(shown_modes(game)) > 1:
+        _write(folder / MODES, sheet([_mode_screen(game, mode) for mode in shown_modes(game)]))
     if game.single_player:
         _write(folder / VIEWS, np.concatenate([strip(list(_view(game, name, play))) for name in PRESETS]))
 

@@ -8,7 +8,7 @@ from atari.multiplayer import ENVIRONMENTS
 from atari.task import PRESETS
 from atari.task.env_ids import stem
 from gamepages import facts, scores, settings
-from gamepages.contents import MODES, SCREEN, VIDEO, VIEWS, modes
+from gamepages.facts import MODES, SCREEN, VIDEO, VIEWS, shown_modes
 from gamepages.markup import code, folded, pictures, table, text
 from gamepages.plays import Play, play_of
 
@@ -33,7 +33,7 @@ def _sections(game: Game, media: frozenset[str], play: Play | None) -> Iterator[
     yield f"## Rules\n\n{_rules(game)}\n"
     yield f"## Actions\n\n{settings.actions(game)}\n{_start(game)}\n"
     sheet = f"{game.id}/{MODES}" if MODES in media else None
-    yield f"## Modes\n\n{settings.modes(game, modes(game), sheet)}\n"
+    yield f"## Modes\n\n{settings.modes(game, shown_modes(game), sheet)}\n"
     if game.single_player and game.multiplayer:
         count = sum(map(len, game.multiplayer.modes.values()))
         yield folded(f"{count} modes of several players", settings.shared_modes(game))

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 
 from atari.classic.algorithmic import CopyEnv, ReverseEnv
-from atari.classic.algorithmic.curriculum import MAX_LENGTH, Curriculum
+from atari.classic.algorithmic.environment import MAX_LENGTH, Curriculum
 
 
 def test_a_window_of_solved_episodes_makes_it_grow_by_one() -> None:

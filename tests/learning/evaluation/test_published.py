@@ -8,9 +8,9 @@ import pytest
 
 import atari
 from atari.learning import Published
-from atari.learning.evaluation import tables
+from atari.learning.evaluation import published
+from atari.learning.evaluation.published import read_table
 from atari.learning.evaluation.statistics import interquartile_mean
-from atari.learning.evaluation.tables import read_table
 
 
 def test_every_agent_can_be_read():
@@ -43,7 +43,7 @@ def test_every_agent_can_be_read():
 
 
 def test_the_files_are_small_and_their_licences_are_there():
-    folder = tables._FOLDER
+    folder = published._FOLDER
     data = [file.read_bytes() for file in folder.glob("*.json")]
     assert len(data) == 13
     assert sum(len(zlib.compress(each)) for each in data) < 1_000_000  # as they are in a wheel
@@ -59,7 +59,7 @@ def test_the_files_are_small_and_their_licences_are_there():
 @pytest.mark.parametrize("name", [*read_table("index")["agents"], "human"])
 def test_a_score_is_on_a_line_of_its_game(name):
     """A change of a score shows in a diff as one line, which begins with the game."""
-    content, lines = read_table(name), (tables._FOLDER / f"{name}.json").read_text(encoding="utf-8").splitlines()
+    content, lines = read_table(name), (published._FOLDER / f"{name}.json").read_text(encoding="utf-8").splitlines()
     entries = content["tables"] if name == "human" else content
     for game in {game for entry in entries.values() for game in entry["games"]}:
         wanted = [entry["games"][game] for entry in entries.values() if game in entry["games"]]

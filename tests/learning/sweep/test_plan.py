@@ -10,9 +10,10 @@ import pytest
 pytest.importorskip("torch")
 
 from atari.learning import GAME_SETS, PROTOCOLS
+from atari.learning.agent import agent_code
 from atari.learning.agents.ppo import PPO
 from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, keep_programs, plan
-from atari.learning.training import Training, agent_code
+from atari.learning.training import Training
 
 
 def resolve(game: str, seed: int, **options: Any) -> Any:
@@ -148,7 +149,7 @@ def test_a_run_of_another_agent_or_a_damaged_one_is_refused(tmp_path: Path) -> N
 
 
 def test_a_run_of_another_program_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("atari.learning.trust.user_data_path", lambda *_, **__: tmp_path / "data")
+    monkeypatch.setattr("atari.learning.programs.user_data_path", lambda *_, **__: tmp_path / "data")
     (tmp_path / "runs").mkdir()
     source = "from atari.learning.agents.ppo import PPO\n\nclass Mine(PPO):\n    pass\n"
     for name in ("first", "second"):

@@ -14,7 +14,7 @@ torch = pytest.importorskip("torch")
 from atari.learning import PROTOCOLS  # noqa: E402
 from atari.learning.agents.ppo import PPO  # noqa: E402
 from atari.learning.run import RunFolder  # noqa: E402
-from atari.learning.sweep.plan import Run, plan  # noqa: E402
+from atari.learning.sweep.plan import TrainingRun, plan  # noqa: E402
 from atari.learning.sweep.processes import Settings, do_runs, next_step  # noqa: E402
 
 PROGRAM = """
@@ -44,7 +44,7 @@ def settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Settings:
     return Settings("ppo", ("--gamma", "0.9"), 0, PROTOCOLS["dopamine"], 3, 2, command)
 
 
-def runs_of(games: list[str]) -> list[Run]:
+def runs_of(games: list[str]) -> list[TrainingRun]:
     return plan(games, [0], Path("runs"), lambda game, seed: PPO.options_class.of(game, seed=seed, gamma=0.9))
 
 

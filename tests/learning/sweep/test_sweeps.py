@@ -16,11 +16,12 @@ torch = pytest.importorskip("torch")
 
 from atari.cli import main  # noqa: E402
 from atari.learning import PROTOCOLS, RunFolder  # noqa: E402
+from atari.learning.agent import agent_code  # noqa: E402
 from atari.learning.command import options_of  # noqa: E402
 from atari.learning.run_log import read_last_row  # noqa: E402
 from atari.learning.sweep.plan import plan  # noqa: E402
 from atari.learning.sweep.processes import Settings, do_runs  # noqa: E402
-from atari.learning.training import Training, agent_code  # noqa: E402
+from atari.learning.training import Training  # noqa: E402
 
 TINY = (
     "--total-steps 1024 --num-envs 8 --horizon 32 --minibatch 256 --checkpoint-minutes 0 "
@@ -202,7 +203,7 @@ def test_the_processes_of_an_agent_of_your_own_have_a_copy_of_its_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("atari.learning.trust.user_data_path", lambda *_, **__: tmp_path / "data")
+    monkeypatch.setattr("atari.learning.programs.user_data_path", lambda *_, **__: tmp_path / "data")
     source = "from atari.learning.agents.ppo import PPO\n\nclass Mine(PPO):\n    pass\n"
     Path("mine.py").write_text(source)
     seen: list[Settings] = []

@@ -8,7 +8,7 @@ import pytest
 torch = pytest.importorskip("torch")
 
 from atari.learning.agents.ppo import PPO  # noqa: E402
-from atari.learning.sweep.plan import Run, plan  # noqa: E402
+from atari.learning.sweep.plan import TrainingRun, plan  # noqa: E402
 from atari.learning.sweep.processes import Progress  # noqa: E402
 from atari.learning.sweep.table import Table  # noqa: E402
 
@@ -19,7 +19,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "runs").mkdir()
 
 
-def runs_of(games: list[str]) -> list[Run]:
+def runs_of(games: list[str]) -> list[TrainingRun]:
     return plan(games, [0], Path("runs"), lambda game, seed: PPO.options_class.of(game, seed=seed))
 
 

@@ -10,18 +10,18 @@ torch = pytest.importorskip("torch")
 from atari.learning import PROTOCOLS, Result  # noqa: E402
 from atari.learning.agents.ppo import PPO  # noqa: E402
 from atari.learning.evaluation.results import GameResult  # noqa: E402
-from atari.learning.sweep.plan import Run, plan  # noqa: E402
-from atari.learning.sweep.results import comparable_agents, compare_runs, planned_frames  # noqa: E402
+from atari.learning.sweep.plan import TrainingRun, plan  # noqa: E402
+from atari.learning.sweep.report import comparable_agents, compare_runs, planned_frames  # noqa: E402
 
 
-def runs_of(games: list[str], seeds: list[int], total_steps: int, **options: Any) -> list[Run]:
+def runs_of(games: list[str], seeds: list[int], total_steps: int, **options: Any) -> list[TrainingRun]:
     def resolve(game: str, seed: int) -> Any:
         return PPO.options_class.of(game, seed=seed, total_steps=total_steps, **options)
 
     return plan(games, seeds, Path("runs"), resolve)
 
 
-def results_of(runs: list[Run], protocol: str, frames: list[int]) -> list[Result]:
+def results_of(runs: list[TrainingRun], protocol: str, frames: list[int]) -> list[Result]:
     found = []
     for number, (run, each) in enumerate(zip(runs, frames, strict=True)):
         game = GameResult(run.options.task.game, (10.0 + number,), (1000,), (False,), (3,))

@@ -5,36 +5,7 @@ from contextlib import suppress
 from typing import Any, Literal
 
 from atari.classic.core import Env, Step, Wrapper
-from atari.classic.monitor_files import (
-    FILE_PREFIX,
-    MANIFEST_PREFIX,
-    capped_cubic_video_schedule,
-    clear_monitor_files,
-    collapse_env_infos,
-    detect_monitor_files,
-    detect_training_manifests,
-    disable_videos,
-    load_env_info_from_manifests,
-    load_results,
-    merge_stats_files,
-)
-from atari.classic.monitor_hooks import MonitorHooks, VideoCallable, monitor_closer
-
-__all__ = [
-    "FILE_PREFIX",
-    "MANIFEST_PREFIX",
-    "Monitor",
-    "capped_cubic_video_schedule",
-    "clear_monitor_files",
-    "collapse_env_infos",
-    "detect_monitor_files",
-    "detect_training_manifests",
-    "disable_videos",
-    "load_env_info_from_manifests",
-    "load_results",
-    "merge_stats_files",
-    "monitor_closer",
-]
+from atari.classic.monitor_hooks import MonitorHooks, VideoCallable
 
 
 class Monitor(MonitorHooks, Wrapper):
