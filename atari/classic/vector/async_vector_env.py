@@ -7,6 +7,7 @@ import pickle
 import queue
 import signal
 import time
+import traceback
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from enum import Enum
 from typing import Any
@@ -262,7 +263,8 @@ def _named_end() -> Iterator[None]:
     """Raise an error that says so if a process has ended."""
     try:
         yield
-    except (EOFError, OSError):
+    except (EOFError, OSError) as error:
+        traceback.clear_frames(error.__traceback__)  # CPython 3.13 reports a buffer of theirs that is found as garbage
         raise ClosedError(_ENDED) from None
 
 

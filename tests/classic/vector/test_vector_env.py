@@ -1,5 +1,6 @@
 """Several environments at once: in this process, and in processes of their own."""
 
+import gc
 import multiprocessing
 import sys
 import threading
@@ -167,6 +168,27 @@ def test_a_closed_vector_of_processes_is_an_error() -> None:
     envs.close(terminate=True)
     with pytest.raises(gymnasium.error.Error, match=r"^the vector is closed, or one of its processes has ended; "):
         envs.reset()
+
+
+def test_an_ended_process_leaves_no_buffer_to_the_garbage_collector(monkeypatch: pytest.MonkeyPatch) -> None:
+    """CPython 3.13 reports the buffer of a pipe that is found in a cycle, as the error and the local variables of a caller are."""
+    reports: list[Any] = []
+    monkeypatch.setattr(sys, "unraisablehook", reports.append)
+    envs = AsyncVectorEnv([Counter, Counter])
+    envs.reset()
+    for process in envs.processes:
+        process.kill()
+        process.join()
+    cycle: list[Any] = []
+    try:
+        envs.step([0, 0])
+    except gymnasium.error.Error as error:
+        cycle += [cycle, error]
+    assert len(cycle) == 2
+    envs.close(terminate=True)
+    del cycle
+    gc.collect()
+    assert reports == []
 
 
 def test_a_wrapper_of_vectors(kind: Any) -> None:
