@@ -68,7 +68,7 @@ class Parser(argparse.ArgumentParser):
 
 GAME_HELP = (
     "a game, such as breakout, its ROM, such as Breakout.a26, an ID, such as PongNoFrameskip-v4, a game definition, "
-    "such as own.toml, or a task, such as task.json, which `atari explain GAME --print-task --json` prints"
+    "such as own.toml, or a task, such as task.json, which `atari info GAME --print-task --json` prints"
 )
 
 

@@ -1,4 +1,4 @@
-"""Policies that play games to a replay, for `record`, `demo`, `collect`, `watch` and `evaluate`."""
+"""Policies that play games to a replay, for `record`, `collect`, `watch` and `evaluate`."""
 
 import argparse
 import sys

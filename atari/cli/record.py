@@ -12,6 +12,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import gymnasium
+
 from atari.base import durable
 from atari.base.program import ctrl_c_as_event, removed_at_ctrl_c
 from atari.base.progress import ProgressBar
@@ -38,30 +40,23 @@ from atari.task.task import FoundGame, look_up
 Play = Callable[[Path], bool]
 """Plays games to a replay; False if it was interrupted."""
 
+_PRESET, _STEPS = "dqn2015", 1000
+"""What is played without a policy."""
+
 
 def register(commands: Commands) -> None:
     """Add `atari record`."""
-    parser = add_command(commands, "record", record, "let a policy play a game, and record a video or a replay")
+    parser = add_command(commands, "record", _record, "let a policy play a game, and record a video or a replay")
     parser.add_argument("game", metavar="GAME", help=f"{GAME_HELP}; with --players also a name of PettingZoo's")
     parser.add_argument(
         "--policy",
         action="append",
         metavar="POLICY",
         help="random, noop, MODULE:FUNCTION (called with observations (n, ...), returns n actions), a replay, such "
-        "as game.a26r, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file (default: random); with "
-        "--players, one for each player, but no replay",
+        "as game.a26r, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file; with --players, one for "
+        f"each player, but no replay (default: random; for one player it plays {_STEPS} steps, and preset {_PRESET} "
+        "unless GAME is an ID or a task)",
     )
-    length = add_recording(parser)
-    length.add_argument(
-        "--episodes", type=number(int, 1, MAX_EPISODES), default=1, metavar="N", help="number of games (default: 1)"
-    )
-    length.add_argument("--steps", type=number(int, 1), metavar="N", help="steps of a random, noop or function policy")
-    add_task(parser)
-    parser.set_defaults(no_video=False)
-
-
-def add_recording(parser: argparse.ArgumentParser) -> Any:
-    """Add the options of recordings; returns the group of options of their length."""
     add_rom(parser)
     length = parser.add_mutually_exclusive_group()
     length.add_argument(
@@ -70,6 +65,13 @@ def add_recording(parser: argparse.ArgumentParser) -> Any:
         metavar="S",
         help="seconds of play at the console's speed, all games together; not of a policy that plays whole games",
     )
+    length.add_argument(
+        "--episodes",
+        type=number(int, 1, MAX_EPISODES),
+        metavar="N",
+        help="number of games (default: 1, if there is a --policy)",
+    )
+    length.add_argument("--steps", type=number(int, 1), metavar="N", help="steps of a random, noop or function policy")
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of game and policy (default: 0)")
     endings = ", ".join((*FORMATS, SUFFIX))
     parser.add_argument(
@@ -81,15 +83,17 @@ def add_recording(parser: argparse.ArgumentParser) -> Any:
         help=f"a video, a picture (.png) or a replay, by its ending ({endings}), an existing file is replaced; may be "
         "repeated (default: videos/GAME-SEED.mp4)",
     )
+    parser.add_argument("--no-video", action="store_true", help="play, print the scores, and write nothing")
     parser.add_argument(
         "--best", action="store_true", help="videos show the game with the highest score alone; a replay has all games"
     )
     add_looks(parser)
-    return length
+    add_task(parser)
 
 
-def record(args: argparse.Namespace) -> int:
-    """Make the recordings of the arguments."""
+def _record(args: argparse.Namespace) -> int:
+    if args.no_video and args.output:
+        raise ValueError("--no-video writes nothing; leave it or --output out")
     policies = args.policy or ["random"]
     match = is_match(args)
     if len(policies) > 1 and not match:
@@ -107,7 +111,10 @@ def record(args: argparse.Namespace) -> int:
         raise ValueError(f"--frame {args.frame} is a frame of all games; leave --best and --seconds out")
     if recorded and outputs.replays:
         raise ValueError("a replay of a replay is its copy; name a video with -o")
-    outputs.check(task.definition)
+    try:
+        outputs.check(task.definition)
+    except gymnasium.error.DependencyNotInstalled as error:
+        raise gymnasium.error.DependencyNotInstalled(f"{error}; or play without a video: --no-video") from None
     start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(policies[0]) if recorded else next(iter(outputs.replays), Path(folder, "games.a26r"))
@@ -153,6 +160,10 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
     loaded = load_policy(policy)
     if not Path(policy).exists() and says_nothing(loaded):
         found = look_up(read_game(args.game))
+        if args.policy is None and (args.seconds, args.episodes, args.steps) == (None, None, None):
+            args.steps = _STEPS
+        if args.policy is None and args.preset is None and found.bare:
+            args.preset = _PRESET
         task = task_of(args, found)
         if task.continuous:
             raise ValueError("continuous=True has no numbered actions, and a policy chooses one; leave it out")
@@ -162,7 +173,7 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
             raise ValueError(f"{policy} plays whole games, with the ROM that is found; leave --{option} out")
     (game,) = find_played(args, [args.game], loaded)
     task, record = games_of(loaded, game)
-    seeds = range(args.seed, args.seed + args.episodes)
+    seeds = range(args.seed, args.seed + (args.episodes or 1))
     return task, lambda path: bool(record(seeds, path))
 
 
@@ -200,7 +211,7 @@ class _Ends:
     def __init__(self, args: argparse.Namespace, game: Game) -> None:
         self._steps = args.steps or math.inf
         self._frames = math.inf if args.seconds is None else math.ceil(args.seconds * frame_rate(game))
-        self._games = args.episodes if args.steps is None and args.seconds is None else math.inf
+        self._games = (args.episodes or 1) if args.steps is None and args.seconds is None else math.inf
         total = args.steps or (None if args.seconds is None else self._frames)
         self._bar = ProgressBar(unit=" steps" if args.steps else " frames", total=total, disable=None)
         self._start, self._next = time.perf_counter(), math.ceil((args.steps or 0) / 10)

@@ -167,7 +167,7 @@ def test_an_unknown_game_suggests_the_nearest(wrong: str, right: str) -> None:
 
 
 def test_a_game_like_no_other_is_pointed_to_the_list() -> None:
-    with pytest.raises(ValueError, match="there is no game 'qqqq'; see `atari list` for all of them"):
+    with pytest.raises(ValueError, match="there is no game 'qqqq'; see `atari info` for all of them"):
         atari.games.find("qqqq")
 
 
