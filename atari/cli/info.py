@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from atari.base.json_text import check_kind
+from atari.base.typed_table import check_type
 from atari.cli.arguments import GAME_HELP, Commands, add_command
 from atari.cli.printing import print_json, print_table, to_json_types
 from atari.games.catalog import games
@@ -169,7 +169,7 @@ def _of_video(args: argparse.Namespace) -> int:
         played = json.dumps(facts.get("task", facts))
     print(f"{args.game}: written by {facts['package']}\n{played}")
     if "core_seeds" in facts:
-        print(f"  {'core seeds':13} {', '.join(map(str, check_kind(facts['core_seeds'], 'core_seeds', list)))}")
+        print(f"  {'core seeds':13} {', '.join(map(str, check_type(facts['core_seeds'], 'core_seeds', list)))}")
     return 0
 
 

@@ -79,10 +79,10 @@ def _parse_after_resume(args: argparse.Namespace) -> argparse.Namespace:
     Raises:
         ValueError: a word is no such option.
     """
-    from atari.learning.options import TrainingOptions, parse
+    from atari.learning.options import TrainingOptions, read_option
 
     parser = _output_parser()
-    parser.add_argument("--total-steps", type=lambda text: parse(TrainingOptions, "total_steps", text))
+    parser.add_argument("--total-steps", type=lambda text: read_option(TrainingOptions, "total_steps", text))
     args, unknown = parser.parse_known_args(args.words, argparse.Namespace(**vars(args)))
     if unknown:
         raise ValueError(

@@ -9,13 +9,14 @@ from contextlib import closing
 from dataclasses import fields
 from datetime import timedelta
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, get_type_hints
 
 import gymnasium
 
 from atari.base.program import ctrl_c_as_event, interruptible, run
 from atari.base.progress import ProgressBar
-from atari.learning.options import FAST_RAM, TrainingOptions, is_switch, parse, shown
+from atari.base.typed_table import fits, in_text
+from atari.learning.options import FAST_RAM, TrainingOptions, read_option
 from atari.learning.run import RunFolder
 from atari.learning.training import Agent, AgentCode, Training, agent_code
 from atari.task import Task
@@ -229,20 +230,20 @@ def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | Non
     )
     parser.add_argument("-o", "--run", type=Path, metavar="RUN", help="the new run folder (default: in runs/)")
     parser.add_argument("--fast", action="store_true", help="use the options of the list below, found by measurement")
-    texts = descriptions(kind)
+    texts, kinds = descriptions(kind), get_type_hints(kind)
     for field in fields(kind):
         if field.name != "task":
             flag = f"--{field.name.replace('_', '-')}"
-            default = "" if field.default is None else f" (default: {shown(field.default)})"
+            default = "" if field.default is None else f" (default: {in_text(field.default)})"
             text = f"{texts[field.name]}{default}".replace("%", "%%")
             own: dict[str, Any] = {"type": _option_type(kind, field.name), "default": argparse.SUPPRESS, "metavar": "X"}
-            if is_switch(kind, field.name):
+            if fits(True, kinds[field.name]):
                 own |= {"nargs": "?", "const": True}
             parser.add_argument(flag, help=text, **own)
     add_task(parser, leave_out=_ALONE)
     add_refused(parser, dict.fromkeys(_OF_SWEEPS, _SWEEP))
     listed, of_ram = (
-        ", ".join(f"{name} {shown(value)}" for name, value in options.items()) for options in (agent.fast, FAST_RAM)
+        ", ".join(f"{name} {in_text(value)}" for name, value in options.items()) for options in (agent.fast, FAST_RAM)
     )
     parser.epilog = f"--fast: {listed}. From RAM it has instead: {of_ram}"
     return parser
@@ -269,10 +270,9 @@ _SWEEP = (
 def _option_type(options: type[TrainingOptions], name: str) -> Any:
     def convert(text: str) -> Any:
         try:
-            return parse(options, name, text)
+            return read_option(options, name, text)
         except ValueError as error:
-            words = f"{text!r} is no number" if "could not convert" in str(error) else str(error)
-            raise argparse.ArgumentTypeError(words) from None
+            raise argparse.ArgumentTypeError(str(error)) from None
 
     return convert
 

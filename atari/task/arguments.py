@@ -8,11 +8,11 @@ import os
 import re
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 from atari.base import magic
+from atari.base.typed_table import from_text
 from atari.base.validation import check_file, check_integer
 from atari.games.frozen import FrozenDict
 from atari.roms.identification import identify
@@ -255,13 +255,9 @@ def option_of(name: str, text: str) -> Any:
         >>> option_of("frameskip", "2,5"), option_of("actions", "NOOP,FIRE"), option_of("stack_num", "none")
         ((2, 5), ('NOOP', 'FIRE'), None)
     """
-    if text == "none" and type(None) in get_args(TYPES[name]):
-        return None
-    if TYPES[name] == str | None:  # the whole text is the value; it may have commas
-        return check_field(name, text)
-    words = tuple(_number(word) for word in text.split(","))
-    several = len(words) > 1 or (name == "actions" and text not in ("minimal", "full"))
-    return check_field(name, words if several else words[0])
+    value = from_text(text, TYPES[name])
+    alone = name == "actions" and isinstance(value, str) and value not in ("minimal", "full")
+    return check_field(name, (value,) if alone else value)
 
 
 def descriptions(owner: type) -> dict[str, str]:
@@ -294,11 +290,3 @@ def _preset(name: str) -> str:
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
     return name
-
-
-def _number(word: str) -> Any:
-    """A word as a number, if it is one. 1e5 is a whole number, too."""
-    with suppress(ValueError):
-        value = float(word)
-        return int(value) if value.is_integer() else value
-    return word

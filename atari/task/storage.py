@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from atari.base import json_text
+from atari.base.typed_table import check_table, check_type
 from atari.cores.writes import fact
 from atari.games.catalog import games
 from atari.games.game import Game
@@ -99,15 +100,8 @@ def from_json(kind: type[_Kind], text: str, game: Game | None = None) -> _Kind:
             f"the task is of format {number}, and this release of atari-envs reads up to {FORMAT}; install a newer one"
         )
     defaults = _DEFAULTS[number]
-    for key in table:
-        if key not in defaults:
-            raise ValueError(f"a task has no key {key!r}; it has {', '.join(sorted(defaults))}")
-    if "game" not in table:
-        raise ValueError("a task needs the key 'game'")
-    fields = {**defaults, **table}
-    changes = fields["interventions"]
-    if not isinstance(changes, (list, tuple)) or not all(isinstance(one, dict) for one in changes):
-        raise ValueError(f"'interventions' must be a list of definitions, got {changes!r:.80}")
+    kinds = {**dict.fromkeys(defaults, Any), "interventions": tuple[dict[str, Any], ...], "file": str | None}
+    fields = {**defaults, **check_table(table, "a task", {"game": str}, kinds)}
     fields["game"] = _game(fields["game"], fields.pop("file"), game)
     try:
         return kind(**fields)
@@ -117,8 +111,6 @@ def from_json(kind: type[_Kind], text: str, game: Game | None = None) -> _Kind:
 
 def _game(name: Any, file: Any, game: Game | None) -> Any:
     """The game of a stored task, in a form that `Task` takes."""
-    if not isinstance(name, str) or not (file is None or isinstance(file, str)):
-        raise ValueError(f"'game' must be a string and 'file' a string or null, got {name!r} and {file!r}")
     if game is not None:
         if name != game.id or file is not None:
             raise ValueError(f"the task is of the game {file or name!r}, not of {game.id!r}")
@@ -143,7 +135,5 @@ def _read(text: Any) -> dict[str, Any]:
     """
     if not isinstance(text, str):
         raise TypeError(f"a task is read from a string of JSON, got {text!r:.80}")
-    table = json_text.parse(text, "the task")
-    if not isinstance(table, dict):
-        raise ValueError(f"a task must be a JSON object, got {table!r:.80}")
+    table: dict[str, Any] = check_type(json_text.parse(text, "the task"), "a task", dict)
     return table

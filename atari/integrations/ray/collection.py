@@ -13,6 +13,7 @@ from typing import Any, Literal
 import ray
 
 from atari.base import durable, json_text
+from atari.base.typed_table import check_table, check_type
 from atari.base.validation import check_integer, check_name
 from atari.lab.collect import Format, check_output, output_format, write_dataset
 from atari.lab.labels import Labels
@@ -213,7 +214,7 @@ class _Manifest:
             other = ", ".join(f"{name} {first.get(name)!r}" for name in facts if first.get(name) != facts[name])
             raise ValueError(f"{folder} has data of {other or 'another kind'}; choose another name")
         for line in lines:
-            if self._is_whole(json_text.check_table(line, f"{self._path}: a line", _LINE, _OF_FORMATS)):
+            if self._is_whole(check_table(line, f"{self._path}: a line", _LINE, _OF_FORMATS)):
                 self.finished[line["seed"]] = line
 
     def add(self, part: _Part) -> None:
@@ -228,7 +229,7 @@ class _Manifest:
 
     def _parse(self, line: bytes) -> dict[str, Any]:
         try:
-            return dict(json_text.check_kind(json_text.parse(line, "JSON"), "a line", dict))
+            return dict(check_type(json_text.parse(line, "JSON"), "a line", dict))
         except ValueError as error:
             text = f"{self._path} is damaged at {line[:40]!r}; delete the line, or the folder"
             raise ValueError(f"{text} ({error})") from None

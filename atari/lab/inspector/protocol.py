@@ -32,6 +32,7 @@ import numpy as np
 
 import atari._emulator as _emulator
 from atari.base import json_text
+from atari.base.typed_table import check_table
 from atari.lab.inspector.session import HISTORY, SPEEDS, Session
 
 VERSION = 1
@@ -128,32 +129,32 @@ def news(session: Session, known: str) -> tuple[str, list[dict[str, Any]]]:
     return present, messages
 
 
-_INTEGER, _TEXT, _BOOL, _NUMBER, _BYTE = int, str, bool, float, (int, type(None))
+_BYTE = int | None
 
-_COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, type | tuple[type, ...]]]] = {
+_COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "play": (Session.play, {}),
     "pause": (Session.pause, {}),
-    "step": (Session.step, {"frames": _INTEGER}),
-    "seek": (Session.seek, {"frame": _INTEGER}),
+    "step": (Session.step, {"frames": int}),
+    "seek": (Session.seek, {"frame": int}),
     "take_over": (Session.take_over, {}),
     "new_game": (Session.new_game, {}),
-    "speed": (Session.set_speed, {"speed": _NUMBER}),
-    "hold": (Session.hold, {"vertical": _INTEGER, "horizontal": _INTEGER, "fire": _BOOL}),
-    "agent": (Session.let_agent_play, {"on": _BOOL}),
-    "poke": (Session.poke, {"index": _INTEGER, "value": _INTEGER}),
-    "freeze": (Session.freeze, {"index": _INTEGER, "value": _BYTE}),
-    "release": (Session.release, {"index": _INTEGER}),
+    "speed": (Session.set_speed, {"speed": float}),
+    "hold": (Session.hold, {"vertical": int, "horizontal": int, "fire": bool}),
+    "agent": (Session.let_agent_play, {"on": bool}),
+    "poke": (Session.poke, {"index": int, "value": int}),
+    "freeze": (Session.freeze, {"index": int, "value": _BYTE}),
+    "release": (Session.release, {"index": int}),
     "undo": (Session.undo, {}),
-    "name": (Session.name, {"index": _INTEGER, "name": _TEXT}),
+    "name": (Session.name, {"index": int, "name": str}),
     "fork": (Session.open_fork, {}),
-    "close_fork": (Session.close_fork, {"keep": _BOOL}),
+    "close_fork": (Session.close_fork, {"keep": bool}),
     "select": (Session.select, {"index": _BYTE}),
-    "watch": (Session.watch, {"index": _INTEGER, "on": _BOOL}),
+    "watch": (Session.watch, {"index": int, "on": bool}),
     "new_search": (Session.new_search, {}),
-    "filter": (Session.filter, {"name": _TEXT, "low": _INTEGER, "high": _INTEGER}),
+    "filter": (Session.filter, {"name": str, "low": int, "high": int}),
     "undo_filter": (Session.undo_filter, {}),
-    "pixels": (Session.pixels_of, {"index": _INTEGER}),
-    "bytes": (Session.bytes_of, {"x": _INTEGER, "y": _INTEGER}),
+    "pixels": (Session.pixels_of, {"index": int}),
+    "bytes": (Session.bytes_of, {"x": int, "y": int}),
 }
 """The method and the types of the arguments, by the name of a command."""
 
@@ -195,4 +196,4 @@ def _parse(text: str) -> tuple[str, dict[str, Any]]:
     method, kinds = _COMMANDS[name]
     parameters = signature(method).parameters
     required = {key: kind for key, kind in kinds.items() if parameters[key].default is Parameter.empty}
-    return name, json_text.check_table(message, f"the command {name}", required, kinds)
+    return name, check_table(message, f"the command {name}", required, kinds)

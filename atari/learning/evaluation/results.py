@@ -10,10 +10,10 @@ from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
 from statistics import fmean, median, pstdev
-from types import NoneType
 from typing import Any
 
 from atari.base import durable, json_text
+from atari.base.typed_table import check_table, check_type
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.task.fields import DEFAULTS, OF_GAME
@@ -164,7 +164,7 @@ _KINDS: dict[str, Any] = {
     "protocol": dict,
     "seed": int,
     "games": list,
-    "training_frames": (int, NoneType),
+    "training_frames": int | None,
 }
 _KINDS_OF_GAME = {
     "game": str, "scores": list, "frames": list, "truncated": list, "seeds": list, "observation": dict, "task": dict
@@ -177,7 +177,7 @@ def _checked_result(content: dict[str, Any]) -> Result:
     Raises:
         TypeError, ValueError: a field is missing, or of the wrong kind.
     """
-    json_text.check_table(content, "it", {"format": str, **_KINDS, "versions": dict})
+    check_table(content, "it", {"format": str, **_KINDS, "versions": dict})
     games = tuple(_checked_game(one) for one in content["games"])
     if not games or len({one.game for one in games}) < len(games):
         raise ValueError("games must have each game once, and at least one")
@@ -186,11 +186,10 @@ def _checked_result(content: dict[str, Any]) -> Result:
 
 
 def _checked_game(content: Any) -> GameResult:
-    content = json_text.check_table(content, "a game", _KINDS_OF_GAME)
+    content = check_table(content, "a game", _KINDS_OF_GAME)
     kinds = {"scores": float, "frames": int, "truncated": bool, "seeds": int}
     lists = {
-        name: tuple(json_text.check_kind(one, f"each of {name}", kind) for one in content[name])
-        for name, kind in kinds.items()
+        name: tuple(check_type(one, f"each of {name}", kind) for one in content[name]) for name, kind in kinds.items()
     }
     if len({*map(len, lists.values()), 0}) != 2:
         raise ValueError(f"{content['game']} must have as many scores, frames, truncated and seeds, and at least one")

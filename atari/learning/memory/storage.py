@@ -16,13 +16,13 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
-from types import NoneType
 from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
 
 from atari.base import durable, json_text
+from atari.base.typed_table import check_table
 from atari.base.validation import check_file
 from atari.learning.memory.options import MemoryOptions
 
@@ -40,9 +40,9 @@ _KINDS: dict[str, Any] = {
     "autoreset_mode": str,
     "action_shape": list,
     "action_dtype": str,
-    "priority_exponent": (float, NoneType),
+    "priority_exponent": float | None,
     "final_frames": int,
-    "compressed_bytes": (int, NoneType),
+    "compressed_bytes": int | None,
     "margin": int,
     "saved": bool,
 }
@@ -220,7 +220,7 @@ def options_of(values: Any) -> MemoryOptions:
         ValueError: an option is missing, unknown, or wrong.
     """
     try:
-        json_text.check_table(values, "the table of options", _KINDS)
+        check_table(values, "the table of options", _KINDS)
         if not re.fullmatch(r"[<>|=][biuf]\d{1,2}", values["action_dtype"]):
             raise ValueError(f"action_dtype is {values['action_dtype']!r:.60}")
         return MemoryOptions.check(**values)
