@@ -12,7 +12,7 @@ from importlib import import_module
 
 import atari
 from atari.base.program import interruptible, run
-from atari.cli.arguments import Parser
+from atari.task.parser import Parser
 
 _COMMANDS = tuple("info roms verify record replay play train watch evaluate collect lab causes completion".split())
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from atari.base.text_table import fact_lines
 from atari.base.typed_table import check_type
 from atari.cli.arguments import GAME_HELP, Commands, add_command
 from atari.cli.printing import print_json, print_table, to_json_types
@@ -155,7 +156,7 @@ def _own_ids(game: Game, file: str) -> list[str]:
     """The line about the IDs of a game of the user's own; none for a game of this package."""
     if game.file is None:
         return []
-    return [f"  IDs           {' and '.join(_ids(game))}, after atari.register_game({file!r})"]
+    return fact_lines("IDs", [f"{' and '.join(_ids(game))}, after atari.register_game({file!r})"])
 
 
 def _of_video(args: argparse.Namespace) -> int:
@@ -169,7 +170,7 @@ def _of_video(args: argparse.Namespace) -> int:
         played = json.dumps(facts.get("task", facts))
     print(f"{args.game}: written by {facts['package']}\n{played}")
     if "core_seeds" in facts:
-        print(f"  {'core seeds':13} {', '.join(map(str, check_type(facts['core_seeds'], 'core_seeds', list)))}")
+        print(*fact_lines("core seeds", [", ".join(map(str, check_type(facts["core_seeds"], "core_seeds", list)))]))
     return 0
 
 
@@ -191,10 +192,8 @@ def _description(game: Game, file: str) -> str:
         ("notes", [*(game.manual.notes if game.manual else ()), *game.notes]),
         ("IDs", _ids(game) if game.file is None else []),
     ]
-    lines = [f"{game.id}: {game.title}"]
-    for name, values in facts:
-        lines += [f"  {'' if i else name:12}  {value}" for i, value in enumerate(values)]
-    return "\n".join([*lines, *_own_ids(game, file)])
+    lines = (line for name, values in facts for line in fact_lines(name, values))
+    return "\n".join([f"{game.id}: {game.title}", *lines, *_own_ids(game, file)])
 
 
 def _manual(manual: Manual) -> list[tuple[str, list[Any]]]:

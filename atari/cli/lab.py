@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from atari.base.extras import install_extra
-from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, find_game, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, find_game
 from atari.games.catalog import games
 from atari.roms.search import ENDINGS
-from atari.task.arguments import SCREEN, add_task, given_options, read_game, seed, show_task, task_of
+from atari.task.arguments import SCREEN, add_task, given_options, read_game, show_task, task_of
+from atari.task.parser import number, seed
 from atari.task.task import BY_FRAME, look_up
 
 if TYPE_CHECKING:

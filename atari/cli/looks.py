@@ -5,13 +5,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from atari.cli.arguments import number
 from atari.games.game import Game
 from atari.recording import VideoWriter
 from atari.recording.replay.file_format import SUFFIX
 from atari.recording.video.formats import FORMATS, has_sound, is_picture
 from atari.recording.video.overlay import OVERLAYS, Overlay
 from atari.recording.video.writer import SPEEDS
+from atari.task.parser import number
 
 _SCALE = 2
 

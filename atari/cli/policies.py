@@ -14,6 +14,7 @@ from atari.learning.evaluation.evaluate import record_task
 from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
 from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games, says_nothing, usual_protocol
 from atari.learning.evaluation.protocols import find_protocol
+from atari.learning.options import NOT_FOR_AGENTS
 from atari.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay
 from atari.task import Task
@@ -22,10 +23,7 @@ from atari.task.fields import OF_GAME
 from atari.task.resolution import is_id
 from atari.task.task import look_up
 
-ALONE = (
-    *("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
-    *("life_loss_info", "reward", "reward_clipping"),
-)
+NOT_RECORDED = (*NOT_FOR_AGENTS, "life_loss_info", "reward", "reward_clipping")
 """Fields that recorded games of policies do not honour: their scores are the game's own."""
 
 UNCLIPPED = {"reward_clipping": False}

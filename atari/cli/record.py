@@ -17,7 +17,7 @@ import gymnasium
 from atari.base import durable
 from atari.base.program import ctrl_c_as_event, removed_at_ctrl_c
 from atari.base.progress import ProgressBar
-from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom
 from atari.cli.looks import Looks, add_looks
 from atari.cli.multiplayer import is_match, make_match, match_task
 from atari.cli.policies import PolicySession, find_played, games_of, replay_of
@@ -34,7 +34,8 @@ from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
 from atari.registry.making import make_found
 from atari.task import Task
-from atari.task.arguments import add_task, read_game, seed, show_task, task_of
+from atari.task.arguments import add_task, read_game, show_task, task_of
+from atari.task.parser import number, seed
 from atari.task.task import FoundGame, look_up
 
 Play = Callable[[Path], bool]

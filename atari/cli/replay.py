@@ -11,7 +11,7 @@ from typing import Any
 from atari.base.program import removed_at_ctrl_c
 from atari.base.progress import ProgressBar
 from atari.base.validation import check_integer
-from atari.cli.arguments import Commands, add_command, number
+from atari.cli.arguments import Commands, add_command
 from atari.cli.looks import Looks, add_looks, best_or_number
 from atari.cli.printing import print_json, print_table, print_warning
 from atari.cores import CORES
@@ -19,6 +19,7 @@ from atari.recording import Replay
 from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
 from atari.task.description import summary
+from atari.task.parser import number
 
 
 def register(commands: Commands) -> None:

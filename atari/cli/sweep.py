@@ -14,12 +14,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from atari.cli.arguments import number
 from atari.cli.printing import print_json, print_table
 from atari.learning import GAME_SETS
 from atari.learning.evaluation.compare import budget_faults
 from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_protocol, refusal
 from atari.learning.evaluation.published import Published
+from atari.task.parser import Parser, number
 
 if TYPE_CHECKING:
     from atari.learning.training import AgentCode
@@ -167,7 +167,7 @@ def _finish(
 
 def _parser() -> argparse.ArgumentParser:
     """The flags of a sweep after the games; the flags of `atari train` keep their values from before the agent."""
-    parser = argparse.ArgumentParser(prog="atari train", add_help=False, allow_abbrev=False)
+    parser = Parser(prog="atari train", add_help=False)
     parser.add_argument("-o", "--run", dest="folder", type=Path, metavar="FOLDER")
     parser.add_argument("--protocol", default="machado2018", metavar="NAME")
     parser.add_argument("--episodes", type=number(int, 1, MAX_EPISODES), metavar="N")

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from atari.base.text_table import Table
 from atari.base.validation import check_integer
 from atari.games.game import Game, RamLabel
 from atari.lab.access import access
@@ -19,7 +20,6 @@ from atari.lab.labels import (
     unknown_label,
 )
 from atari.lab.objects import positions, visible_objects
-from atari.lab.table import Table
 
 _MOST_COLUMNS = 8
 

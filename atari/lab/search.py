@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from atari.base.text_table import Table
 from atari.base.validation import check_integer
 from atari.cores import ByteArray
 from atari.lab.access import access
 from atari.lab.history import check_index, recorded
 from atari.lab.labels import byte_index
 from atari.lab.places import IntArray, Place, Places
-from atari.lab.table import Table
 
 _COLUMNS = 12
 _ROWS = 40

@@ -8,40 +8,22 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import fields
 from datetime import timedelta
+from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn, get_type_hints
+from typing import Any, get_type_hints
 
 import gymnasium
 
 from atari.base.program import ctrl_c_as_event, interruptible, run
 from atari.base.progress import ProgressBar
 from atari.base.typed_table import fits, in_text
-from atari.learning.options import FAST_RAM, TrainingOptions, read_option
+from atari.learning.options import FAST_RAM, NOT_FOR_AGENTS, TrainingOptions, option_from_text
 from atari.learning.run import RunFolder
 from atari.learning.training import Agent, AgentCode, Training, agent_code
 from atari.task import Task
-from atari.task.arguments import (
-    StoreOnce,
-    add_refused,
-    add_task,
-    advised,
-    descriptions,
-    given_options,
-    read_game,
-    show_task,
-    task_of,
-)
+from atari.task.arguments import add_task, descriptions, given_options, read_game, show_task, task_of
 from atari.task.description import summary
-
-_ALONE = (
-    "players",
-    "continuous",
-    "continuous_action_threshold",
-    "sound_obs",
-    "agent_indicator",
-    "zero_sum",
-)
-"""Options of a task that trainings refuse."""
+from atari.task.parser import Parser, add_refused, as_type
 
 
 def train(
@@ -213,12 +195,11 @@ class Lines:
 
 def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | None) -> argparse.ArgumentParser:
     kind = agent.options_class
-    parser = _Parser(
+    parser = Parser(
         prog=prog,
         usage=f"{prog} GAME [options]; --help lists them",
         description=f"Train {agent.__name__}.",
         parents=[] if output is None else [output],
-        allow_abbrev=False,
     )
     parser.add_argument(
         "game",
@@ -236,11 +217,15 @@ def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | Non
             flag = f"--{field.name.replace('_', '-')}"
             default = "" if field.default is None else f" (default: {in_text(field.default)})"
             text = f"{texts[field.name]}{default}".replace("%", "%%")
-            own: dict[str, Any] = {"type": _option_type(kind, field.name), "default": argparse.SUPPRESS, "metavar": "X"}
+            own: dict[str, Any] = {
+                "type": as_type(partial(option_from_text, kind, field.name)),
+                "default": argparse.SUPPRESS,
+                "metavar": "X",
+            }
             if fits(True, kinds[field.name]):
                 own |= {"nargs": "?", "const": True}
             parser.add_argument(flag, help=text, **own)
-    add_task(parser, leave_out=_ALONE)
+    add_task(parser, leave_out=NOT_FOR_AGENTS)
     add_refused(parser, dict.fromkeys(_OF_SWEEPS, _SWEEP))
     listed, of_ram = (
         ", ".join(f"{name} {in_text(value)}" for name, value in options.items()) for options in (agent.fast, FAST_RAM)
@@ -249,32 +234,11 @@ def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | Non
     return parser
 
 
-class _Parser(argparse.ArgumentParser):
-    def __init__(self, **options: Any) -> None:
-        super().__init__(**options)
-        for kind in (None, "store"):
-            self.register("action", kind, StoreOnce)
-
-    def error(self, message: str) -> NoReturn:
-        """Print the usage and the error with a suggestion, and exit with code 2."""
-        super().error(advised(message, self._option_string_actions))
-
-
 _OF_SWEEPS = ("--seeds", "--jobs", "--protocol", "--episodes", "--compare", "--mixed")
 _SWEEP = (
     f"{', '.join(_OF_SWEEPS)} are for a sweep, `atari train AGENT GAMES --seeds 0-2`; one training has --seed, and "
     "`atari evaluate RUN --protocol NAME` evaluates it"
 )
-
-
-def _option_type(options: type[TrainingOptions], name: str) -> Any:
-    def convert(text: str) -> Any:
-        try:
-            return read_option(options, name, text)
-        except ValueError as error:
-            raise argparse.ArgumentTypeError(str(error)) from None
-
-    return convert
 
 
 def _new_folder(name: str) -> Path:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from atari.base.typed_table import check_type, fits, from_text, in_words, members
 from atari.base.validation import check_integer, check_known
+from atari.cores.options import SEED_LIMIT
 from atari.learning.programs import is_program, module_of, named_in, program
 from atari.policy.needs import in_game
 from atari.task import Task
@@ -21,9 +22,6 @@ from atari.task.task import GameLike, look_up
 
 NETWORKS = ("nature", "small", "mlp", "bits")
 """The names of the networks of this package."""
-
-SEEDS = 2**32
-"""The number of seeds, 0..2**32-1."""
 
 MOST_WORKERS = 1024
 """The largest number of threads that play and learn."""
@@ -142,7 +140,7 @@ class TrainingOptions:
         if not isinstance(self.task, Task):
             raise TypeError(f"task must be an atari.Task, got {self.task!r}; {type(self).__name__}.of(GAME) makes one")
         check_task(self.task)
-        check_integer("seed", self.seed, 0, SEEDS - 1)
+        check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
         for name, most in (("total_steps", 10**15), ("num_envs", 2**16), ("workers", MOST_WORKERS)):
             check_integer(name, getattr(self, name), 1, most)
         kinds = get_type_hints(type(self))
@@ -246,9 +244,13 @@ class TrainingOptions:
 
         Otherwise they are words of `numpy.random.SeedSequence(first)`.
         """
-        if first + count <= SEEDS:
+        if first + count <= SEED_LIMIT:
             return np.arange(first, first + count)
         return np.random.SeedSequence(first).generate_state(count).astype(np.int64)
+
+
+NOT_FOR_AGENTS = ("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum")
+"""Options of a task that no agent of this package plays."""
 
 
 def check_task(task: Task) -> None:
@@ -289,7 +291,7 @@ def _check_option(name: str, value: Any, kind: Any) -> None:
             raise ValueError(f"{name} must be within {least}..2**63-1, got {value!r:.60}")
 
 
-def read_option(options: type, name: str, text: str) -> Any:
+def option_from_text(options: type, name: str, text: str) -> Any:
     """The value of an option from its text on a command line.
 
     Raises:

@@ -1,30 +1,28 @@
 """GAME and the options of a `Task` on a command line: flags made from the rows of its fields."""
 
 import argparse
-import difflib
 import inspect
 import json
 import os
 import re
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 from atari.base import magic
 from atari.base.typed_table import from_text
-from atari.base.validation import check_file, check_integer
+from atari.base.validation import check_file
 from atari.games.frozen import FrozenDict
 from atari.roms.identification import identify
 from atari.roms.search import ENDINGS
 from atari.task.description import summary
 from atari.task.fields import DEFAULTS, GROUPS, ROWS, TYPES, check_field
+from atari.task.parser import as_type, flags_of
 from atari.task.presets import PRESETS, find_preset
 from atari.task.resolution import OPTIONS
 from atari.task.task import FoundGame, GameLike, Task, leave_out, look_up
-
-SEEDS = 2**32
-"""The bound of the seeds of all commands."""
 
 SCREEN: Mapping[str, Any] = FrozenDict(
     {name: DEFAULTS[name] for name in (*GROUPS["observation"], "reward", "reward_clipping")}
@@ -53,7 +51,8 @@ def add_task(
     """
     own = parser.add_argument_group("what is played", "Fields of atari.Task, which override GAME and the preset.")
     if preset:
-        own.add_argument("--preset", type=_preset, metavar="NAME", help=f"a preprocessing: {', '.join(PRESETS)}")
+        names = ", ".join(PRESETS)
+        own.add_argument("--preset", type=as_type(_preset), metavar="NAME", help=f"a preprocessing: {names}")
     own.add_argument("--print-task", action="store_true", help="print what would be played, and end")
     obeyed = [name for name in _options_of(groups) if name not in leave_out]
     sections: dict[str, Any] = {}
@@ -78,7 +77,7 @@ def _options_of(groups: Collection[str]) -> tuple[str, ...]:
 
 
 def _add_flag(group: Any, name: str) -> None:
-    row, flags = ROWS[name], _flags_of(name)
+    row, flags = ROWS[name], flags_of(name)
     common: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS, "help": row.says.replace("%", "%%")}
     if TYPES[name] is bool:
         group.add_argument(*flags, action=argparse.BooleanOptionalAction, **common)
@@ -87,41 +86,8 @@ def _add_flag(group: Any, name: str) -> None:
         group.add_argument(*flags, action="append", metavar=row.metavar, **common)
     else:
         choices = get_args(TYPES[name]) if get_origin(TYPES[name]) is Literal else ()
-        group.add_argument(*flags, type=_reader(name), metavar=row.metavar or "|".join(choices) or "N", **common)
-
-
-def _flags_of(name: str) -> tuple[str, ...]:
-    return ROWS[name].flags or (f"--{name.replace('_', '-')}",)
-
-
-class StoreOnce(argparse.Action):
-    """The action "store", which refuses a flag that is given twice: one of the values would have no effect.
-
-    `flags` of the parsed arguments has the names of the flags that were given.
-    """
-
-    def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, flag: str | None = None) -> None:
-        """Store the value of a flag, or of a word."""
-        if flag is not None:
-            given: frozenset[str] = getattr(namespace, "flags", frozenset())
-            if self.dest in given:
-                raise argparse.ArgumentError(self, "it is given twice; leave one of them out")
-            namespace.flags = given | {self.dest}
-        setattr(namespace, self.dest, values)
-
-
-def advised(message: str, flags: Iterable[str]) -> str:
-    """An error of argparse with the nearest of the flags, or how a value that begins with a dash is given."""
-    if without := re.match(r"argument (?:-\w, )?(--[\w-]+)[^:]*: expected one argument", message):
-        return f"{message}; a value that begins with - is joined by =, as {without[1]}=-1"
-    unknown = re.match(r"unrecognized arguments: (--[\w-]+)", message)
-    if unknown is None:
-        return message
-    wanted, known = unknown[1].replace("_", "-"), [flag for flag in flags if flag.startswith("--")]
-    nearest = difflib.get_close_matches(wanted, known, n=1, cutoff=0.9)  # --frame-skip is no --frame
-    begins = sorted((flag for flag in known if wanted.startswith(f"{flag}-")), key=len, reverse=True)
-    near = [*nearest, *begins, *difflib.get_close_matches(wanted, known, n=1, cutoff=0.7)]
-    return f"{message}; did you mean {near[0]!r}?" if near else message
+        metavar = row.metavar or "|".join(choices) or "N"
+        group.add_argument(*flags, type=as_type(partial(field_from_text, name)), metavar=metavar, **common)
 
 
 def read_task(path: Path) -> Task:
@@ -137,12 +103,6 @@ def read_task(path: Path) -> Task:
         return Task.from_json(data.decode(errors="replace"))
     except ValueError as error:
         raise ValueError(f"{path} has no task: {error}") from None
-
-
-def field_of_flag(flag: str) -> str | None:
-    """The option of a task that a flag of some command sets, or None."""
-    positive = flag.replace("--no-", "--", 1)
-    return next((name for name in OPTIONS if {flag, positive} & {*_flags_of(name)}), None)
 
 
 def given_options(args: argparse.Namespace) -> dict[str, Any]:
@@ -222,38 +182,16 @@ def show_task(args: argparse.Namespace, task: Task) -> bool:
     return bool(args.print_task)
 
 
-def add_refused(parser: argparse.ArgumentParser, flags: Mapping[str, str]) -> None:
-    """Add flags that raise errors with these texts; `{prog}` in them is the command."""
-    for flag, text in flags.items():
-        parser.add_argument(
-            flag, nargs="?", action=_Refused, const=text, default=argparse.SUPPRESS, help=argparse.SUPPRESS
-        )
-
-
-class _Refused(argparse.Action):
-    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        parser.error(str(self.const).replace("{prog}", parser.prog))
-
-
-def seed(text: str) -> int:
-    """An argparse type: a seed, 0..2**32 - 1."""
-    try:
-        return check_integer("a seed", int(text), 0, SEEDS - 1)
-    except ValueError as error:
-        word = str(error) if "within" in str(error) else f"a seed must be a whole number, got {text!r}"
-        raise argparse.ArgumentTypeError(word) from None
-
-
-def option_of(name: str, text: str) -> Any:
+def field_from_text(name: str, text: str) -> Any:
     """The value of an option of a task from its text: a number, a word, "none", or several with commas between.
 
     Raises:
         TypeError, ValueError: the text is no such value; the message says what is accepted.
 
     Example:
-        >>> from atari.task.arguments import option_of
-        >>> option_of("frameskip", "2,5"), option_of("actions", "NOOP,FIRE"), option_of("stack_num", "none")
-        ((2, 5), ('NOOP', 'FIRE'), None)
+        >>> from atari.task.arguments import field_from_text
+        >>> field_from_text("frameskip", "2,5"), field_from_text("actions", "FIRE"), field_from_text("stack_num", "none")
+        ((2, 5), ('FIRE',), None)
     """
     value = from_text(text, TYPES[name])
     alone = name == "actions" and isinstance(value, str) and value not in ("minimal", "full")
@@ -274,19 +212,6 @@ def descriptions(owner: type) -> dict[str, str]:
     return found
 
 
-def _reader(name: str) -> Any:
-    def read(text: str) -> Any:
-        try:
-            return option_of(name, text)
-        except (TypeError, ValueError) as error:
-            raise argparse.ArgumentTypeError(str(error)) from None
-
-    return read
-
-
 def _preset(name: str) -> str:
-    try:
-        find_preset(name)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+    find_preset(name)
     return name

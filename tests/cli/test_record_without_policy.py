@@ -122,7 +122,7 @@ def test_observers_get_the_played_frames_and_none_after_the_end(folder: Path) ->
         (["breakout", "--steps", "1.5"], "'1.5' is not a whole number within 1..1000000000"),
         (["breakout", "--seconds", "nan"], "'nan' is not a number within 0.1..1000000000"),
         (["breakout", "--seconds", "inf"], "'inf' is not a number within 0.1..1000000000"),
-        (["breakout", "--seed", "-1"], "a seed must be within 0..4294967295, got -1"),
+        (["breakout", "--seed", "-1"], "'-1' is not a whole number within 0..4294967295"),
         (["breakout", "--steps", "5", "--seconds", "5"], "not allowed with argument"),
     ],
 )

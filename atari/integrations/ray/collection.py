@@ -15,6 +15,7 @@ import ray
 from atari.base import durable, json_text
 from atari.base.typed_table import check_table, check_type
 from atari.base.validation import check_integer, check_name
+from atari.cores.options import SEED_LIMIT
 from atari.lab.collect import Format, check_output, output_format, write_dataset
 from atari.lab.labels import Labels
 from atari.learning import load_policy
@@ -25,9 +26,6 @@ from atari.task import Task
 from atari.task.task import GameLike
 
 _MANIFEST = "_manifest.jsonl"
-_SEEDS = 2**32
-"""The bound of seeds."""
-
 _LINE = {"seed": int, "file": str, "bytes": int, "score": float}
 _OF_FORMATS = {"steps": int, "frames": int}
 """The kinds of a line of the manifest."""
@@ -110,7 +108,7 @@ def collect(
     """
     (chosen,) = resolve_games(game)
     check_name("frames", frames, ("rgb", "grayscale"))
-    wanted = sorted({check_integer("a seed", seed, 0, _SEEDS - 1) for seed in seeds})
+    wanted = sorted({check_integer("a seed", seed, 0, SEED_LIMIT - 1) for seed in seeds})
     if not wanted:
         raise ValueError("a data set needs at least one seed")
     format = output_format(output, format)

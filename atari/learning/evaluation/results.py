@@ -4,7 +4,7 @@ import json
 import math
 import platform
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from importlib.metadata import version
 from os import PathLike
@@ -13,6 +13,7 @@ from statistics import fmean, median, pstdev
 from typing import Any
 
 from atari.base import durable, json_text
+from atari.base.text_table import aligned
 from atari.base.typed_table import check_table, check_type
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import EvaluationProtocol
@@ -115,7 +116,7 @@ class Result:
         for one in self.games:
             numbers = (one.mean, one.std, one.median, min(one.scores), max(one.scores))
             rows.append((one.game, len(one.scores), *(f"{number:,.1f}" for number in numbers), one.truncations))
-        lines = [f"policy {self.policy}, seed {self.seed}", f"protocol {self.protocol}", "", *aligned(rows)]
+        lines = [f"policy {self.policy}, seed {self.seed}", f"protocol {self.protocol}", "", *aligned(rows, bool)]
         if changed := [f"{one.game} was played with {_in_words(one.changes)}" for one in self.games if one.changes]:
             lines += ["", *changed]
         if truncated := sum(one.truncations for one in self.games):
@@ -209,16 +210,3 @@ def versions() -> dict[str, str]:
     own = {"atari-envs": version("atari-envs"), "python": platform.python_version()}
     others = ("gymnasium", "numpy", "torch", "stable_baselines3", "onnxruntime")
     return {**own, **{name: str(sys.modules[name].__version__) for name in others if name in sys.modules}}
-
-
-def aligned(rows: Iterable[Sequence[object]]) -> list[str]:
-    """Rows as lines of aligned columns: the first to the left, the others to the right."""
-    cells = [[str(cell) for cell in row] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    return [
-        "  ".join(
-            cell.rjust(width) if column else cell.ljust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in cells
-    ]
