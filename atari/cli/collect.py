@@ -60,7 +60,7 @@ def register(commands: Commands) -> None:
         help="let the workers of a Ray cluster play: auto, HOST:PORT, or local, which starts one on this machine. A "
         ".parquet output is a folder then. The same command again goes on where one was stopped",
     )
-    add_task(parser, leave_out=NOT_RECORDED, fixed=UNCLIPPED)
+    add_task(parser, refused=NOT_RECORDED, fixed=UNCLIPPED)
 
 
 def _collect(args: argparse.Namespace) -> int:

@@ -106,7 +106,7 @@ def _session(args: argparse.Namespace) -> "Session":
         game: Any = getattr(player, "game", None)
         if game is None:
             raise ValueError(f"{source} does not say which game it plays")
-        task = player.task_in(find_game(game)).of_emulator().replace(actions="full", obs_type="rgb")
+        task = player.task_in(find_game(game)).emulator_task().replace(actions="full", obs_type="rgb")
         return Session(AtariEnv(task), agent=player, seed=seed_)
     player = _agent(args.agent)
     if of_game:

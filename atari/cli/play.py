@@ -56,7 +56,7 @@ def register(commands: Commands) -> None:
     add_task(
         parser,
         ("game", "play", "begin", "lives", "limits", "obs_type"),
-        leave_out=("continuous", "continuous_action_threshold"),
+        refused=("continuous", "continuous_action_threshold"),
         fixed=SCREEN,
     )
 

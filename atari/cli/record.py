@@ -18,13 +18,13 @@ from atari.base import durable
 from atari.base.program import ctrl_c_as_event, removed_at_ctrl_c
 from atari.base.progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom
-from atari.cli.looks import Looks, add_looks
 from atari.cli.multiplayer import is_match, make_match, match_task
 from atari.cli.policies import PolicySession, find_played, games_of, replay_of
 from atari.cli.printing import print_json
+from atari.cli.video_flags import VideoFlags, add_video_flags
 from atari.games.game import Game
 from atari.learning import load_policy
-from atari.learning.evaluation.played import says_nothing
+from atari.learning.evaluation.played import has_no_needs
 from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.policy import LoadedPolicy
@@ -88,7 +88,7 @@ def register(commands: Commands) -> None:
     parser.add_argument(
         "--best", action="store_true", help="videos show the game with the highest score alone; a replay has all games"
     )
-    add_looks(parser)
+    add_video_flags(parser)
     add_task(parser)
 
 
@@ -105,7 +105,7 @@ def _record(args: argparse.Namespace) -> int:
         return 0
     stem = Path(policies[0]).stem if Path(policies[0]).exists() and not match else str(args.seed)
     files = [] if args.no_video else args.output or [Path("videos", f"{task.game}-{stem}.mp4")]
-    outputs = _Outputs(files, Looks(args, files), args.best)
+    outputs = _Outputs(files, VideoFlags(args, files), args.best)
     if args.best and not outputs.videos:
         raise ValueError("--best is for videos and pictures, and a replay has all games; leave it out")
     if isinstance(args.frame, int) and (args.best or (recorded and args.seconds is not None)):
@@ -159,7 +159,7 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
             )
         return replay_of(args, policy).task, lambda path: True
     loaded = load_policy(policy)
-    if not Path(policy).exists() and says_nothing(loaded):
+    if not Path(policy).exists() and has_no_needs(loaded):
         found = look_up(read_game(args.game))
         if args.policy is None and (args.seconds, args.episodes, args.steps) == (None, None, None):
             args.steps = _STEPS
@@ -232,12 +232,12 @@ class _Outputs:
 
     Attributes:
         files: the files; their suffixes decide their formats.
-        looks: how videos and pictures look.
+        flags: how videos and pictures look.
         best: whether they show only the game with the highest score.
     """
 
     files: list[Path]
-    looks: Looks
+    flags: VideoFlags
     best: bool
 
     @property
@@ -259,7 +259,7 @@ class _Outputs:
             if path.suffix.lower() not in endings:
                 raise ValueError(f"-o is a file that ends in one of {', '.join(endings)}, got {str(path)!r}")
         for path in self.videos:
-            self.looks.check(path, game)
+            self.flags.check(path, game)
 
     def write(self, replay: Replay, seconds: float | None = None) -> int:
         """Write all files except the loaded replay itself, and return the number of frames of a video.
@@ -282,7 +282,7 @@ class _Outputs:
         for path in sorted(self.videos, key=is_picture):  # pictures last: their frame may be after the end
             bar = ProgressBar(unit=" frames", total=frames, disable=is_picture(path) or None)
             with bar, removed_at_ctrl_c(path):
-                replay.render(path, **self.looks.options(path), **part, progress=bar.update)
+                replay.render(path, **self.flags.options(path), **part, progress=bar.update)
         return frames
 
     def __str__(self) -> str:

@@ -51,7 +51,7 @@ def is_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str]) 
 def run_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str]) -> int:
     """Do the sweep of a command line, without the agent: GAMES, flags of the sweep and options of the trainings."""
     import atari.learning.evaluation.plot  # noqa: F401 - raises an error without Matplotlib, before the trainings
-    from atari.learning.command import options_of
+    from atari.learning.command import training_options
     from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, plan
     from atari.learning.sweep.results import comparable_agents
 
@@ -60,7 +60,7 @@ def run_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str])
     folder = args.folder or Path("runs", f"{code.name}-sweep")
 
     def resolve(game: str, seed: int) -> Any:
-        return options_of(code, [game, *options, "--seed", str(seed)], _program(code))
+        return training_options(code, [game, *options, "--seed", str(seed)], _program(code))
 
     seeds = find_seeds("0" if args.seeds is None else args.seeds)
     runs = plan(find_games(games), seeds, folder, resolve)

@@ -39,7 +39,7 @@ def register(commands: Commands) -> None:
         "--scale", type=number(int, 1, 16), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
     )
     parser.add_argument("--no-sound", action="store_true", help="play no sound")
-    add_task(parser, leave_out=NOT_RECORDED, fixed=UNCLIPPED)
+    add_task(parser, refused=NOT_RECORDED, fixed=UNCLIPPED)
 
 
 def _watch(args: argparse.Namespace) -> int:

@@ -72,7 +72,7 @@ def game_among(code: AgentCode, argv: Sequence[str], prog: str) -> str:
     return game
 
 
-def options_of(code: AgentCode, argv: Sequence[str], prog: str) -> TrainingOptions:
+def training_options(code: AgentCode, argv: Sequence[str], prog: str) -> TrainingOptions:
     """The options of the training that a command line without the agent and a run folder describes.
 
     A mistake in the command line ends the program with the usage and the error, see `argparse`.
@@ -225,7 +225,7 @@ def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | Non
             if fits(True, kinds[field.name]):
                 own |= {"nargs": "?", "const": True}
             parser.add_argument(flag, help=text, **own)
-    add_task(parser, leave_out=NOT_FOR_AGENTS)
+    add_task(parser, refused=NOT_FOR_AGENTS)
     add_refused(parser, dict.fromkeys(_OF_SWEEPS, _SWEEP))
     listed, of_ram = (
         ", ".join(f"{name} {in_text(value)}" for name, value in options.items()) for options in (agent.fast, FAST_RAM)

@@ -75,7 +75,7 @@ def make_found(found: FoundGame, task: Task, options: dict[str, Any]) -> Env:
     if task.preprocessed:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
-        env = wrap(_make_plain(task.of_emulator(), env_id, options), task)
+        env = wrap(_make_plain(task.emulator_task(), env_id, options), task)
     else:
         env = _make_plain(task, env_id, options)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
@@ -131,7 +131,7 @@ def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str
     else:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
-        env = wrap(AtariEnv(task.of_emulator(), render_mode=render_mode, core=core, rom=rom), task)
+        env = wrap(AtariEnv(task.emulator_task(), render_mode=render_mode, core=core, rom=rom), task)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
 

@@ -22,7 +22,7 @@ from atari.task.fields import DEFAULTS, GROUPS, ROWS, TYPES, check_field
 from atari.task.parser import as_type, flags_of
 from atari.task.presets import PRESETS, find_preset
 from atari.task.resolution import OPTIONS
-from atari.task.task import FoundGame, GameLike, Task, leave_out, look_up
+from atari.task.task import FoundGame, GameLike, Task, fix_fields, look_up
 
 SCREEN: Mapping[str, Any] = FrozenDict(
     {name: DEFAULTS[name] for name in (*GROUPS["observation"], "reward", "reward_clipping")}
@@ -33,7 +33,7 @@ SCREEN: Mapping[str, Any] = FrozenDict(
 def add_task(
     parser: argparse.ArgumentParser,
     groups: Collection[str] = tuple(GROUPS),
-    leave_out: Collection[str] = (),
+    refused: Collection[str] = (),
     *,
     fixed: Mapping[str, Any] = FrozenDict(),
     preset: bool = True,
@@ -44,7 +44,7 @@ def add_task(
         parser: the parser of a command, which adds GAME itself. A flag that is not given leaves no attribute in its
             namespace; only `preset` is then None.
         groups: the groups of fields that the command obeys, see `atari.task.fields.GROUPS`, and names of options.
-        leave_out: options of these groups that the command does not obey.
+        refused: options of these groups that the command does not obey.
         fixed: options that do not matter for the command, such as observations when a person sees the screen, with
             the values that it plays. They have no flags; if GAME has other values, the first line says so.
         preset: whether the command has `--preset`.
@@ -54,7 +54,7 @@ def add_task(
         names = ", ".join(PRESETS)
         own.add_argument("--preset", type=as_type(_preset), metavar="NAME", help=f"a preprocessing: {names}")
     own.add_argument("--print-task", action="store_true", help="print what would be played, and end")
-    obeyed = [name for name in _options_of(groups) if name not in leave_out]
+    obeyed = [name for name in _option_names(groups) if name not in refused]
     sections: dict[str, Any] = {}
     for name in obeyed:
         title = ROWS[name].group
@@ -71,7 +71,7 @@ def add_task(
     parser.set_defaults(obeyed=tuple(obeyed), fixed=fixed, command=parser.prog)
 
 
-def _options_of(groups: Collection[str]) -> tuple[str, ...]:
+def _option_names(groups: Collection[str]) -> tuple[str, ...]:
     names = (name for group in groups for name in GROUPS.get(group, (group,)))
     return tuple(name for name in names if name in OPTIONS)
 
@@ -161,7 +161,7 @@ def task_of(
         found = look_up(read_game(text)) if isinstance(text, str) else text
         make = found.task_for_agent if agent else found.task
         task = make(getattr(args, "preset", None), given_options(args), owner="Task", **others)
-        task, args.without = leave_out(task, args.obeyed, args.fixed, f"`{args.command}`")
+        task, args.without = fix_fields(task, args.obeyed, args.fixed, f"`{args.command}`")
         return task
     except TypeError as error:
         raise ValueError(str(error)) from None
@@ -190,7 +190,7 @@ def field_from_text(name: str, text: str) -> Any:
 
     Example:
         >>> from atari.task.arguments import field_from_text
-        >>> field_from_text("frameskip", "2,5"), field_from_text("actions", "FIRE"), field_from_text("stack_num", "none")
+        >>> field_from_text("frameskip", "2,5"), field_from_text("actions", "FIRE"), field_from_text("reward", "none")
         ((2, 5), ('FIRE',), None)
     """
     value = from_text(text, TYPES[name])

@@ -53,7 +53,7 @@ def summary(task: TaskData) -> str:
 
 def _changed(task: TaskData, other: TaskData) -> dict[str, Any]:
     """The fields that differ from another task of the game, with this task's values as a user would give them."""
-    fields = task.plain()
+    fields = task.as_options()
     return {name: fields[name] for name in fields if getattr(task, name) != getattr(other, name)}
 
 

@@ -46,16 +46,16 @@ def to_short_json(task: TaskData) -> str:
 @lru_cache(maxsize=256)
 def identity(task: TaskData) -> str:
     """The text of a task in a snapshot: `to_short_json` without the ROM, which the snapshot of the core has."""
-    return to_short_json(task.with_set(rom_md5=None))
+    return to_short_json(task.with_checked(rom_md5=None))
 
 
-def require_same(stored: Any, own: TaskData, leave_out: Collection[str] = ()) -> None:
+def require_same(stored: Any, own: TaskData, ignored: Collection[str] = ()) -> None:
     """Check that the task of a snapshot plays like another task.
 
     Args:
         stored: the text of `identity` in the snapshot; None in snapshots of older releases, which are accepted.
         own: the task into which the snapshot is to be restored.
-        leave_out: fields that may differ.
+        ignored: fields that may differ.
 
     Raises:
         ValueError: fields differ (the message names all), or `stored` is no task.
@@ -68,7 +68,7 @@ def require_same(stored: Any, own: TaskData, leave_out: Collection[str] = ()) ->
     pairs = (
         {"game": (game, own.game)} if game != own.game else from_json(TaskData, stored, own.definition).differences(own)
     )
-    kept = {name: pair for name, pair in pairs.items() if name not in leave_out}
+    kept = {name: pair for name, pair in pairs.items() if name not in ignored}
     texts = [[f"{name} = {_shown(name, one)}", _shown(name, other)] for name, (one, other) in kept.items()]
     if texts:
         differing = "; ".join([", but this environment has ".join(texts[0]), *map(", not ".join, texts[1:])])

@@ -115,7 +115,10 @@ def test_watch(run: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
         (["train", "ppo", "pong", "--sticky", "2"], "repeat_action_probability must be within 0..1, got 2"),
         (["train", "ppo", "pong", "--intervention", "lazy"], "lazy"),
         (["train", "ppo", "pong", "--mode", "99"], "99"),
-        (["train", "ppo", "pong", "--players", "2"], "atari train ppo has no place for --players, the field 'players' of a task; leave it out"),
+        (
+            ["train", "ppo", "pong", "--players", "2"],
+            "atari train ppo has no place for --players, the field 'players' of a task; leave it out",
+        ),
         (["train", "ppo", "pong", "--seed", "4294967296"], "seed must be within 0..4294967295, got 4294967296"),
         (["train", "ppo", "Pong-ram-v4", "--img-height", "42", "--img-width", "42"], "img_height=42 has no effect"),
         (["train", "ppo", "pong", "--device", "tpu"], "device must be cpu, cuda, cuda:N or auto, got 'tpu'"),

@@ -126,7 +126,7 @@ def test_wrong_tasks_are_value_errors(words: list[str], text: str) -> None:
 def test_groups() -> None:
     parser = Parser(allow_abbrev=False)
     parser.add_argument("game")
-    add_task(parser, ("limits", "mode"), leave_out=("max_frames",))
+    add_task(parser, ("limits", "mode"), refused=("max_frames",))
     flags = {flag for action in parser._actions for flag in action.option_strings}
     assert flags == {
         "-h", "--help", "--preset", "--print-task", "--mode", "--max-num-frames-per-episode", "--max-episode-steps"

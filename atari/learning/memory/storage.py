@@ -205,7 +205,7 @@ def block_of(state: Any, options: MemoryOptions) -> Block:
     """
     if not isinstance(state, Mapping) or set(state) != {"options", "block"}:
         raise ValueError("it must be a dict of options and block, as state() returns it")
-    if options_of(state["options"]) != options:
+    if checked_options(state["options"]) != options:
         raise ValueError("it is a replay memory with other options")
     block, shape = np.asarray(state["block"]), (options.geometry().block_bytes,)
     if block.dtype != np.uint8 or block.shape != shape:
@@ -213,7 +213,7 @@ def block_of(state: Any, options: MemoryOptions) -> Block:
     return block
 
 
-def options_of(values: Any) -> MemoryOptions:
+def checked_options(values: Any) -> MemoryOptions:
     """The options at the beginning of a file or a state.
 
     Raises:
@@ -252,7 +252,7 @@ def _read_first_page(file: BinaryIO, path: Path) -> MemoryOptions:
     if zlib.crc32(rest) != check or length > len(rest):
         raise ValueError(f"{path} is damaged in its first {_PAGE} bytes")
     with naming(path):
-        options = options_of(json_text.parse(rest[:length], "the table of options"))
+        options = checked_options(json_text.parse(rest[:length], "the table of options"))
     if magic != _magic(options):
         raise ValueError(
             f"{path} is a memory with priorities of an earlier version of atari-envs, which did not store the greatest "

@@ -1,4 +1,4 @@
-"""`Looks`: the options that say how videos and pictures look, for the commands that write them."""
+"""`VideoFlags`: the options that say how videos and pictures look, for the commands that write them."""
 
 import argparse
 from collections.abc import Sequence
@@ -16,8 +16,8 @@ from atari.task.parser import number
 _SCALE = 2
 
 
-def add_looks(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `Looks`."""
+def add_video_flags(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `VideoFlags`."""
     parser.add_argument(
         "--scale", type=number(int, 1, 16), metavar="N", help=f"rows of the video a pixel (default: {_SCALE})"
     )
@@ -44,8 +44,8 @@ def add_looks(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-sound", action="store_true", help="write no sound")
 
 
-class Looks:
-    """How videos and pictures look, by the options of `add_looks`.
+class VideoFlags:
+    """How videos and pictures look, by the options of `add_video_flags`.
 
     Args:
         args: the parsed arguments.
