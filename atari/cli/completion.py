@@ -109,7 +109,6 @@ def _completion(args: argparse.Namespace) -> int:
 
 
 def _whole_parser() -> argparse.ArgumentParser:
-    """The parser of all commands."""
     from atari.cli import _COMMANDS
 
     parser = Parser(prog="atari", description="Atari 2600 games as Gymnasium environments.")

@@ -123,7 +123,6 @@ def _check_comparable(args: argparse.Namespace, faults_of: Callable[[Published],
 
 
 def _policies(args: argparse.Namespace, games: tuple[EvaluatedGame, ...]) -> dict[str, Policy]:
-    """The policy of each game."""
     policies: dict[str, Policy] = {}
     loaded: dict[str, Policy] = {}
     for game in games:

@@ -76,11 +76,7 @@ def _agent_among(words: list[str]) -> tuple[str, list[str]]:
 
 
 def _parse_after_resume(args: argparse.Namespace) -> argparse.Namespace:
-    """The options that follow `--resume RUN`.
-
-    Raises:
-        ValueError: a word is no such option.
-    """
+    """The options that follow `--resume RUN`."""
     from atari.learning.options import TrainingOptions, option_from_text
 
     parser = _output_parser()

@@ -226,7 +226,6 @@ def check_label_expression(source: str, where: str) -> None:
 
 
 def _depth(tree: ast.AST) -> int:
-    """The depth of nesting of an expression's nodes."""
     depth, level = 0, [tree]
     while level := [child for node in level for child in ast.iter_child_nodes(node)]:
         depth += 1

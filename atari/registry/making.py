@@ -14,7 +14,7 @@ from atari.base.validation import check_known
 from atari.env import AtariEnv
 from atari.games.catalog import games
 from atari.task import Task, env_ids
-from atari.task.options import MakeOptions
+from atari.task.fields import MakeOptions
 from atari.task.resolution import ALIASES, ENTRY_POINT, OPTIONS, fields_of_id, is_id, is_ours, known_ids
 from atari.task.task import FoundGame, GameLike, look_up
 from atari.vector import AtariVectorEnv

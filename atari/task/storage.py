@@ -127,12 +127,6 @@ def _game(name: Any, file: Any, game: Game | None) -> Any:
 
 
 def _read(text: Any) -> dict[str, Any]:
-    """The table of a text.
-
-    Raises:
-        TypeError: it is no string.
-        ValueError: see `json_text.parse`; or it is no table.
-    """
     if not isinstance(text, str):
         raise TypeError(f"a task is read from a string of JSON, got {text!r:.80}")
     table: dict[str, Any] = check_type(json_text.parse(text, "the task"), "a task", dict)

@@ -18,8 +18,7 @@ from atari.games.players import pettingzoo_options
 from atari.task import storage
 from atari.task.data import TaskData
 from atari.task.description import describe
-from atari.task.fields import DEFAULTS, GROUPS, ROWS
-from atari.task.options import TaskOptions
+from atari.task.fields import DEFAULTS, GROUPS, ROWS, TaskOptions
 from atari.task.presets import find_preset
 from atari.task.resolution import OPTIONS, catalogue_name, fields_of, fields_of_id, is_id, translate
 
