@@ -154,7 +154,7 @@ def test_the_root_of_the_repository_has_the_installed_package(monkeypatch: pytes
 
 def test_the_command_line_runs_in_the_root_of_the_repository(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
-    command = [sys.executable, "-m", "atari", "explain", "Pong-v4"]
+    command = [sys.executable, "-m", "atari", "info", "Pong-v4"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("Pong-v4")

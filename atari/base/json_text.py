@@ -63,40 +63,6 @@ def read(path: Path, *, what: str | None = None, most_bytes: int = 1 << 20, most
         return parse(file.read(most_bytes + 1), what or str(path), most_bytes=most_bytes, most_depth=most_depth)
 
 
-def check_table(
-    value: Any, what: str, required: Mapping[str, type | tuple[type, ...]], optional: Mapping[str, Any] | None = None
-) -> dict[str, Any]:
-    """`value`, an object whose keys and kinds of values are as listed. A bool is no int; an int is a float, too.
-
-    Raises:
-        ValueError: it is no object; a key is missing or unknown; a value is of another kind.
-    """
-    if not isinstance(value, dict):
-        raise ValueError(f"{what} must be an object, got {value!r:.60}")
-    kinds = {**required, **(optional or {})}
-    if missing := required.keys() - value.keys():
-        raise ValueError(f"{what} has no {min(missing)!r}")
-    if unknown := value.keys() - kinds.keys():
-        raise ValueError(f"{what} has the unknown key {min(unknown)!r}; it can have {', '.join(kinds)}")
-    for key, one in value.items():
-        check_kind(one, f"{what}: {key!r}", kinds[key])
-    return value
-
-
-def check_kind(value: Any, what: str, kind: type | tuple[type, ...]) -> Any:
-    """`value`, if it is of a kind; see `check_table`.
-
-    Raises:
-        ValueError: it is of another kind.
-    """
-    kinds = kind if isinstance(kind, tuple) else (kind,)
-    given = type(value)
-    if given in kinds or (given is int and float in kinds):
-        return value
-    names = " or ".join("null" if one is type(None) else one.__name__ for one in kinds)
-    raise ValueError(f"{what} must be {names}, got {value!r:.60}")
-
-
 def check_text(text: str, what: str, most: int = 1000) -> str:
     """`text`, if it is short enough and a terminal can show it.
 

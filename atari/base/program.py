@@ -53,7 +53,7 @@ def _code_of(command: Callable[[], int], traceback: bool) -> int:
         return code
     except _OutputError as failure:
         _abandon(1, sys.stdout)
-        if isinstance(failure.error, BrokenPipeError):  # `atari list | head -1`: the reader has closed the pipe
+        if isinstance(failure.error, BrokenPipeError):  # `atari info | head -1`: the reader has closed the pipe
             return 0
         print_error(OSError(failure.error.errno, failure.error.strerror, "stdout"))
         return 1

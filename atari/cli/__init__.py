@@ -12,24 +12,24 @@ from importlib import import_module
 
 import atari
 from atari.base.program import interruptible, run
-from atari.cli.arguments import Parser
+from atari.task.parser import Parser
 
-_COMMANDS = tuple(
-    "list info explain roms verify demo record replay play train watch evaluate collect lab causes completion".split()
-)
+_COMMANDS = tuple("info roms verify record replay play train watch evaluate collect lab causes completion".split())
 
 _EXAMPLES = """\
 examples:
-  atari demo breakout                      play and write videos/breakout-0.mp4
-  atari record pong -o pong.mp4            let a policy play, and record a video with sound
+  atari record breakout                    a random agent plays; writes videos/breakout-0.mp4
+  atari record pong --policy runs/pong -o pong.mp4
+                                           let a policy play, and record a video with sound
   atari replay verify game.a26r             compare a replay with its recording
   atari train ppo pong --fast              an agent learns, in minutes
   atari watch runs/pong-ppo-pixels-seed0   and plays
   atari play ms_pacman                     play a game by hand, in a window
   atari evaluate random pong               play whole games by a protocol, and score a policy
-  atari explain PongDeterministic-v4       what an environment ID means
-  atari info ms_pacman --json              all facts of a game
-  atari list --ids | grep Pong             every environment ID
+  atari info                               the list of games
+  atari info ms_pacman                     all facts of a game
+  atari info PongDeterministic-v4          what an environment ID means
+  atari info --ids | grep Pong             every environment ID
   atari roms verify                        check the ROM files
   atari verify pong --frames 10000         compare the native core with ale-py
   atari completion bash >~/.local/share/bash-completion/completions/atari

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from atari.base.progress import ProgressBar
-from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom
 from atari.cli.printing import print_json
-from atari.task.arguments import SCREEN, add_task, seed, show_task, task_of
+from atari.task.arguments import SCREEN, add_task, show_task, task_of
+from atari.task.parser import number, seed
 from atari.task.task import BY_FRAME
 
 if TYPE_CHECKING:

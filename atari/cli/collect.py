@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from atari.base.progress import ProgressBar
-from atari.cli.arguments import GAME_HELP, Commands, add_command, number
-from atari.cli.policies import ALONE, UNCLIPPED, find_played, games_of, replay_of
+from atari.cli.arguments import GAME_HELP, Commands, add_command
+from atari.cli.policies import NOT_RECORDED, UNCLIPPED, find_played, games_of, replay_of
 from atari.cli.printing import print_json
+from atari.cores.options import SEED_LIMIT
 from atari.lab.collect import check_output, write_dataset
 from atari.lab.labels import Labels, UnknownLabelError
 from atari.learning import load_policy
@@ -17,7 +18,8 @@ from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.recording import Replay
 from atari.recording.replay.file_format import is_replay
-from atari.task.arguments import SEEDS, add_task, seed, show_task
+from atari.task.arguments import add_task, show_task
+from atari.task.parser import number, seed
 
 
 def register(commands: Commands) -> None:
@@ -58,15 +60,15 @@ def register(commands: Commands) -> None:
         help="let the workers of a Ray cluster play: auto, HOST:PORT, or local, which starts one on this machine. A "
         ".parquet output is a folder then. The same command again goes on where one was stopped",
     )
-    add_task(parser, leave_out=ALONE, fixed=UNCLIPPED)
+    add_task(parser, refused=NOT_RECORDED, fixed=UNCLIPPED)
 
 
 def _collect(args: argparse.Namespace) -> int:
     labels = None if args.labels is None else [name.strip() for name in args.labels.split(",") if name.strip()]
     options: dict[str, Any] = {"format": args.format, "frames": args.frames, "labels": labels}
     seeds = range(args.seed, args.seed + args.episodes)
-    if seeds[-1] >= SEEDS:
-        raise ValueError(f"seeds are below {SEEDS}; {args.episodes} games from --seed {args.seed} on are too many")
+    if seeds[-1] >= SEED_LIMIT:
+        raise ValueError(f"seeds are below {SEED_LIMIT}; {args.episodes} games from --seed {args.seed} on are too many")
     replay, game, record = None, None, None
     if is_replay(args.policy):
         if args.ray is not None:

@@ -8,10 +8,11 @@ from typing import Any
 import gymnasium
 
 from atari.base.extras import install_extra
-from atari.cli.arguments import Commands, Parser, add_command
+from atari.cli.arguments import Commands, add_command
 from atari.cli.printing import print_json
 from atari.games.catalog import games
 from atari.task import env_ids
+from atari.task.parser import Parser
 
 _BASH = """\
 _atari_words() {{ compgen -W "$1" -- "$2"; }}
@@ -108,7 +109,6 @@ def _completion(args: argparse.Namespace) -> int:
 
 
 def _whole_parser() -> argparse.ArgumentParser:
-    """The parser of all commands."""
     from atari.cli import _COMMANDS
 
     parser = Parser(prog="atari", description="Atari 2600 games as Gymnasium environments.")

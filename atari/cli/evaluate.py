@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from atari.base.progress import ProgressBar
-from atari.cli.arguments import Commands, add_command, number
+from atari.cli.arguments import Commands, add_command
 from atari.cli.policies import find_played, games_of
 from atari.cli.printing import print_json, print_table
 from atari.learning import (
@@ -23,8 +23,9 @@ from atari.learning import (
 from atari.learning.evaluation.compare import Comparison, budget_faults
 from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol, refusal
-from atari.task.arguments import add_task, seed, show_task
+from atari.task.arguments import add_task, show_task
 from atari.task.fields import OF_GAME
+from atari.task.parser import number, seed
 
 
 def register(commands: Commands) -> None:
@@ -122,7 +123,6 @@ def _check_comparable(args: argparse.Namespace, faults_of: Callable[[Published],
 
 
 def _policies(args: argparse.Namespace, games: tuple[EvaluatedGame, ...]) -> dict[str, Policy]:
-    """The policy of each game."""
     policies: dict[str, Policy] = {}
     loaded: dict[str, Policy] = {}
     for game in games:

@@ -1,42 +1,162 @@
-"""`atari info`: the facts of a game."""
+"""`atari info`: the games or IDs; the facts of a game; what an ID, a task or options play; what a video shows."""
 
 import argparse
 import json
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from atari.base.json_text import check_kind
-from atari.cli.arguments import GAME_HELP, Commands, add_command, find_game
-from atari.cli.printing import print_json, to_json_types
+from atari.base.text_table import fact_lines
+from atari.base.typed_table import check_type
+from atari.cli.arguments import GAME_HELP, Commands, add_command
+from atari.cli.printing import print_json, print_table, to_json_types
+from atari.games.catalog import games
 from atari.games.game import Controllers, Game
 from atari.games.manual import Manual
 from atari.games.multiplayer import Multiplayer
+from atari.games.pettingzoo import ENVIRONMENTS
 from atari.games.rules import Rules
+from atari.observations.settings import observation_space
 from atari.recording import video_facts
 from atari.recording.video.formats import FORMATS
+from atari.registry import registration
 from atari.task import Task, env_ids
+from atari.task.arguments import add_task, given_options, read_game, show_task, task_of
+from atari.task.task import look_up
 
 
 def register(commands: Commands) -> None:
     """Add `atari info`."""
     parser = add_command(
-        commands, "info", _info, "show the facts of a game: what it is, actions, modes, rules, ROM, IDs"
+        commands, "info", _info, "list the games, show the facts of a game, or explain what an ID or a task plays"
     )
-    parser.add_argument("game", metavar="GAME", help=f"{GAME_HELP}; or a video, which says what was played")
+    parser.add_argument(
+        "game",
+        metavar="GAME",
+        nargs="?",
+        help=f"{GAME_HELP}; or a video. A game alone shows its facts. An ID, a task, or a game with options of a task "
+        "shows what is played, a video what was played (default: all games, with --players those of 2 or 4 players)",
+    )
+    parser.add_argument("--ids", action="store_true", help="list the IDs that gymnasium.make accepts, one a line")
+    add_task(parser)
 
 
 def _info(args: argparse.Namespace) -> int:
+    options = {**given_options(args), **{name: True for name in ("preset", "print_task") if getattr(args, name)}}
+    if args.game is None or args.ids:
+        return _list(args, options)
     if Path(args.game).suffix.lower() in FORMATS:
+        if options:
+            raise ValueError("a video says what was played; leave the options of a task out")
         return _of_video(args)
-    game = find_game(args.game, playable=False)
-    ids = [family.id(game.id) for family in env_ids.FAMILIES if game.id in family.games()]
+    found = look_up(read_game(args.game))
+    if options or not found.bare or found.environment is not None:
+        return _of_task(args, not options)
+    game = found.definition
     if args.json:
-        print_json({**to_json_types(game), "manual": game.manual, "ids": ids})
+        print_json({**to_json_types(game), "manual": game.manual, "ids": _ids(game)})
     else:
-        print(_description(game, ids))
+        print(_description(game, args.game))
     return 0
+
+
+def _list(args: argparse.Namespace, options: Mapping[str, Any]) -> int:
+    """The IDs, the games for a number of players, or all games."""
+    players = None if args.ids else options.get("players")
+    if args.game is not None or (options and players is None) or len(options) > 1:
+        raise ValueError("--ids lists all IDs, and options of a task need GAME; leave the others out")
+    if players not in (None, 2, 4):
+        raise ValueError(f"without GAME, --players lists the games of 2 or 4 players, got {players}")
+    if args.ids:
+        print_json([*env_ids.ids()]) if args.json else print("\n".join(env_ids.ids()))
+    elif players is not None:
+        rows = [*_multiplayer_rows(players)]
+        names = ("environment", "game", "players", "actions")
+        print_json([dict(zip(names, row, strict=True)) for row in rows]) if args.json else print_table([names, *rows])
+    elif args.json:
+        print_json([_summary(game) for game in games.values()])
+    else:
+        print_table([("game", "title", "actions", "modes", "difficulties"), *map(_row, games.values())])
+    return 0
+
+
+def _multiplayer_rows(players: int) -> Iterator[tuple[str, str, int, int]]:
+    """PettingZoo's environments for a number of players, then the other games."""
+    named = {environment.game for environment in ENVIRONMENTS.values()}
+    for environment in ENVIRONMENTS.values():
+        rules = games[environment.game].multiplayer
+        if rules and players in environment.players:
+            yield environment.id, environment.game, players, len(rules.minimal_actions)
+    for game in games.values():
+        if game.multiplayer and game.id not in named and players in game.multiplayer.modes:
+            yield game.id, game.id, players, len(game.multiplayer.minimal_actions)
+
+
+def _summary(game: Game) -> dict[str, Any]:
+    return {
+        "id": game.id,
+        "title": game.title,
+        "single_player": game.single_player,
+        "actions": len(game.minimal_actions),
+        "modes": len(game.modes),
+        "difficulties": len(game.difficulties),
+    }
+
+
+def _row(game: Game) -> tuple[object, ...]:
+    if not game.single_player:
+        return game.id, f"{game.title} ({game.players} players: see --players)", "-", "-", "-"
+    return game.id, game.title, len(game.minimal_actions), len(game.modes), len(game.difficulties)
+
+
+def _of_task(args: argparse.Namespace, unchanged: bool) -> int:
+    """What an ID, a task, or a game with options plays; `unchanged` is whether there are no options."""
+    task = task_of(args)
+    env_id = args.game.removeprefix(env_ids.MODULE_PREFIX)
+    if args.print_task:
+        show_task(args, task)
+    elif unchanged and env_id in env_ids.ids():
+        print_json(_facts_of_id(env_id, task)) if args.json else print(registration.explain(args.game))
+    elif args.json:
+        print_json({"id": None, **_facts_of_task(task)})
+    else:
+        print("\n".join([str(task), *_own_ids(task.definition, args.game)]))
+    return 0
+
+
+def _facts_of_id(env_id: str, task: Task) -> dict[str, Any]:
+    """The facts that `registration.explain` prints, as data."""
+    known = {other.id(task.game): other.options(task.game) for other in env_ids.FAMILIES if task.game in other.games()}
+    return {"id": env_id, "options": known.pop(env_id), **_facts_of_task(task), "siblings": known}
+
+
+def _facts_of_task(task: Task) -> dict[str, Any]:
+    game = task.definition
+    return {
+        "title": game.title,
+        **({} if game.file is None else {"ids": _ids(game)}),
+        "task": json.loads(task.to_json()),
+        "observation": {"shape": None if task.sound_obs else observation_space(task).shape, "dtype": "uint8"},
+        "actions": task.action_set,
+        "modes": game.modes,
+        "default_mode": game.default_mode,
+        "difficulties": game.difficulties,
+    }
+
+
+def _ids(game: Game) -> list[str]:
+    """The IDs of a game; those of a game of the user's own are registered by `atari.register_game`."""
+    if game.file is not None:
+        return [f"{env_ids.stem(game.id)}{suffix}-v5" for suffix in ("", "-ram")]
+    return [family.id(game.id) for family in env_ids.FAMILIES if game.id in family.games()]
+
+
+def _own_ids(game: Game, file: str) -> list[str]:
+    """The line about the IDs of a game of the user's own; none for a game of this package."""
+    if game.file is None:
+        return []
+    return fact_lines("IDs", [f"{' and '.join(_ids(game))}, after atari.register_game({file!r})"])
 
 
 def _of_video(args: argparse.Namespace) -> int:
@@ -50,11 +170,11 @@ def _of_video(args: argparse.Namespace) -> int:
         played = json.dumps(facts.get("task", facts))
     print(f"{args.game}: written by {facts['package']}\n{played}")
     if "core_seeds" in facts:
-        print(f"  {'core seeds':13} {', '.join(map(str, check_kind(facts['core_seeds'], 'core_seeds', list)))}")
+        print(*fact_lines("core seeds", [", ".join(map(str, check_type(facts["core_seeds"], "core_seeds", list)))]))
     return 0
 
 
-def _description(game: Game, ids: list[str]) -> str:
+def _description(game: Game, file: str) -> str:
     screen, rom = game.screen, game.rom
     facts: list[tuple[str, list[Any]]] = [
         *(_manual(game.manual) if game.manual else []),
@@ -70,12 +190,10 @@ def _description(game: Game, ids: list[str]) -> str:
         ("RAM", [f"{len(game.ram_labels)} names for bytes of it (name:index)", *_labels(game)]),
         ("ROM", [f"{rom.size} bytes, {rom.cartridge}, MD5 {rom.md5}"]),
         ("notes", [*(game.manual.notes if game.manual else ()), *game.notes]),
-        ("IDs", ids),
+        ("IDs", _ids(game) if game.file is None else []),
     ]
-    lines = [f"{game.id}: {game.title}"]
-    for name, values in facts:
-        lines += [f"  {'' if i else name:12}  {value}" for i, value in enumerate(values)]
-    return "\n".join(lines)
+    lines = (line for name, values in facts for line in fact_lines(name, values))
+    return "\n".join([f"{game.id}: {game.title}", *lines, *_own_ids(game, file)])
 
 
 def _manual(manual: Manual) -> list[tuple[str, list[Any]]]:

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 
 from atari.base.extras import install_extra
-from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, find_game, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, find_game
 from atari.games.catalog import games
 from atari.roms.search import ENDINGS
-from atari.task.arguments import SCREEN, add_task, given_options, read_game, seed, show_task, task_of
+from atari.task.arguments import SCREEN, add_task, given_options, read_game, show_task, task_of
+from atari.task.parser import number, seed
 from atari.task.task import BY_FRAME, look_up
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def _session(args: argparse.Namespace) -> "Inspection":
         game: Any = getattr(player, "game", None)
         if game is None:
             raise ValueError(f"{source} does not say which game it plays")
-        task = player.task_in(find_game(game)).of_emulator().replace(actions="full", obs_type="rgb")
+        task = player.task_in(find_game(game)).emulator_task().replace(actions="full", obs_type="rgb")
         return Inspection(AtariEnv(task), agent=player, seed=seed_)
     player = _agent(args.agent)
     if of_game:

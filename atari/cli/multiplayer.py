@@ -6,7 +6,7 @@ from functools import partial
 
 from atari.games.game import Game
 from atari.games.pettingzoo import find_environment
-from atari.games.players import options_of, rules_of
+from atari.games.players import pettingzoo_options, rules_of
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.task import Task
 from atari.task.arguments import given_options, read_game, task_of
@@ -33,7 +33,9 @@ def match_task(args: argparse.Namespace) -> Task:
     environment = None if name.endswith((".toml", ".json")) else find_environment(name)
     found = look_up(read_game(name) if environment is None else environment.game)
     if environment is not None:
-        chosen = options_of(environment, {field: given[field] for field in ("mode", "players") if field in given})
+        chosen = pettingzoo_options(
+            environment, {field: given[field] for field in ("mode", "players") if field in given}
+        )
         args.mode, args.players = chosen["mode"], chosen["players"]
     elif "players" not in given and isinstance(found.game, Game):
         modes = rules_of(found.game).modes

@@ -6,13 +6,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from atari.cli.arguments import GAME_HELP, Commands, HelpFormatter, add_command, add_rom, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom
 from atari.cli.multiplayer import is_match, make_match, match_task
 from atari.cli.printing import print_json
 from atari.play import Session, play
 from atari.play.controls import HELP, HELP_SEVERAL
 from atari.play.window import start_pygame
-from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
+from atari.task.arguments import SCREEN, add_task, given_options, show_task, task_of
+from atari.task.parser import HelpFormatter, number, seed
 from atari.task.task import BY_FRAME
 
 
@@ -55,7 +56,7 @@ def register(commands: Commands) -> None:
     add_task(
         parser,
         ("game", "play", "begin", "lives", "limits", "obs_type"),
-        leave_out=("continuous", "continuous_action_threshold"),
+        refused=("continuous", "continuous_action_threshold"),
         fixed=SCREEN,
     )
 

@@ -1,4 +1,4 @@
-"""Policies that play games to a replay, for `record`, `demo`, `collect`, `watch` and `evaluate`."""
+"""Policies that play games to a replay, for `record`, `collect`, `watch` and `evaluate`."""
 
 import argparse
 import sys
@@ -12,8 +12,9 @@ import numpy as np
 from atari.cores.options import SEED_LIMIT
 from atari.learning.evaluation.evaluate import record_task
 from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
-from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games, says_nothing, usual_protocol
+from atari.learning.evaluation.played import EvaluatedGame, has_no_needs, played_task, resolve_games, usual_protocol
 from atari.learning.evaluation.protocols import find_protocol
+from atari.learning.options import NOT_FOR_AGENTS
 from atari.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay
 from atari.task import Task
@@ -22,10 +23,7 @@ from atari.task.fields import OF_GAME
 from atari.task.resolution import is_id
 from atari.task.task import look_up
 
-ALONE = (
-    *("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum"),
-    *("life_loss_info", "reward", "reward_clipping"),
-)
+NOT_RECORDED = (*NOT_FOR_AGENTS, "life_loss_info", "reward", "reward_clipping")
 """Fields that recorded games of policies do not honour: their scores are the game's own."""
 
 UNCLIPPED = {"reward_clipping": False}
@@ -108,7 +106,7 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
     try:
         if not others:
             return resolve_games(games, given)
-        if not says_nothing(policy):
+        if not has_no_needs(policy):
             raise ValueError(f"the policy says how games are played; leave --{others[0].replace('_', '-')} out")
         if args.preset is None and not any(is_id(name) or name.endswith(".json") for name in names):
             args.preset = "baselines"  # as without fields, see `usual_protocol`

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from atari.base.json_text import escaped
+from atari.base.text_table import aligned
 
 
 def to_json_types(value: Any) -> Any:
@@ -31,10 +32,8 @@ def print_json(value: Any) -> None:
 
 def print_table(rows: Iterable[Sequence[object]]) -> None:
     """Print rows with aligned columns."""
-    lines = [[str(cell) for cell in row] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    for line in lines:
-        print("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip())
+    for line in aligned(rows):
+        print(line)
 
 
 def print_warning(warning: object) -> None:

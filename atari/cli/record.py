@@ -12,17 +12,19 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import gymnasium
+
 from atari.base import durable
 from atari.base.program import ctrl_c_as_event, removed_at_ctrl_c
 from atari.base.progress import ProgressBar
-from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, number
-from atari.cli.looks import Looks, add_looks
+from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom
 from atari.cli.multiplayer import is_match, make_match, match_task
 from atari.cli.policies import PolicySession, find_played, games_of, replay_of
 from atari.cli.printing import print_json
+from atari.cli.video_flags import VideoFlags, add_video_flags
 from atari.games.game import Game
 from atari.learning import load_policy
-from atari.learning.evaluation.played import says_nothing
+from atari.learning.evaluation.played import has_no_needs
 from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.policy import LoadedPolicy
@@ -32,36 +34,30 @@ from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
 from atari.registry.making import make_found
 from atari.task import Task
-from atari.task.arguments import add_task, read_game, seed, show_task, task_of
+from atari.task.arguments import add_task, read_game, show_task, task_of
+from atari.task.parser import number, seed
 from atari.task.task import FoundGame, look_up
 
 Play = Callable[[Path], bool]
 """Plays games to a replay; False if it was interrupted."""
 
+_PRESET, _STEPS = "dqn2015", 1000
+"""What is played without a policy."""
+
 
 def register(commands: Commands) -> None:
     """Add `atari record`."""
-    parser = add_command(commands, "record", record, "let a policy play a game, and record a video or a replay")
+    parser = add_command(commands, "record", _record, "let a policy play a game, and record a video or a replay")
     parser.add_argument("game", metavar="GAME", help=f"{GAME_HELP}; with --players also a name of PettingZoo's")
     parser.add_argument(
         "--policy",
         action="append",
         metavar="POLICY",
         help="random, noop, MODULE:FUNCTION (called with observations (n, ...), returns n actions), a replay, such "
-        "as game.a26r, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file (default: random); with "
-        "--players, one for each player, but no replay",
+        "as game.a26r, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file; with --players, one for "
+        f"each player, but no replay (default: random; for one player it plays {_STEPS} steps, and preset {_PRESET} "
+        "unless GAME is an ID or a task)",
     )
-    length = add_recording(parser)
-    length.add_argument(
-        "--episodes", type=number(int, 1, MAX_EPISODES), default=1, metavar="N", help="number of games (default: 1)"
-    )
-    length.add_argument("--steps", type=number(int, 1), metavar="N", help="steps of a random, noop or function policy")
-    add_task(parser)
-    parser.set_defaults(no_video=False)
-
-
-def add_recording(parser: argparse.ArgumentParser) -> Any:
-    """Add the options of recordings; returns the group of options of their length."""
     add_rom(parser)
     length = parser.add_mutually_exclusive_group()
     length.add_argument(
@@ -70,6 +66,13 @@ def add_recording(parser: argparse.ArgumentParser) -> Any:
         metavar="S",
         help="seconds of play at the console's speed, all games together; not of a policy that plays whole games",
     )
+    length.add_argument(
+        "--episodes",
+        type=number(int, 1, MAX_EPISODES),
+        metavar="N",
+        help="number of games (default: 1, if there is a --policy)",
+    )
+    length.add_argument("--steps", type=number(int, 1), metavar="N", help="steps of a random, noop or function policy")
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of game and policy (default: 0)")
     endings = ", ".join((*FORMATS, SUFFIX))
     parser.add_argument(
@@ -81,15 +84,17 @@ def add_recording(parser: argparse.ArgumentParser) -> Any:
         help=f"a video, a picture (.png) or a replay, by its ending ({endings}), an existing file is replaced; may be "
         "repeated (default: videos/GAME-SEED.mp4)",
     )
+    parser.add_argument("--no-video", action="store_true", help="play, print the scores, and write nothing")
     parser.add_argument(
         "--best", action="store_true", help="videos show the game with the highest score alone; a replay has all games"
     )
-    add_looks(parser)
-    return length
+    add_video_flags(parser)
+    add_task(parser)
 
 
-def record(args: argparse.Namespace) -> int:
-    """Make the recordings of the arguments."""
+def _record(args: argparse.Namespace) -> int:
+    if args.no_video and args.output:
+        raise ValueError("--no-video writes nothing; leave it or --output out")
     policies = args.policy or ["random"]
     match = is_match(args)
     if len(policies) > 1 and not match:
@@ -100,14 +105,17 @@ def record(args: argparse.Namespace) -> int:
         return 0
     stem = Path(policies[0]).stem if Path(policies[0]).exists() and not match else str(args.seed)
     files = [] if args.no_video else args.output or [Path("videos", f"{task.game}-{stem}.mp4")]
-    outputs = _Outputs(files, Looks(args, files), args.best)
+    outputs = _Outputs(files, VideoFlags(args, files), args.best)
     if args.best and not outputs.videos:
         raise ValueError("--best is for videos and pictures, and a replay has all games; leave it out")
     if isinstance(args.frame, int) and (args.best or (recorded and args.seconds is not None)):
         raise ValueError(f"--frame {args.frame} is a frame of all games; leave --best and --seconds out")
     if recorded and outputs.replays:
         raise ValueError("a replay of a replay is its copy; name a video with -o")
-    outputs.check(task.definition)
+    try:
+        outputs.check(task.definition)
+    except gymnasium.error.DependencyNotInstalled as error:
+        raise gymnasium.error.DependencyNotInstalled(f"{error}; or play without a video: --no-video") from None
     start = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(policies[0]) if recorded else next(iter(outputs.replays), Path(folder, "games.a26r"))
@@ -151,8 +159,12 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
             )
         return replay_of(args, policy).task, lambda path: True
     loaded = load_policy(policy)
-    if not Path(policy).exists() and says_nothing(loaded):
+    if not Path(policy).exists() and has_no_needs(loaded):
         found = look_up(read_game(args.game))
+        if args.policy is None and (args.seconds, args.episodes, args.steps) == (None, None, None):
+            args.steps = _STEPS
+        if args.policy is None and args.preset is None and found.bare:
+            args.preset = _PRESET
         task = task_of(args, found)
         if task.continuous:
             raise ValueError("continuous=True has no numbered actions, and a policy chooses one; leave it out")
@@ -162,7 +174,7 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
             raise ValueError(f"{policy} plays whole games, with the ROM that is found; leave --{option} out")
     (game,) = find_played(args, [args.game], loaded)
     task, record = games_of(loaded, game)
-    seeds = range(args.seed, args.seed + args.episodes)
+    seeds = range(args.seed, args.seed + (args.episodes or 1))
     return task, lambda path: bool(record(seeds, path))
 
 
@@ -200,7 +212,7 @@ class _Ends:
     def __init__(self, args: argparse.Namespace, game: Game) -> None:
         self._steps = args.steps or math.inf
         self._frames = math.inf if args.seconds is None else math.ceil(args.seconds * frame_rate(game))
-        self._games = args.episodes if args.steps is None and args.seconds is None else math.inf
+        self._games = (args.episodes or 1) if args.steps is None and args.seconds is None else math.inf
         total = args.steps or (None if args.seconds is None else self._frames)
         self._bar = ProgressBar(unit=" steps" if args.steps else " frames", total=total, disable=None)
         self._start, self._next = time.perf_counter(), math.ceil((args.steps or 0) / 10)
@@ -220,12 +232,12 @@ class _Outputs:
 
     Attributes:
         files: the files; their suffixes decide their formats.
-        looks: how videos and pictures look.
+        flags: how videos and pictures look.
         best: whether they show only the game with the highest score.
     """
 
     files: list[Path]
-    looks: Looks
+    flags: VideoFlags
     best: bool
 
     @property
@@ -247,7 +259,7 @@ class _Outputs:
             if path.suffix.lower() not in endings:
                 raise ValueError(f"-o is a file that ends in one of {', '.join(endings)}, got {str(path)!r}")
         for path in self.videos:
-            self.looks.check(path, game)
+            self.flags.check(path, game)
 
     def write(self, replay: Replay, seconds: float | None = None) -> int:
         """Write all files except the loaded replay itself, and return the number of frames of a video.
@@ -270,7 +282,7 @@ class _Outputs:
         for path in sorted(self.videos, key=is_picture):  # pictures last: their frame may be after the end
             bar = ProgressBar(unit=" frames", total=frames, disable=is_picture(path) or None)
             with bar, removed_at_ctrl_c(path):
-                replay.render(path, **self.looks.options(path), **part, progress=bar.update)
+                replay.render(path, **self.flags.options(path), **part, progress=bar.update)
         return frames
 
     def __str__(self) -> str:

@@ -11,14 +11,15 @@ from typing import Any
 from atari.base.program import removed_at_ctrl_c
 from atari.base.progress import ProgressBar
 from atari.base.validation import check_integer
-from atari.cli.arguments import Commands, add_command, number
-from atari.cli.looks import Looks, add_looks, best_or_number
+from atari.cli.arguments import Commands, add_command
 from atari.cli.printing import print_json, print_table, print_warning
+from atari.cli.video_flags import VideoFlags, add_video_flags, best_or_number
 from atari.cores import CORES
 from atari.recording import Replay
 from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
 from atari.task.description import summary
+from atari.task.parser import number
 
 
 def register(commands: Commands) -> None:
@@ -67,7 +68,7 @@ def register(commands: Commands) -> None:
         help="show one episode alone: its number, as `atari replay show` prints it, or best; of the options above only "
         "with --start best --seconds S, the best part of the episode",
     )
-    add_looks(parser)
+    add_video_flags(parser)
 
 
 def _show(args: argparse.Namespace) -> int:
@@ -129,7 +130,7 @@ def _verify(args: argparse.Namespace) -> int:
 def _render(args: argparse.Namespace) -> int:
     replay = _load(args.file)
     output = args.output or args.file.with_suffix(".mp4")
-    options = Looks(args, [output]).options(output)
+    options = VideoFlags(args, [output]).options(output)
     part, frames = _part(args, replay)
     if not frames:
         raise ValueError(f"there are no frames to render: the replay has {replay.frames_total:,} frames")

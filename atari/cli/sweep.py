@@ -14,12 +14,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from atari.cli.arguments import number
 from atari.cli.printing import print_json, print_table
 from atari.learning import GAME_SETS
 from atari.learning.evaluation.compare import budget_faults
 from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_protocol, refusal
 from atari.learning.evaluation.published import Published
+from atari.task.parser import Parser, number
 
 if TYPE_CHECKING:
     from atari.learning.agent import AgentCode
@@ -51,7 +51,7 @@ def is_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str]) 
 def run_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str]) -> int:
     """Do the sweep of a command line, without the agent: GAMES, flags of the sweep and options of the trainings."""
     import atari.learning.evaluation.plot  # noqa: F401 - raises an error without Matplotlib, before the trainings
-    from atari.learning.command import options_of
+    from atari.learning.command import training_options
     from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, plan
     from atari.learning.sweep.report import comparable_agents
 
@@ -60,7 +60,7 @@ def run_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str])
     folder = args.folder or Path("runs", f"{code.name}-sweep")
 
     def resolve(game: str, seed: int) -> Any:
-        return options_of(code, [game, *options, "--seed", str(seed)], _program(code))
+        return training_options(code, [game, *options, "--seed", str(seed)], _program(code))
 
     seeds = find_seeds("0" if args.seeds is None else args.seeds)
     runs = plan(find_games(games), seeds, folder, resolve)
@@ -166,7 +166,7 @@ def _finish(
 
 def _parser() -> argparse.ArgumentParser:
     """The flags of a sweep after the games; the flags of `atari train` keep their values from before the agent."""
-    parser = argparse.ArgumentParser(prog="atari train", add_help=False, allow_abbrev=False)
+    parser = Parser(prog="atari train", add_help=False)
     parser.add_argument("-o", "--run", dest="folder", type=Path, metavar="FOLDER")
     parser.add_argument("--protocol", default="machado2018", metavar="NAME")
     parser.add_argument("--episodes", type=number(int, 1, MAX_EPISODES), metavar="N")

@@ -2,16 +2,18 @@
 
 import argparse
 import difflib
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 
 import gymnasium
 
 from atari.base.extras import install_extra
-from atari.cli.arguments import Commands, add_command, number
+from atari.cli.arguments import Commands, add_command
 from atari.cli.printing import print_json
 from atari.cli.sweep import add_sweep, is_sweep, run_sweep
 from atari.learning.agents import AGENTS
+from atari.task.parser import Parser, as_type, number
 
 
 def register(commands: Commands) -> None:
@@ -74,15 +76,11 @@ def _agent_among(words: list[str]) -> tuple[str, list[str]]:
 
 
 def _parse_after_resume(args: argparse.Namespace) -> argparse.Namespace:
-    """The options that follow `--resume RUN`.
-
-    Raises:
-        ValueError: a word is no such option.
-    """
-    from atari.learning.options import TrainingOptions, parse
+    """The options that follow `--resume RUN`."""
+    from atari.learning.options import TrainingOptions, option_from_text
 
     parser = _output_parser()
-    parser.add_argument("--total-steps", type=lambda text: parse(TrainingOptions, "total_steps", text))
+    parser.add_argument("--total-steps", type=as_type(partial(option_from_text, TrainingOptions, "total_steps")))
     args, unknown = parser.parse_known_args(args.words, argparse.Namespace(**vars(args)))
     if unknown:
         raise ValueError(
@@ -93,7 +91,7 @@ def _parse_after_resume(args: argparse.Namespace) -> argparse.Namespace:
 
 def _output_parser() -> argparse.ArgumentParser:
     """The flags that may stand before and after the agent."""
-    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    parser = Parser(add_help=False)
     parser.add_argument("--json", action="store_true", help="print one JSON document")
     _add_games(parser)
     return parser

@@ -12,14 +12,15 @@ from typing import Any
 
 from atari.base.program import children_without_ctrl_c
 from atari.base.progress import ProgressBar
-from atari.cli.arguments import GAME_HELP, Commands, add_command, number
+from atari.cli.arguments import GAME_HELP, Commands, add_command
 from atari.cli.printing import print_json
 from atari.cores import CORES
 from atari.cores.machine import differences, machine, read_goldens
 from atari.cores.verify import Difference, VerificationRun, read, verify
 from atari.games.catalog import games
 from atari.task import Task
-from atari.task.arguments import SCREEN, add_task, given_options, seed, show_task, task_of
+from atari.task.arguments import SCREEN, add_task, given_options, show_task, task_of
+from atari.task.parser import number, seed
 
 _BASE = {"max_num_frames_per_episode": None, "frameskip": 1, "actions": "full"}
 """The test compares each frame, with its own actions. A name alone has no limit of frames."""

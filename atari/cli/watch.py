@@ -4,15 +4,17 @@ import argparse
 import tempfile
 from pathlib import Path
 
-from atari.cli.arguments import GAME_HELP, Commands, add_command, number
-from atari.cli.policies import ALONE, UNCLIPPED, find_played, games_of, replay_of
+from atari.cli.arguments import GAME_HELP, Commands, add_command
+from atari.cli.policies import NOT_RECORDED, UNCLIPPED, find_played, games_of, replay_of
+from atari.cores.options import SEED_LIMIT
 from atari.learning import load_policy
 from atari.learning.evaluation.protocols import PROTOCOLS
 from atari.play.loop import show_replay
 from atari.play.window import start_pygame
 from atari.recording import Replay
 from atari.recording.replay.file_format import is_replay
-from atari.task.arguments import SEEDS, add_task, seed, show_task
+from atari.task.arguments import add_task, show_task
+from atari.task.parser import number, seed
 
 
 def register(commands: Commands) -> None:
@@ -37,7 +39,7 @@ def register(commands: Commands) -> None:
         "--scale", type=number(int, 1, 16), default=3, metavar="N", help="rows of the display a pixel (default: 3)"
     )
     parser.add_argument("--no-sound", action="store_true", help="play no sound")
-    add_task(parser, leave_out=ALONE, fixed=UNCLIPPED)
+    add_task(parser, refused=NOT_RECORDED, fixed=UNCLIPPED)
 
 
 def _watch(args: argparse.Namespace) -> int:
@@ -61,5 +63,5 @@ def _watch(args: argparse.Namespace) -> int:
             print(f"seed {game_seed}: score {score:,.0f}", flush=True)
             replay = Replay.load(path, game=task.definition)
             shown = show_replay(replay, scale=args.scale, sound=not args.no_sound)
-            game_seed = (game_seed + 1) % SEEDS
+            game_seed = (game_seed + 1) % SEED_LIMIT
     return 0

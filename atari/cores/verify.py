@@ -9,12 +9,12 @@ import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
-from types import NoneType
 from typing import Any
 
 import numpy as np
 
 from atari.base import durable, json_text
+from atari.base.typed_table import check_table
 from atari.base.validation import check_name
 from atari.cores import CORES, ByteArray, Core
 from atari.games.actions import PLAYER_ACTIONS
@@ -121,10 +121,10 @@ def read(path: Path) -> VerificationRun:
         ValueError: the file is no such file.
     """
     try:
-        content = json_text.check_table(json_text.read(path), "it", {"run": dict, "frame": int, "what": list})
+        content = check_table(json_text.read(path), "it", {"run": dict, "frame": int, "what": list})
         kinds: dict[str, Any] = {one.name: type(one.default) for one in fields(VerificationRun) if one.name != "game"}
-        kinds |= {"mode": (int, NoneType), "difficulty": (int, NoneType), "cores": list}
-        options = json_text.check_table(content["run"], "its run", {"game": str}, kinds)
+        kinds |= {"mode": int | None, "difficulty": int | None, "cores": list}
+        options = check_table(content["run"], "its run", {"game": str}, kinds)
         cores = [check_name("a core", core, CORES) for core in options.get("cores", VerificationRun.cores)]
         return VerificationRun(**{**options, "cores": tuple(cores), "frames": content["frame"] + 1})
     except ValueError as error:

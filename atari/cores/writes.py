@@ -8,12 +8,13 @@ from typing import Any
 
 import atari._emulator as _emulator
 from atari.base import json_text
+from atari.base.typed_table import check_table
 from atari.games.game import Game, RamLabel
 from atari.games.interventions import CompiledWrite, Intervention, WriteRule, compile_write
 from atari.games.interventions.writes import NO_VALUE, cases
 
-_NEEDED = {"to": (str, int), "value": (str, int)}
-_OTHERS = {"when": (str, list), "condition": str, "mask": int, "once": bool, "paid": bool}
+_NEEDED = {"to": str | int, "value": str | int}
+_OTHERS = {"when": str | list, "condition": str, "mask": int, "once": bool, "paid": bool}
 """The types of a rule's attributes in JSON."""
 
 
@@ -52,7 +53,7 @@ def write_of(game: Game, definition: str) -> _emulator.Write:
     Raises:
         ValueError: it is no such definition.
     """
-    values = json_text.check_table(json_text.parse(definition, "a write"), "a write", _NEEDED, _OTHERS)
+    values = check_table(json_text.parse(definition, "a write"), "a write", _NEEDED, _OTHERS)
     when = values.get("when", "frame")
     if isinstance(when, str) and when not in ("frame", "reset", "held"):
         raise ValueError(f"a write cannot be applied at {when!r}")

@@ -81,7 +81,7 @@ class Restorable:
                 "snapshot of the outermost wrapper, too"
             )
         snapshot.require(facts, {"of": "wrappers"})
-        require_same(facts.get("task"), atari.task, leave_out=_STATELESS_FIELDS)
+        require_same(facts.get("task"), atari.task, ignored=_STATELESS_FIELDS)
         saved = _checked_layers(facts.get("layers"), stateful)
         attributes = [
             _load_state(layer, _state(layer, number, scalars, blobs))

@@ -68,7 +68,7 @@ class EnvState(gymnasium.Env[Any, Any]):
             "mode": core.mode,
             "difficulty": core.difficulty,
         }
-        return task.with_set(**{name: value for name, value in fields.items() if value != getattr(own, name)})
+        return task.with_checked(**{name: value for name, value in fields.items() if value != getattr(own, name)})
 
     def clone_state(self, include_rng: bool = False) -> Any:
         """The emulator's state, in memory; like ale-py's, it leaves out the framebuffer. `snapshot` is complete."""
@@ -123,7 +123,7 @@ class EnvState(gymnasium.Env[Any, Any]):
                 "the snapshot is of an environment with its wrappers; pass it to restore of the outermost wrapper"
             )
         snapshot.require(facts, {"of": "AtariEnv", "seeding": own.get("seeding", "gymnasium")})
-        require_same(facts.get("task"), self._as_set(self._task), leave_out=GROUPS["observation"])
+        require_same(facts.get("task"), self._as_set(self._task), ignored=GROUPS["observation"])
         if facts.get("task") is not None:
             blobs = {**blobs, "core": self._as_made(blobs.get("core", b""))}
         self._continue(facts, blobs, own_blobs)

@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from enum import IntEnum
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
+
+from atari.base.typed_table import check_type
 
 
 class Action(IntEnum):
@@ -118,3 +120,25 @@ def joystick_action(radius: Any, angle: Any, fire: Any, threshold: np.float32) -
     horizontal = np.int64(x > threshold) - np.int64(x < -threshold)
     vertical = np.int64(y > threshold) - np.int64(y < -threshold)
     return _ACTIONS_BY_MOTION[1 + horizontal, 1 + vertical, np.int64(fire > threshold)]
+
+
+def parse_actions(names: "Literal['all'] | list[str]") -> tuple[Action, ...]:
+    """The actions with these names; "all" means all eighteen."""
+    if names != "all" and isinstance(names, list) and not _SWITCHES.keys().isdisjoint(map(str, names)):
+        raise ValueError(f"[actions] {', '.join(_SWITCHES)} can only be in starting")
+    return tuple(Action(action) for action in parse_starting_actions(names))
+
+
+def parse_starting_actions(names: "Literal['all'] | list[str]") -> tuple[Action | Switch, ...]:
+    """The actions with these names, and the switches of the console."""
+    if names == "all":
+        return PLAYER_ACTIONS
+    check_type(names, "[actions] a list of actions", tuple[str, ...])
+    known: dict[str, Action | Switch] = {**Action.__members__, **_SWITCHES}
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise ValueError(f"[actions] unknown action {unknown[0]!r}")
+    return tuple(known[name] for name in names)
+
+
+_SWITCHES = dict(Switch.__members__)

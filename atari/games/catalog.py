@@ -82,7 +82,7 @@ class Games(Mapping[str, Game]):
         compact = {name.replace("_", ""): name for name in _IDS}
         wanted = "".join(letter for letter in str(game_id).lower() if letter.isalnum())
         near = difflib.get_close_matches(wanted, compact, n=1, cutoff=0.5)
-        hint = f"did you mean {compact[near[0]]!r}?" if near else "see `atari list` for all of them"
+        hint = f"did you mean {compact[near[0]]!r}?" if near else "see `atari info` for all of them"
         return f"there is no game {game_id!r}; {hint}"
 
 

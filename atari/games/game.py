@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any, Literal
 
 from atari.base.notebook import facts
-from atari.games.actions import Action, Switch
+from atari.base.typed_table import build, check_table, check_type
+from atari.games.actions import Action, Switch, parse_actions, parse_starting_actions
 from atari.games.frozen import FrozenDict
 from atari.games.manual import Manual, load_manual
 from atari.games.multiplayer import Multiplayer, parse_multiplayer
 from atari.games.rules import LABEL_ADDRESSES, Rules, check_label_expression, parse_rules
-from atari.games.tables import actions, build, check_keys, check_numbers, check_value, starting_actions
-from atari.games.toml_file import read_toml
+from atari.games.toml_file import check_numbers, read_toml
 
 _FOLDER = Path(__file__).parent
 
@@ -242,15 +242,9 @@ def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
     check_numbers(table, "")
     playing = ("actions", "settings", "rules")
     needed = playing if any(key in table for key in playing) else ()
-    check_keys(
-        table,
-        "the file",
-        ("title", "players", "notes", "screen", "controllers", *needed),
-        ("rom", "ram", "multiplayer"),
-    )
-    check_value("title", table["title"], str)
-    check_value("players", table["players"], int)
-    check_value("notes", table["notes"], tuple[str, ...])
+    tables = dict.fromkeys(("screen", "controllers", *needed), dict)
+    others = dict.fromkeys(("rom", "ram", "multiplayer"), dict)
+    check_table(table, "the file", {"title": str, "players": int, "notes": tuple[str, ...], **tables}, others)
     return Game(
         id=game_id,
         title=table["title"],
@@ -280,16 +274,14 @@ _NO_PLAY: Mapping[str, Any] = {
 def _play(table: Mapping[str, Any]) -> dict[str, Any]:
     """The fields of a `Game` that come from [actions], [settings] and [rules]."""
     listed, settings = table["actions"], table["settings"]
-    check_keys(listed, "[actions]", ("minimal", "legal", "starting"))
-    minimal, legal = (actions(listed[key]) for key in ("minimal", "legal"))
+    check_table(listed, "[actions]", dict.fromkeys(("minimal", "legal", "starting"), Any))
+    minimal, legal = (parse_actions(listed[key]) for key in ("minimal", "legal"))
     if not set(minimal) <= set(legal):
         raise ValueError("[actions] a minimal action is not legal")
     if not minimal:
         raise ValueError("[actions] minimal needs an action")
-    check_keys(settings, "[settings]", ("modes", "default_mode", "difficulties"))
-    for key in ("modes", "difficulties"):
-        check_value(f"[settings] {key}", settings[key], tuple[int, ...])
-    check_value("[settings] default_mode", settings["default_mode"], int)
+    numbers = tuple[int, ...]
+    check_table(settings, "[settings]", {"modes": numbers, "default_mode": int, "difficulties": numbers})
     if settings["default_mode"] not in settings["modes"]:
         raise ValueError(f"[settings] default_mode {settings['default_mode']} is not one of the modes")
     if not settings["difficulties"] or not set(settings["difficulties"]) <= {0, 1, 2, 3}:
@@ -297,7 +289,7 @@ def _play(table: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "minimal_actions": minimal,
         "legal_actions": legal,
-        "starting_actions": starting_actions(listed["starting"]),
+        "starting_actions": parse_starting_actions(listed["starting"]),
         "modes": tuple(settings["modes"]),
         "default_mode": settings["default_mode"],
         "difficulties": tuple(settings["difficulties"]),
@@ -334,7 +326,7 @@ def _controllers(table: Mapping[str, Any]) -> Controllers:
 
 def _ram_label(name: str, table: Mapping[str, Any]) -> RamLabel:
     where = f"[ram] {name}"
-    if not isinstance(table, Mapping) or "name" in table:
+    if "name" in check_type(table, where, dict):
         raise ValueError(f"{where} must be a table, without the key 'name'")
     label = build(RamLabel, {"name": name, **table}, where)
     if label.index not in LABEL_ADDRESSES:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from atari.base.typed_table import check_table, check_type
 from atari.games.frozen import FrozenDict
-from atari.games.tables import check_keys, check_numbers, check_value
-from atari.games.toml_file import read_toml
+from atari.games.toml_file import check_numbers, read_toml
 
 SOURCES = ("manual", "play", "rules", "general knowledge")
 """The sources of a fact: the cartridge's manual, the running game, the rules in the game definition, or facts
@@ -82,15 +82,12 @@ def load_manual(path: Path, numbers: Mapping[str, Collection[int]]) -> Manual:
 def parse_manual(table: Mapping[str, Any], numbers: Mapping[str, Collection[int]]) -> Manual:
     """A `Manual` from the parsed content of a file; `numbers` and the errors are those of `load_manual`."""
     check_numbers(table, "")
-    check_keys(table, "the file", ("title", "description", "sources"), _FACTS)
+    kinds = {"year": int, "notes": tuple[str, ...], **dict.fromkeys(_TEXTS, str)}
+    facts = {key: kinds.get(key, dict) for key in _FACTS}
+    check_table(table, "the file", {"title": str, "description": str, "sources": dict}, facts)
     for key in _TEXTS:
-        if key in table:
-            check_value(key, table[key], str)
-            if not table[key].strip():
-                raise ValueError(f"{key} is empty; leave it out")
-    if "year" in table:
-        check_value("year", table["year"], int)
-    check_value("notes", table.get("notes", []), tuple[str, ...])
+        if not table.get(key, key).strip():
+            raise ValueError(f"{key} is empty; leave it out")
     texts = {key: " ".join(table[key].split()) for key in _TEXTS if key in table}
     meanings = {key: _meanings(f"[{key}]", table.get(key, {}), numbers[key]) for key in _NUMBERED}
     return Manual(
@@ -111,14 +108,11 @@ def parse_manual(table: Mapping[str, Any], numbers: Mapping[str, Collection[int]
 
 def _meanings(where: str, table: Any, allowed: Collection[int]) -> FrozenDict[int, str]:
     """Meanings by number. The keys are the game's numbers in decimal, without signs or leading zeros."""
-    if not isinstance(table, Mapping):
-        raise ValueError(f"{where} must be a table, got {table!r}")
     for key, text in table.items():
         if not re.fullmatch("0|[1-9][0-9]{0,8}", key) or int(key) not in allowed:
             listed = ", ".join(map(str, allowed)) or "none"
             raise ValueError(f"{where} {key} is not a number that the game has ({listed})")
-        check_value(f"{where} {key}", text, str)
-        if not text.strip():
+        if not check_type(text, f"{where} {key}", str).strip():
             raise ValueError(f"{where} {key} is empty; leave it out")
     return FrozenDict(sorted((int(key), text) for key, text in table.items()))
 
@@ -127,9 +121,9 @@ def _sources(table: Mapping[str, Any]) -> FrozenDict[str, tuple[str, ...]]:
     """The sources by fact, for facts in the file; texts, modes and difficulties need a source."""
     sources = table["sources"]
     present = [key for key in _FACTS if key in table]
-    check_keys(sources, "[sources]", [key for key in present if key != "notes"], present)
+    kinds = dict.fromkeys(present, tuple[str, ...])
+    check_table(sources, "[sources]", {key: kind for key, kind in kinds.items() if key != "notes"}, kinds)
     for key, names in sources.items():
-        check_value(f"[sources] {key}", names, tuple[str, ...])
         for name in names:
             if name not in SOURCES:
                 raise ValueError(f"[sources] {key}: {name!r} is not one of {', '.join(map(repr, SOURCES))}")

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from atari.games.actions import Action, Switch
+from atari.base.typed_table import check_table
+from atari.games.actions import Action, Switch, parse_actions, parse_starting_actions
 from atari.games.frozen import FrozenDict
 from atari.games.rules import Rules, parse_rules
-from atari.games.tables import actions, check_keys, check_value, starting_actions
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,14 @@ class Multiplayer:
         return next(players for players, modes in self.modes.items() if mode in modes)
 
 
-_NEEDED = ("modes", "loading_mode", "minimal", "starting", "difficulties", "rules")
-_OPTIONAL = ("paddle_range", "parameters", "mode_offset", "mirrored_modes", "notes")
+_NUMBERS = tuple[int, ...]
+_NEEDED = {
+    "modes": dict, "loading_mode": int, "minimal": Any, "starting": Any, "difficulties": _NUMBERS, "rules": dict
+}  # fmt: skip
+_OPTIONAL = {
+    "paddle_range": tuple[int, int], "parameters": dict, "mode_offset": int, "mirrored_modes": _NUMBERS,
+    "notes": tuple[str, ...],
+}  # fmt: skip
 
 
 def parse_multiplayer(table: Mapping[str, Any]) -> Multiplayer:
@@ -63,24 +69,19 @@ def parse_multiplayer(table: Mapping[str, Any]) -> Multiplayer:
     Raises:
         ValueError: the content is not such a table; the message has the place and the expected content.
     """
-    check_keys(table, "[multiplayer]", _NEEDED, _OPTIONAL)
+    check_table(table, "[multiplayer]", _NEEDED, _OPTIONAL)
     modes = _modes(table["modes"])
     most = max(modes)
-    for key in ("loading_mode", "mode_offset"):
-        check_value(f"[multiplayer] {key}", table.get(key, 0), int)
-    check_value("[multiplayer] difficulties", table["difficulties"], tuple[int, ...])
     if not table["difficulties"] or not set(table["difficulties"]) <= {0, 1, 2, 3}:
         raise ValueError(f"[multiplayer] difficulties {table['difficulties']} are not among 0, 1, 2, 3")
     mirrored = table.get("mirrored_modes", [])
-    check_value("[multiplayer] mirrored_modes", mirrored, tuple[int, ...])
     if not set(mirrored) <= set(modes.get(2, ())):
         raise ValueError(f"[multiplayer] mirrored_modes {mirrored} are not among the modes of two players")
-    check_value("[multiplayer] notes", table.get("notes", []), tuple[str, ...])
     return Multiplayer(
         modes=modes,
         loading_mode=table["loading_mode"],
-        minimal_actions=actions(table["minimal"]),
-        starting_actions=starting_actions(table["starting"]),
+        minimal_actions=parse_actions(table["minimal"]),
+        starting_actions=parse_starting_actions(table["starting"]),
         difficulties=tuple(table["difficulties"]),
         rules=_rules(table, most, "step"),
         corrected=_rules(table, most, "corrected_step") if "corrected_step" in table["rules"] else None,
@@ -93,12 +94,8 @@ def parse_multiplayer(table: Mapping[str, Any]) -> Multiplayer:
 
 
 def _modes(table: Any) -> Mapping[int, tuple[int, ...]]:
-    check_keys(table, "[multiplayer] modes", (), ("2", "3", "4"))
-    modes = {}
-    for players, numbers in table.items():
-        check_value(f"[multiplayer] modes {players}", numbers, tuple[int, ...])
-        if numbers:
-            modes[int(players)] = tuple(numbers)
+    check_table(table, "[multiplayer] modes", {}, dict.fromkeys(("2", "3", "4"), _NUMBERS))
+    modes = {int(players): tuple(numbers) for players, numbers in table.items() if numbers}
     if not modes:
         raise ValueError("[multiplayer] modes needs the modes of 2, 3 or 4 players")
     return FrozenDict(modes)
@@ -108,10 +105,10 @@ def _rules(table: Mapping[str, Any], players: int, step: str) -> Rules:
     """The rules with one of their steps. The parameters are variables that keep their value."""
     parameters = table.get("parameters", {})
     optional = ("corrected_step", "mode_select", "kept_over_reset")
-    check_keys(table["rules"], "[multiplayer.rules]", ("state", "step"), optional)
+    check_table(table["rules"], "[multiplayer.rules]", {"state": Any, "step": Any}, dict.fromkeys(optional, Any))
     rules = {key: value for key, value in table["rules"].items() if key != "corrected_step"}
     rules["step"] = table["rules"][step]
-    if isinstance(parameters, Mapping) and isinstance(rules["state"], Mapping):
+    if isinstance(rules["state"], Mapping):
         rules["state"] = {**parameters, **rules["state"]}
         rules["kept_over_reset"] = [*parameters, *rules.get("kept_over_reset", [])]
     outputs = [name for player in range(1, players + 1) for name in (f"reward_{player}", f"lives_{player}")]
@@ -124,7 +121,6 @@ def _rules(table: Mapping[str, Any], players: int, step: str) -> Rules:
 def _paddle_range(value: Any) -> tuple[int, int] | None:
     if value is None:
         return None
-    check_value("[multiplayer] paddle_range", value, tuple[int, int])
     low, high = value
     if not 0 <= low <= high <= 2**24:
         raise ValueError(f"[multiplayer] paddle_range must be two integers within 0..{2**24}, got {low}, {high}")

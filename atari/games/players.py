@@ -59,7 +59,7 @@ def _default_mode(game: Game, rules: Multiplayer, players: int | None) -> int:
     return rules.modes[players or min(rules.modes)][0]
 
 
-def options_of(environment: Environment, options: Mapping[str, Any], offset: int = 0) -> dict[str, Any]:
+def pettingzoo_options(environment: Environment, options: Mapping[str, Any], offset: int = 0) -> dict[str, Any]:
     """Options with the mode and the number of players in place of the parameters of a PettingZoo environment.
 
     Args:

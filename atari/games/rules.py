@@ -11,6 +11,7 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
+from atari.base.typed_table import check_table, check_type
 from atari.games.actions import PLAYER_ACTIONS
 from atari.games.frozen import FrozenDict
 
@@ -91,17 +92,33 @@ class Rules:
         return next((source for target, source in reversed(self.step) if target == name), name)
 
 
-# The keys of each mode_select operation: the required ones, and the optional ones.
-_OPERATION_KEYS: Mapping[str, tuple[set[str], set[str]]] = {
-    "set": ({"var", "value"}, set()),
-    "press_select": ({"frames"}, set()),
-    "press_select_until": ({"frames", "until"}, {"max"}),
-    "soft_reset": (set(), set()),
-    "act": ({"action", "times"}, set()),
-    "act_until": ({"action", "until"}, set()),
-    "repeat_until": ({"do", "until"}, set()),
-    "repeat": ({"do", "times"}, set()),
+_OTHERS: Mapping[str, Any] = {
+    "lives_initial": int,
+    "mode_select": tuple[dict[str, Any], ...],
+    "kept_over_reset": tuple[str, ...],
+    "selection_frames": int,
 }
+_SELECT = "press_select_until"
+_OF: Any = Literal
+_KEYS: Mapping[str, Any] = {
+    "var": str,
+    "action": _OF[tuple(action.name for action in PLAYER_ACTIONS)],
+    "do": tuple[dict[str, Any], ...],
+    **dict.fromkeys(("value", "frames", "until", "times"), Any),
+}
+"""The types of the keys of mode_select operations."""
+
+_OPERATIONS: Mapping[str, tuple[str, ...]] = {
+    "set": ("var", "value"),
+    "press_select": ("frames",),
+    "press_select_until": ("frames", "until"),
+    "soft_reset": (),
+    "act": ("action", "times"),
+    "act_until": ("action", "until"),
+    "repeat_until": ("do", "until"),
+    "repeat": ("do", "times"),
+}
+"""The keys of each operation; `press_select_until` can have `max`, too."""
 
 
 def parse_rules(table: Mapping[str, Any], outputs: tuple[str, ...] = OUTPUTS) -> Rules:
@@ -114,26 +131,17 @@ def parse_rules(table: Mapping[str, Any], outputs: tuple[str, ...] = OUTPUTS) ->
     Raises:
         ValueError: a key is missing or unknown, or an expression is outside the grammar; the message names it.
     """
-    optional = {"lives_initial", "mode_select", "kept_over_reset", "selection_frames"}
-    needed = {"state", "step"} | ({"lives_initial"} if outputs == OUTPUTS else set())
-    unknown = set(table) - needed - optional
-    if unknown:
-        raise ValueError(f"[rules] has no key {sorted(unknown)[0]!r}")
-    missing = needed - set(table)
-    if missing:
-        raise ValueError(f"[rules] needs the key {sorted(missing)[0]!r}")
-    if not isinstance(table["state"], Mapping):
-        raise ValueError(f"[rules] state must be a table of integers, got {table['state']!r}")
+    needed = {"state": dict, "step": str, **({"lives_initial": int} if outputs == OUTPUTS else {})}
+    check_table(table, "[rules]", needed, _OTHERS)
     state = FrozenDict(table["state"])
+    for name, value in state.items():
+        check_type(value, f"[rules] state: {name}", int)
     numbers = {"lives_initial": table.get("lives_initial", 0), "selection_frames": table.get("selection_frames", 0)}
-    for name, value in {**state, **numbers}.items():
-        if type(value) is not int:
-            raise ValueError(f"[rules] {name} must be an integer, got {value!r}")
     step = _parse_step(table["step"], state)
     for name in (*outputs, "terminal"):
         if name not in dict(step):
             raise ValueError(f"[rules] step never assigns {name!r}")
-    kept = tuple(_check_list("kept_over_reset", table.get("kept_over_reset", []), str))
+    kept = tuple(table.get("kept_over_reset", ()))
     for name in kept:
         if name not in state:
             raise ValueError(f"[rules] kept_over_reset names {name!r}, which is not in state")
@@ -218,7 +226,6 @@ def check_label_expression(source: str, where: str) -> None:
 
 
 def _depth(tree: ast.AST) -> int:
-    """The depth of nesting of an expression's nodes."""
     depth, level = 0, [tree]
     while level := [child for node in level for child in ast.iter_child_nodes(node)]:
         depth += 1
@@ -257,8 +264,6 @@ def _address_problem(nodes: Iterable[ast.AST], addresses: range) -> str | None:
 
 def _parse_step(text: str, state: Mapping[str, int]) -> tuple[tuple[str, str], ...]:
     """Split `name = expression` lines, checking each expression with the names defined before it."""
-    if not isinstance(text, str):
-        raise ValueError(f"[rules] step must be a text of 'name = expression' lines, got {text!r}")
     lines = []
     scope = set(state)
     for number, line in enumerate(text.strip().splitlines(), 1):
@@ -274,33 +279,21 @@ def _parse_step(text: str, state: Mapping[str, int]) -> tuple[tuple[str, str], .
     return tuple(lines)
 
 
-def _check_list(where: str, values: Any, kind: type) -> list[Any]:
-    if not isinstance(values, list) or not all(isinstance(value, kind) for value in values):
-        kinds = "texts" if kind is str else "tables"
-        raise ValueError(f"[rules] {where} must be a list of {kinds}, got {values!r}")
-    return values
-
-
 def _parse_operations(tables: Any, scope: set[str]) -> tuple[Operation, ...]:
     operations = []
-    for table in _check_list("mode_select", tables, dict):
+    for table in tables:
         keys = dict(table)
-        op = keys.pop("op", None)
-        if op not in list(_OPERATION_KEYS):  # a list, because `op` may not be hashable
-            raise ValueError(f"[rules] mode_select: unknown operation {op!r}")
-        required, optional = _OPERATION_KEYS[op]
-        if not required <= set(keys) <= required | optional:
-            raise ValueError(f"[rules] mode_select: {op} takes the keys {sorted(required | optional)}")
+        op = check_type(keys.pop("op", None), "[rules] mode_select, op", _OF[tuple(_OPERATIONS)])
+        where = f"[rules] mode_select, {op}"
+        check_table(keys, where, {key: _KEYS[key] for key in _OPERATIONS[op]}, {"max": int} if op == _SELECT else {})
         for key in ("value", "frames", "until", "times"):
             if key in keys:
                 keys[key] = str(keys[key])
-                check_expression(keys[key], scope, f"[rules] mode_select, {op} {key}")
-        if "max" in keys and (type(keys["max"]) is not int or keys["max"] < 0):
-            raise ValueError(f"[rules] mode_select: {op} max must be an integer of 0 or more, got {keys['max']!r}")
-        if "var" in keys and not (isinstance(keys["var"], str) and keys["var"].isidentifier()):
-            raise ValueError(f"[rules] mode_select: {op} var must be the name of a variable, got {keys['var']!r}")
-        if "action" in keys and keys["action"] not in [action.name for action in PLAYER_ACTIONS]:
-            raise ValueError(f"[rules] mode_select: unknown action {keys['action']!r}")
+                check_expression(keys[key], scope, f"{where} {key}")
+        if keys.get("max", 0) < 0:
+            raise ValueError(f"{where}: max must be 0 or more, got {keys['max']}")
+        if not keys.get("var", "v").isidentifier():
+            raise ValueError(f"{where}: var must be the name of a variable, got {keys['var']!r}")
         if "do" in keys:
             keys["do"] = _parse_operations(keys["do"], scope)
         if op == "set":

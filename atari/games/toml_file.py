@@ -2,6 +2,7 @@
 
 import re
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +56,14 @@ def read_toml(path: Path, kind: str) -> dict[str, Any]:
         raise ValueError(f"{path}: its tables or lists are nested too deeply") from None
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
+
+
+def check_numbers(value: Any, where: str) -> None:
+    """Check that all numbers in a value fit in the emulator's 32 bits."""
+    if isinstance(value, int) and not -(2**31) <= value < 2**31:
+        raise ValueError(f"{where} is not an integer of 32 bits")
+    for key, item in value.items() if isinstance(value, Mapping) else enumerate(value) if type(value) is list else ():
+        check_numbers(item, f"{where}.{key}" if where else str(key))
 
 
 def _check_keys(text: str) -> None:

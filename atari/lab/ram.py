@@ -7,6 +7,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
+from atari.base.text_table import Table
 from atari.base.validation import check_integer
 from atari.cores import Core
 from atari.env import AtariEnv
@@ -22,7 +23,6 @@ from atari.lab.labels import (
     unknown_label,
 )
 from atari.lab.objects import positions, visible_objects
-from atari.lab.table import Table
 from atari.vector import AtariVectorEnv
 
 _MOST_COLUMNS = 8

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from atari.base.text_table import Table
 from atari.base.validation import check_integer
 from atari.cores import ByteArray
 from atari.games.catalog import games
 from atari.lab.labels import byte_index
 from atari.lab.places import RAM_BYTES, IntArray, Place, Places
 from atari.lab.ram import access
-from atari.lab.table import Table
 from atari.recording import Replay
 
 _COLUMNS = 12

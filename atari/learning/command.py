@@ -8,40 +8,23 @@ from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import fields
 from datetime import timedelta
+from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, get_type_hints
 
 import gymnasium
 
 from atari.base.program import ctrl_c_as_event, interruptible, run
 from atari.base.progress import ProgressBar
+from atari.base.typed_table import fits, in_text
 from atari.learning.agent import Agent, AgentCode, agent_code
-from atari.learning.options import FAST_RAM, TrainingOptions, is_switch, parse, shown
+from atari.learning.options import FAST_RAM, NOT_FOR_AGENTS, TrainingOptions, option_from_text
 from atari.learning.run import RunFolder
 from atari.learning.training import Training
 from atari.task import Task
-from atari.task.arguments import (
-    StoreOnce,
-    add_refused,
-    add_task,
-    advised,
-    descriptions,
-    given_options,
-    read_game,
-    show_task,
-    task_of,
-)
+from atari.task.arguments import add_task, descriptions, given_options, read_game, show_task, task_of
 from atari.task.description import summary
-
-_ALONE = (
-    "players",
-    "continuous",
-    "continuous_action_threshold",
-    "sound_obs",
-    "agent_indicator",
-    "zero_sum",
-)
-"""Options of a task that trainings refuse."""
+from atari.task.parser import Parser, add_refused, as_type
 
 
 def train(
@@ -90,7 +73,7 @@ def game_among(code: AgentCode, argv: Sequence[str], prog: str) -> str:
     return game
 
 
-def options_of(code: AgentCode, argv: Sequence[str], prog: str) -> TrainingOptions:
+def training_options(code: AgentCode, argv: Sequence[str], prog: str) -> TrainingOptions:
     """The options of the training that a command line without the agent and a run folder describes.
 
     A mistake in the command line ends the program with the usage and the error, see `argparse`.
@@ -213,12 +196,11 @@ class Lines:
 
 def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | None) -> argparse.ArgumentParser:
     kind = agent.options_class
-    parser = _Parser(
+    parser = Parser(
         prog=prog,
         usage=f"{prog} GAME [options]; --help lists them",
         description=f"Train {agent.__name__}.",
         parents=[] if output is None else [output],
-        allow_abbrev=False,
     )
     parser.add_argument(
         "game",
@@ -230,34 +212,27 @@ def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | Non
     )
     parser.add_argument("-o", "--run", type=Path, metavar="RUN", help="the new run folder (default: in runs/)")
     parser.add_argument("--fast", action="store_true", help="use the options of the list below, found by measurement")
-    texts = descriptions(kind)
+    texts, kinds = descriptions(kind), get_type_hints(kind)
     for field in fields(kind):
         if field.name != "task":
             flag = f"--{field.name.replace('_', '-')}"
-            default = "" if field.default is None else f" (default: {shown(field.default)})"
+            default = "" if field.default is None else f" (default: {in_text(field.default)})"
             text = f"{texts[field.name]}{default}".replace("%", "%%")
-            own: dict[str, Any] = {"type": _option_type(kind, field.name), "default": argparse.SUPPRESS, "metavar": "X"}
-            if is_switch(kind, field.name):
+            own: dict[str, Any] = {
+                "type": as_type(partial(option_from_text, kind, field.name)),
+                "default": argparse.SUPPRESS,
+                "metavar": "X",
+            }
+            if fits(True, kinds[field.name]):
                 own |= {"nargs": "?", "const": True}
             parser.add_argument(flag, help=text, **own)
-    add_task(parser, leave_out=_ALONE)
+    add_task(parser, refused=NOT_FOR_AGENTS)
     add_refused(parser, dict.fromkeys(_OF_SWEEPS, _SWEEP))
     listed, of_ram = (
-        ", ".join(f"{name} {shown(value)}" for name, value in options.items()) for options in (agent.fast, FAST_RAM)
+        ", ".join(f"{name} {in_text(value)}" for name, value in options.items()) for options in (agent.fast, FAST_RAM)
     )
     parser.epilog = f"--fast: {listed}. From RAM it has instead: {of_ram}"
     return parser
-
-
-class _Parser(argparse.ArgumentParser):
-    def __init__(self, **options: Any) -> None:
-        super().__init__(**options)
-        for kind in (None, "store"):
-            self.register("action", kind, StoreOnce)
-
-    def error(self, message: str) -> NoReturn:
-        """Print the usage and the error with a suggestion, and exit with code 2."""
-        super().error(advised(message, self._option_string_actions))
 
 
 _OF_SWEEPS = ("--seeds", "--jobs", "--protocol", "--episodes", "--compare", "--mixed")
@@ -265,17 +240,6 @@ _SWEEP = (
     f"{', '.join(_OF_SWEEPS)} are for a sweep, `atari train AGENT GAMES --seeds 0-2`; one training has --seed, and "
     "`atari evaluate RUN --protocol NAME` evaluates it"
 )
-
-
-def _option_type(options: type[TrainingOptions], name: str) -> Any:
-    def convert(text: str) -> Any:
-        try:
-            return parse(options, name, text)
-        except ValueError as error:
-            words = f"{text!r} is no number" if "could not convert" in str(error) else str(error)
-            raise argparse.ArgumentTypeError(words) from None
-
-    return convert
 
 
 def _new_folder(name: str) -> Path:

@@ -3,17 +3,17 @@
 import dataclasses
 import math
 import re
-import types
-import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any, ClassVar, Literal, TypeVar
+from typing import Any, ClassVar, Literal, TypeVar, get_origin, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
 
+from atari.base.typed_table import check_type, fits, from_text, in_words, members
 from atari.base.validation import check_integer, check_known
+from atari.cores.options import SEED_LIMIT
 from atari.learning.programs import is_program, module_of, named_in, program
 from atari.policy.needs import in_game
 from atari.task import Task
@@ -22,9 +22,6 @@ from atari.task.task import GameLike, look_up
 
 NETWORKS = ("nature", "small", "mlp", "bits")
 """The names of the networks of this package."""
-
-SEEDS = 2**32
-"""The number of seeds, 0..2**32-1."""
 
 MOST_WORKERS = 1024
 """The largest number of threads that play and learn."""
@@ -143,12 +140,13 @@ class TrainingOptions:
         if not isinstance(self.task, Task):
             raise TypeError(f"task must be an atari.Task, got {self.task!r}; {type(self).__name__}.of(GAME) makes one")
         check_task(self.task)
-        check_integer("seed", self.seed, 0, SEEDS - 1)
+        check_integer("seed", self.seed, 0, SEED_LIMIT - 1)
         for name, most in (("total_steps", 10**15), ("num_envs", 2**16), ("workers", MOST_WORKERS)):
             check_integer(name, getattr(self, name), 1, most)
+        kinds = get_type_hints(type(self))
         for field in dataclasses.fields(self):
             if field.name not in ("task", "network"):
-                _check_kind(field.name, getattr(self, field.name), members(type(self), field.name))
+                _check_option(field.name, getattr(self, field.name), kinds[field.name])
         if self.num_envs % self.workers:
             raise ValueError(f"num_envs must be a multiple of workers, got {self.num_envs} and {self.workers}")
         self._check_network()
@@ -168,7 +166,8 @@ class TrainingOptions:
                 "a network of your own is a class or a function, network=Net, and in a command FILE.py:NAME, such as "
                 f"my_net.py:Net; got {self.network!r}"
             )
-        check_choice("network", self.network, NETWORKS)
+        if self.network not in NETWORKS:
+            raise ValueError(f"network must be one of {', '.join(NETWORKS)}, got {self.network!r}")
         if self.from_ram != (self.network in ("mlp", "bits")):
             raise ValueError(
                 f"network {self.network!r} is not for obs_type {self.task.obs_type!r}: images need nature or small, "
@@ -245,9 +244,13 @@ class TrainingOptions:
 
         Otherwise they are words of `numpy.random.SeedSequence(first)`.
         """
-        if first + count <= SEEDS:
+        if first + count <= SEED_LIMIT:
             return np.arange(first, first + count)
         return np.random.SeedSequence(first).generate_state(count).astype(np.int64)
+
+
+NOT_FOR_AGENTS = ("players", "continuous", "continuous_action_threshold", "sound_obs", "agent_indicator", "zero_sum")
+"""Options of a task that no agent of this package plays."""
 
 
 def check_task(task: Task) -> None:
@@ -277,81 +280,26 @@ _FROM_ZERO = ("seed", "learning_starts")
 """Options that are whole numbers and can be 0."""
 
 
-def _check_kind(name: str, value: Any, kinds: tuple[Any, ...]) -> None:
-    """Check that the value of an option is of one of its types; numbers must be finite and not negative."""
-    kind = kinds[0]
-    if value is None and type(None) in kinds:
-        return
-    if typing.get_origin(kind) is Literal:
-        choices = typing.get_args(kind)
-        check_choice(name, shown(value), tuple(map(shown, choices)))
-        if not any(type(value) is type(choice) for choice in choices):  # 1 == True
-            raise TypeError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r:.60}")
-    elif kind in (int, float):
-        if isinstance(value, bool) or not isinstance(value, (int, float) if kind is float else int):
-            raise TypeError(f"{name} must be {'a number' if kind is float else 'a whole number'}, got {value!r:.60}")
-        least = 0 if kind is float or name in _FROM_ZERO else 1
+def _check_option(name: str, value: Any, kind: Any) -> None:
+    """Check that the value of an option is of its type; numbers must be finite and not negative."""
+    if not fits(value, kind):
+        error = ValueError if get_origin(kind) is Literal else TypeError
+        raise error(f"{name} must be {in_words(kind)}, got {value!r:.60}")
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        least = 0 if float in members(kind) or name in _FROM_ZERO else 1
         if not math.isfinite(value) or (not least <= value < 2**63 and name != "stop_score"):
             raise ValueError(f"{name} must be within {least}..2**63-1, got {value!r:.60}")
-    elif not isinstance(value, kind):
-        raise TypeError(f"{name} must be {'true or false' if kind is bool else 'a text'}, got {value!r:.60}")
 
 
-def check_choice(name: str, value: Any, choices: tuple[Any, ...]) -> None:
-    """Check that the value of an option is one of its choices.
-
-    Raises:
-        ValueError: the value is no choice.
-    """
-    if value not in choices:
-        raise ValueError(f"{name} must be one of {', '.join(map(str, choices))}, got {value!r}")
-
-
-def members(options: type, name: str) -> tuple[Any, ...]:
-    """The types of the values of an option."""
-    kind = typing.get_type_hints(options)[name]
-    return typing.get_args(kind) if typing.get_origin(kind) in (types.UnionType, typing.Union) else (kind,)
-
-
-def is_switch(options: type, name: str) -> bool:
-    """Whether an option can be true, so that a command line may leave its value out."""
-    kind = members(options, name)[0]
-    return kind is bool or True in typing.get_args(kind)
-
-
-def shown(value: Any) -> str:
-    """The value of an option as a command line has it."""
-    if isinstance(value, bool):
-        return str(value).lower()
-    return "none" if value is None else ",".join(value) if isinstance(value, tuple) else str(value)
-
-
-def parse(options: type, name: str, text: str) -> Any:
+def option_from_text(options: type, name: str, text: str) -> Any:
     """The value of an option from its text on a command line.
 
     Raises:
         ValueError: the text is no value of the option.
         FileNotFoundError: there is no such file of a network.
     """
-    kinds = members(options, name)
-    kind = kinds[0]
-    if type(None) in kinds and text == "none":
-        return None
-    if kind is bool:
-        check_choice(name, text, ("true", "false"))
-        return text == "true"
     if name == "network" and is_program(text):
         named = program(text)
         return named_in(module_of(named.file), named)
-    if typing.get_origin(kind) is Literal:
-        return next((choice for choice in typing.get_args(kind) if shown(choice) == text), text)
-    if kind is int:
-        if text.removeprefix("-").isdecimal() and len(text) < 100:
-            return int(text)
-        value = float(text)  # 1e6 is a whole number, too
-        if not value.is_integer():
-            raise ValueError(f"{name} must be a whole number, got {text}")
-        return int(value)
-    if kind is float:
-        return float(text)
-    return text
+    kind = get_type_hints(options)[name]
+    return check_type(from_text(text, kind), name, kind)

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from atari.base import json_text
 from atari.base.archives import check_member, read_member
 from atari.base.extras import import_extra, install_extra, pip_install
+from atari.base.typed_table import check_type
 from atari.base.validation import check_file
 from atari.policy import (
     Accepted,
@@ -182,7 +183,7 @@ def _file(file: Path, sample: bool) -> Policy:
         raise ValueError(f"{file} is damaged: {error}") from error
     if data is not None:
         facts = json_text.parse(data, f"{file}: its data", most_bytes=_MOST_UNPACKED)
-        return _sb3(file, json_text.check_kind(facts, f"{file}: its data", dict), sample)
+        return _sb3(file, check_type(facts, f"{file}: its data", dict), sample)
     if any("/code/" in name for name in names):
         return _torch_script(file, sample)
     if any(name.endswith("/data.pkl") for name in names):

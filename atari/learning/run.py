@@ -10,6 +10,7 @@ from typing import Any, BinaryIO
 import torch
 
 from atari.base import durable, json_text
+from atari.base.typed_table import check_table
 from atari.base.validation import check_file, check_integer
 from atari.learning.evaluation.results import versions
 from atari.learning.memory import ReplayMemory
@@ -163,11 +164,9 @@ class RunFolder:
                 f"{file} has format {version!r:.60}, and this atari-envs reads {FORMAT}; use the one that wrote it"
             )
         try:
-            json_text.check_table(
-                config, "the configuration", _KEYS, {"ended": str, "keep_memory": bool, "programs": dict}
-            )
+            check_table(config, "the configuration", _KEYS, {"ended": str, "keep_memory": bool, "programs": dict})
             for kind, entry in config.get("programs", {}).items():
-                json_text.check_table(entry, f"program {kind!r}", dict.fromkeys(("file", "name", "sha256"), str))
+                check_table(entry, f"program {kind!r}", dict.fromkeys(("file", "name", "sha256"), str))
                 _check_kind(kind)
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise ValueError(f"{file} is damaged: {error!r}") from None

@@ -178,7 +178,7 @@ class MultiplayerCore(EmulatorCore):
         """Play one of the modes for these players, by Multi-Agent-ALE's number, from the next reset on."""
         chosen, _ = choose_mode(self.game, check_integer("mode", mode, -(2**31), 2**31 - 1), self.players)
         self.options["mode"] += chosen - self.mode
-        self.task = self.task.with_set(mode=chosen)
+        self.task = self.task.with_checked(mode=chosen)
         super().set_mode(chosen)
 
     def set_difficulty(self, difficulty: int) -> None:
@@ -187,7 +187,7 @@ class MultiplayerCore(EmulatorCore):
             raise ValueError(
                 f"difficulty of {self.game.id} must be one of {self.rules.difficulties}, got {difficulty!r}"
             )
-        self.task = self.task.with_set(difficulty=difficulty)
+        self.task = self.task.with_checked(difficulty=difficulty)
         self.options["difficulty"] = self.task.set_difficulty
         super().set_difficulty(difficulty)
 

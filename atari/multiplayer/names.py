@@ -34,7 +34,7 @@ class PettingZooNames:
     def task(self) -> Task:
         """The task, with the later settings of the core."""
         played = self.core.task
-        return self._task.with_set(**{name: getattr(played, name) for name in _OF_CORE})
+        return self._task.with_checked(**{name: getattr(played, name) for name in _OF_CORE})
 
     ale = property(attrgetter("_ale"), doc="The core under the names of Multi-Agent-ALE's `ALEInterface`.")
     frame = property(attrgetter("_episode.steps"), doc="Steps of the episode.")
@@ -64,7 +64,7 @@ class PettingZooNames:
 
     @max_cycles.setter
     def max_cycles(self, steps: int) -> None:
-        self._task = self._task.with_set(max_episode_steps=check_integer("max_cycles", steps, 1, NO_LIMIT))
+        self._task = self._task.with_checked(max_episode_steps=check_integer("max_cycles", steps, 1, NO_LIMIT))
         self._episode = self._continued(self._episode.save())
 
     @property

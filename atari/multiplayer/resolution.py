@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from atari.games.pettingzoo import ENVIRONMENTS, Environment, find_environment, split_name
-from atari.games.players import choose_mode, options_of, rules_of
+from atari.games.players import choose_mode, pettingzoo_options, rules_of
 from atari.task import Task
-from atari.task.resolution import is_id, spelled
+from atari.task.resolution import catalogue_name, is_id
 from atari.task.task import FoundGame, GameLike, look_up
 
 _NONE_IS_NOT_GIVEN = ("mode", "players", "difficulty")
@@ -38,7 +38,7 @@ def resolve_several(
     found = look_up(game if environment is None else environment.game)
     offset = rules_of(found.definition).mode_offset if ale_numbers else 0
     if environment is not None:
-        options = options_of(environment, options, offset)
+        options = pettingzoo_options(environment, options, offset)
     else:
         options = {**options, **_mode_and_players(found, options, offset)}
     name = f"custom_{found.definition.id}" if environment is None else environment.id
@@ -51,7 +51,7 @@ def _environment(game: GameLike) -> Environment | None:
         return None
     if is_id(game) and split_name(game)[0] not in ENVIRONMENTS:
         return None
-    return find_environment(spelled(game))
+    return find_environment(catalogue_name(game))
 
 
 def _mode_and_players(found: FoundGame, options: Mapping[str, Any], offset: int) -> dict[str, int]:

@@ -13,7 +13,7 @@ from atari.observations.layout import Layout
 from atari.task import Task
 from atari.task.fields import DEFAULTS, FIELDS, GROUPS
 from atari.task.resolution import ALIASES, OPTIONS
-from atari.task.rules import settle
+from atari.task.rules import default_ineffective
 from atari.task.task import FoundGame
 from atari.vector import AtariVectorEnv
 from atari.vector.ale_names import NAMES
@@ -100,15 +100,15 @@ def _task(task: Any) -> Task | None:
 def in_game(task: Task, game: Task) -> Task:
     """A task with the game, mode, difficulty, players and interventions of `game`, and with all else of `task`."""
     fields = {name: getattr(task, name) for name in FIELDS if name not in (*GROUPS["game"], "interventions")}
-    return composed(game, **fields)
+    return task_with_fields(game, **fields)
 
 
-def composed(game: Task, **fields: Any) -> Task:
+def task_with_fields(game: Task, **fields: Any) -> Task:
     """A task with the game, mode, difficulty, players and interventions of `game`, and with these fields.
 
     Fields that have no effect beside the others take their defaults.
     """
     kept = ("rules", "rom_md5", "mode", "difficulty", "players", "interventions")
     every = {**DEFAULTS, **{name: getattr(game, name) for name in kept}, **fields, "game": game.definition}
-    settle(every, given=())
+    default_ineffective(every, given=())
     return Task(**every)

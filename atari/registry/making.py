@@ -14,7 +14,7 @@ from atari.base.validation import check_known
 from atari.env import AtariEnv
 from atari.games.catalog import games
 from atari.task import Task, env_ids
-from atari.task.options import MakeOptions
+from atari.task.fields import MakeOptions
 from atari.task.resolution import ALIASES, ENTRY_POINT, OPTIONS, fields_of_id, is_id, is_ours, known_ids
 from atari.task.task import FoundGame, GameLike, look_up
 from atari.vector import AtariVectorEnv
@@ -77,7 +77,7 @@ def make_found(found: FoundGame, task: Task, options: dict[str, Any]) -> Env:
     if task.preprocessed:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
-        env = wrap(_make_unwrapped(task.of_emulator(), env_id, options), task)
+        env = wrap(_make_unwrapped(task.emulator_task(), env_id, options), task)
     else:
         env = _make_unwrapped(task, env_id, options)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
@@ -116,7 +116,7 @@ def spec_of(task: Task) -> EnvSpec:
 
 def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str | PathLike[str] | None = None) -> Env:
     """An environment of a task: an `AtariEnv`, with wrappers around it where the task needs them."""
-    inner = task.of_emulator() if task.preprocessed else task.replace(max_episode_steps=None)
+    inner = task.emulator_task() if task.preprocessed else task.replace(max_episode_steps=None)
     env: Env = AtariEnv(inner, render_mode=render_mode, core=core, rom=rom)
     if task.preprocessed:
         from atari.wrappers.layers import wrap  # it imports OpenCV

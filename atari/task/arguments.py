@@ -1,30 +1,28 @@
 """GAME and the options of a `Task` on a command line: flags made from the rows of its fields."""
 
 import argparse
-import difflib
 import inspect
 import json
 import os
 import re
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Collection, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 from atari.base import magic
-from atari.base.validation import check_file, check_integer
+from atari.base.typed_table import from_text
+from atari.base.validation import check_file
 from atari.games.frozen import FrozenDict
 from atari.roms.identification import identify
 from atari.roms.search import ENDINGS
 from atari.task.description import summary
 from atari.task.fields import DEFAULTS, GROUPS, ROWS, TYPES, check_field
+from atari.task.parser import as_type, flags_of
 from atari.task.presets import PRESETS, find_preset
 from atari.task.resolution import OPTIONS
-from atari.task.task import FoundGame, GameLike, Task, leave_out, look_up
-
-SEEDS = 2**32
-"""The bound of the seeds of all commands."""
+from atari.task.task import FoundGame, GameLike, Task, fix_fields, look_up
 
 SCREEN: Mapping[str, Any] = FrozenDict(
     {name: DEFAULTS[name] for name in (*GROUPS["observation"], "reward", "reward_clipping")}
@@ -35,7 +33,7 @@ SCREEN: Mapping[str, Any] = FrozenDict(
 def add_task(
     parser: argparse.ArgumentParser,
     groups: Collection[str] = tuple(GROUPS),
-    leave_out: Collection[str] = (),
+    refused: Collection[str] = (),
     *,
     fixed: Mapping[str, Any] = FrozenDict(),
     preset: bool = True,
@@ -46,16 +44,17 @@ def add_task(
         parser: the parser of a command, which adds GAME itself. A flag that is not given leaves no attribute in its
             namespace; only `preset` is then None.
         groups: the groups of fields that the command obeys, see `atari.task.fields.GROUPS`, and names of options.
-        leave_out: options of these groups that the command does not obey.
+        refused: options of these groups that the command does not obey.
         fixed: options that do not matter for the command, such as observations when a person sees the screen, with
             the values that it plays. They have no flags; if GAME has other values, the first line says so.
         preset: whether the command has `--preset`.
     """
     own = parser.add_argument_group("what is played", "Fields of atari.Task, which override GAME and the preset.")
     if preset:
-        own.add_argument("--preset", type=_preset, metavar="NAME", help=f"a preprocessing: {', '.join(PRESETS)}")
+        names = ", ".join(PRESETS)
+        own.add_argument("--preset", type=as_type(_preset), metavar="NAME", help=f"a preprocessing: {names}")
     own.add_argument("--print-task", action="store_true", help="print what would be played, and end")
-    obeyed = [name for name in _options_of(groups) if name not in leave_out]
+    obeyed = [name for name in _option_names(groups) if name not in refused]
     sections: dict[str, Any] = {}
     for name in obeyed:
         title = ROWS[name].group
@@ -72,13 +71,13 @@ def add_task(
     parser.set_defaults(obeyed=tuple(obeyed), fixed=fixed, command=parser.prog)
 
 
-def _options_of(groups: Collection[str]) -> tuple[str, ...]:
+def _option_names(groups: Collection[str]) -> tuple[str, ...]:
     names = (name for group in groups for name in GROUPS.get(group, (group,)))
     return tuple(name for name in names if name in OPTIONS)
 
 
 def _add_flag(group: Any, name: str) -> None:
-    row, flags = ROWS[name], _flags_of(name)
+    row, flags = ROWS[name], flags_of(name)
     common: dict[str, Any] = {"dest": name, "default": argparse.SUPPRESS, "help": row.says.replace("%", "%%")}
     if TYPES[name] is bool:
         group.add_argument(*flags, action=argparse.BooleanOptionalAction, **common)
@@ -87,41 +86,8 @@ def _add_flag(group: Any, name: str) -> None:
         group.add_argument(*flags, action="append", metavar=row.metavar, **common)
     else:
         choices = get_args(TYPES[name]) if get_origin(TYPES[name]) is Literal else ()
-        group.add_argument(*flags, type=_reader(name), metavar=row.metavar or "|".join(choices) or "N", **common)
-
-
-def _flags_of(name: str) -> tuple[str, ...]:
-    return ROWS[name].flags or (f"--{name.replace('_', '-')}",)
-
-
-class StoreOnce(argparse.Action):
-    """The action "store", which refuses a flag that is given twice: one of the values would have no effect.
-
-    `flags` of the parsed arguments has the names of the flags that were given.
-    """
-
-    def __call__(self, parser: argparse.ArgumentParser, namespace: Any, values: Any, flag: str | None = None) -> None:
-        """Store the value of a flag, or of a word."""
-        if flag is not None:
-            given: frozenset[str] = getattr(namespace, "flags", frozenset())
-            if self.dest in given:
-                raise argparse.ArgumentError(self, "it is given twice; leave one of them out")
-            namespace.flags = given | {self.dest}
-        setattr(namespace, self.dest, values)
-
-
-def advised(message: str, flags: Iterable[str]) -> str:
-    """An error of argparse with the nearest of the flags, or how a value that begins with a dash is given."""
-    if without := re.match(r"argument (?:-\w, )?(--[\w-]+)[^:]*: expected one argument", message):
-        return f"{message}; a value that begins with - is joined by =, as {without[1]}=-1"
-    unknown = re.match(r"unrecognized arguments: (--[\w-]+)", message)
-    if unknown is None:
-        return message
-    wanted, known = unknown[1].replace("_", "-"), [flag for flag in flags if flag.startswith("--")]
-    nearest = difflib.get_close_matches(wanted, known, n=1, cutoff=0.9)  # --frame-skip is no --frame
-    begins = sorted((flag for flag in known if wanted.startswith(f"{flag}-")), key=len, reverse=True)
-    near = [*nearest, *begins, *difflib.get_close_matches(wanted, known, n=1, cutoff=0.7)]
-    return f"{message}; did you mean {near[0]!r}?" if near else message
+        metavar = row.metavar or "|".join(choices) or "N"
+        group.add_argument(*flags, type=as_type(partial(field_from_text, name)), metavar=metavar, **common)
 
 
 def read_task(path: Path) -> Task:
@@ -137,12 +103,6 @@ def read_task(path: Path) -> Task:
         return Task.from_json(data.decode(errors="replace"))
     except ValueError as error:
         raise ValueError(f"{path} has no task: {error}") from None
-
-
-def field_of_flag(flag: str) -> str | None:
-    """The option of a task that a flag of some command sets, or None."""
-    positive = flag.replace("--no-", "--", 1)
-    return next((name for name in OPTIONS if {flag, positive} & {*_flags_of(name)}), None)
 
 
 def given_options(args: argparse.Namespace) -> dict[str, Any]:
@@ -201,7 +161,7 @@ def task_of(
         found = look_up(read_game(text)) if isinstance(text, str) else text
         make = found.task_for_agent if agent else found.task
         task = make(getattr(args, "preset", None), given_options(args), owner="Task", **others)
-        task, args.without = leave_out(task, args.obeyed, args.fixed, f"`{args.command}`")
+        task, args.without = fix_fields(task, args.obeyed, args.fixed, f"`{args.command}`")
         return task
     except TypeError as error:
         raise ValueError(str(error)) from None
@@ -222,46 +182,20 @@ def show_task(args: argparse.Namespace, task: Task) -> bool:
     return bool(args.print_task)
 
 
-def add_refused(parser: argparse.ArgumentParser, flags: Mapping[str, str]) -> None:
-    """Add flags that raise errors with these texts; `{prog}` in them is the command."""
-    for flag, text in flags.items():
-        parser.add_argument(
-            flag, nargs="?", action=_Refused, const=text, default=argparse.SUPPRESS, help=argparse.SUPPRESS
-        )
-
-
-class _Refused(argparse.Action):
-    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
-        parser.error(str(self.const).replace("{prog}", parser.prog))
-
-
-def seed(text: str) -> int:
-    """An argparse type: a seed, 0..2**32 - 1."""
-    try:
-        return check_integer("a seed", int(text), 0, SEEDS - 1)
-    except ValueError as error:
-        word = str(error) if "within" in str(error) else f"a seed must be a whole number, got {text!r}"
-        raise argparse.ArgumentTypeError(word) from None
-
-
-def option_of(name: str, text: str) -> Any:
+def field_from_text(name: str, text: str) -> Any:
     """The value of an option of a task from its text: a number, a word, "none", or several with commas between.
 
     Raises:
         TypeError, ValueError: the text is no such value; the message says what is accepted.
 
     Example:
-        >>> from atari.task.arguments import option_of
-        >>> option_of("frameskip", "2,5"), option_of("actions", "NOOP,FIRE"), option_of("stack_num", "none")
-        ((2, 5), ('NOOP', 'FIRE'), None)
+        >>> from atari.task.arguments import field_from_text
+        >>> field_from_text("frameskip", "2,5"), field_from_text("actions", "FIRE"), field_from_text("reward", "none")
+        ((2, 5), ('FIRE',), None)
     """
-    if text == "none" and type(None) in get_args(TYPES[name]):
-        return None
-    if TYPES[name] == str | None:  # the whole text is the value; it may have commas
-        return check_field(name, text)
-    words = tuple(_number(word) for word in text.split(","))
-    several = len(words) > 1 or (name == "actions" and text not in ("minimal", "full"))
-    return check_field(name, words if several else words[0])
+    value = from_text(text, TYPES[name])
+    alone = name == "actions" and isinstance(value, str) and value not in ("minimal", "full")
+    return check_field(name, (value,) if alone else value)
 
 
 def descriptions(owner: type) -> dict[str, str]:
@@ -278,27 +212,6 @@ def descriptions(owner: type) -> dict[str, str]:
     return found
 
 
-def _reader(name: str) -> Any:
-    def read(text: str) -> Any:
-        try:
-            return option_of(name, text)
-        except (TypeError, ValueError) as error:
-            raise argparse.ArgumentTypeError(str(error)) from None
-
-    return read
-
-
 def _preset(name: str) -> str:
-    try:
-        find_preset(name)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+    find_preset(name)
     return name
-
-
-def _number(word: str) -> Any:
-    """A word as a number, if it is one. 1e5 is a whole number, too."""
-    with suppress(ValueError):
-        value = float(word)
-        return int(value) if value.is_integer() else value
-    return word

@@ -19,7 +19,7 @@ from atari.games.interventions import resolve
 from atari.games.players import choose_mode, rules_of
 from atari.task.fields import DEFAULTS, FIELDS, GROUPS, WRAPPED, TaskFields, check_field
 from atari.task.kinds import KINDS, Kind
-from atari.task.rules import check_together, settle
+from atari.task.rules import check_together, default_ineffective
 
 
 @dataclass(frozen=True, repr=False)
@@ -32,9 +32,9 @@ class TaskData(TaskFields):
     def __post_init__(self) -> None:
         fields = {name: check_field(name, getattr(self, name)) for name in FIELDS}
         self._find_game(fields)
-        settle(fields, given=FIELDS)
+        default_ineffective(fields, given=FIELDS)
         check_together(fields, self.definition)
-        self._settle_actions(fields)
+        self._name_action_set(fields)
         for name, value in fields.items():
             object.__setattr__(self, name, value)
         if self.sound_obs and (others := self.fields_of_wrappers()):
@@ -83,7 +83,7 @@ class TaskData(TaskFields):
         fields["mode"] = game.default_mode if fields["mode"] is None else operator.index(fields["mode"])
         fields["difficulty"] = 0 if chosen is None else operator.index(chosen)
 
-    def _settle_actions(self, fields: dict[str, Any]) -> None:
+    def _name_action_set(self, fields: dict[str, Any]) -> None:
         """Check the names of actions, and replace the game's own sets of actions by their names."""
         minimal, full = _action_sets(self.definition, fields["players"])
         chosen = fields["actions"]
@@ -148,10 +148,10 @@ class TaskData(TaskFields):
 
     def fields_of_wrappers(self) -> list[str]:
         """The fields that an `AtariEnv` alone does not honour."""
-        composed = [] if self.kind.method else ["obs_type"]
-        return [name for name in WRAPPED if getattr(self, name) != DEFAULTS[name]] + composed
+        own_shape = [] if self.kind.method else ["obs_type"]
+        return [name for name in WRAPPED if getattr(self, name) != DEFAULTS[name]] + own_shape
 
-    def of_emulator(self) -> Self:
+    def emulator_task(self) -> Self:
         """The part of this task that an `AtariEnv` plays inside the wrappers: single frames."""
         kept = (*GROUPS["game"], *GROUPS["play"], "max_num_frames_per_episode", "sound_obs")
         others = ("game", "rom_md5", "frameskip", *WRAPPED)
@@ -168,7 +168,7 @@ class TaskData(TaskFields):
         """The difficulty for a core; None means ALE's default, 0."""
         return self.difficulty or None
 
-    def with_set(self, **fields: Any) -> Self:
+    def with_checked(self, **fields: Any) -> Self:
         """This task with fields set in the running game, which has checked them."""
         changed = {name: value for name, value in fields.items() if value != getattr(self, name)}
         if not changed:
@@ -185,10 +185,10 @@ class TaskData(TaskFields):
 
     def __repr__(self) -> str:
         game = str(self.definition.file) if self.definition.file else self.game
-        changed = [f"{name}={value!r}" for name, value in self.plain().items() if value != DEFAULTS[name]]
+        changed = [f"{name}={value!r}" for name, value in self.as_options().items() if value != DEFAULTS[name]]
         return f"Task({', '.join([repr(game), *changed])})"
 
-    def plain(self) -> dict[str, Any]:
+    def as_options(self) -> dict[str, Any]:
         """The fields other than the game that the game does not decide, with interventions as definitions."""
         fields: dict[str, Any] = {name: getattr(self, name) for name in FIELDS if name != "game"}
         fields["interventions"] = tuple(one.definition() for one in self.interventions)

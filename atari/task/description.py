@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from atari.base.text_table import fact_lines
 from atari.games.catalog import playable_ids
 from atari.games.players import rules_of
 from atari.task import env_ids
@@ -29,7 +30,7 @@ def describe(task: TaskData) -> str:
         rows.append(("changed by", ", ".join(one.name for one in task.interventions)))
     if task.seeding == "ale":
         rows.append(("seeds", "as in ale-py's vector environment"))
-    return "\n".join([summary(task), *(f"  {name:<13} {text}" for name, text in rows)])
+    return "\n".join([summary(task), *(line for name, text in rows for line in fact_lines(name, [text]))])
 
 
 def summary(task: TaskData) -> str:
@@ -52,7 +53,7 @@ def summary(task: TaskData) -> str:
 
 def _changed(task: TaskData, other: TaskData) -> dict[str, Any]:
     """The fields that differ from another task of the game, with this task's values as a user would give them."""
-    fields = task.plain()
+    fields = task.as_options()
     return {name: fields[name] for name in fields if getattr(task, name) != getattr(other, name)}
 
 

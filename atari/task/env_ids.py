@@ -106,7 +106,7 @@ def _suggestion(env_id: str, known: Iterable[str]) -> str:
     if wanted not in skeletons.values():
         near = difflib.get_close_matches(wanted, set(skeletons.values()), n=1, cutoff=0.7)
         if not near:
-            return "see `atari list --ids` for all of them"
+            return "see `atari info --ids` for all of them"
         wanted = near[0]
     candidates = [one for one, bones in skeletons.items() if bones == wanted]
     version, namespace = env_id.rpartition("-v")[2], env_id.lower().startswith("ale/")

@@ -15,7 +15,7 @@ from atari.task.data import TaskData
 from atari.task.fields import DEFAULTS, FIELDS, ROWS, check_field
 from atari.task.kinds import kind_of
 from atari.task.presets import Preset, find_preset
-from atari.task.rules import settle
+from atari.task.rules import default_ineffective
 
 OPTIONS: tuple[str, ...] = tuple(name for name in FIELDS if name not in ("game", "rules", "rom_md5"))
 """The options of a task: its fields that a user may give beside the game."""
@@ -56,7 +56,7 @@ def fields_of(
     fields |= given
     if not kind_of(fields["obs_type"]).image:  # other stacks contain images
         fields["stack_num"] = given.get("stack_num", ram_stack)
-    settle(fields, given)
+    default_ineffective(fields, given)
     return fields
 
 
@@ -98,7 +98,7 @@ def is_id(game: str) -> bool:
     return not game.endswith(".toml") and ("-v" in game or "/" in game or game.startswith(env_ids.MODULE_PREFIX))
 
 
-def spelled(game: Any) -> Any:
+def catalogue_name(game: Any) -> Any:
     """A game's name in the catalogue's form: "MsPacman" is "ms_pacman". Anything else is returned unchanged."""
     if not isinstance(game, str) or game in games or game.endswith(".toml"):
         return game

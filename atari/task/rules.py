@@ -154,7 +154,7 @@ _CLASHES = (
 """The first that holds is reported."""
 
 
-def settle(fields: dict[str, Any], given: Collection[str]) -> None:
+def default_ineffective(fields: dict[str, Any], given: Collection[str]) -> None:
     """Set the fields without effect to their defaults, in place.
 
     Raises:

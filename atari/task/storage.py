@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from atari.base import json_text
+from atari.base.typed_table import check_table, check_type
 from atari.cores.writes import fact
 from atari.games.catalog import games
 from atari.games.game import Game
@@ -45,16 +46,16 @@ def to_short_json(task: TaskData) -> str:
 @lru_cache(maxsize=256)
 def identity(task: TaskData) -> str:
     """The text of a task in a snapshot: `to_short_json` without the ROM, which the snapshot of the core has."""
-    return to_short_json(task.with_set(rom_md5=None))
+    return to_short_json(task.with_checked(rom_md5=None))
 
 
-def require_same(stored: Any, own: TaskData, leave_out: Collection[str] = ()) -> None:
+def require_same(stored: Any, own: TaskData, ignored: Collection[str] = ()) -> None:
     """Check that the task of a snapshot plays like another task.
 
     Args:
         stored: the text of `identity` in the snapshot; None in snapshots of older releases, which are accepted.
         own: the task into which the snapshot is to be restored.
-        leave_out: fields that may differ.
+        ignored: fields that may differ.
 
     Raises:
         ValueError: fields differ (the message names all), or `stored` is no task.
@@ -67,7 +68,7 @@ def require_same(stored: Any, own: TaskData, leave_out: Collection[str] = ()) ->
     pairs = (
         {"game": (game, own.game)} if game != own.game else from_json(TaskData, stored, own.definition).differences(own)
     )
-    kept = {name: pair for name, pair in pairs.items() if name not in leave_out}
+    kept = {name: pair for name, pair in pairs.items() if name not in ignored}
     texts = [[f"{name} = {_shown(name, one)}", _shown(name, other)] for name, (one, other) in kept.items()]
     if texts:
         differing = "; ".join([", but this environment has ".join(texts[0]), *map(", not ".join, texts[1:])])
@@ -99,15 +100,8 @@ def from_json(kind: type[_Kind], text: str, game: Game | None = None) -> _Kind:
             f"the task is of format {number}, and this release of atari-envs reads up to {FORMAT}; install a newer one"
         )
     defaults = _DEFAULTS[number]
-    for key in table:
-        if key not in defaults:
-            raise ValueError(f"a task has no key {key!r}; it has {', '.join(sorted(defaults))}")
-    if "game" not in table:
-        raise ValueError("a task needs the key 'game'")
-    fields = {**defaults, **table}
-    changes = fields["interventions"]
-    if not isinstance(changes, (list, tuple)) or not all(isinstance(one, dict) for one in changes):
-        raise ValueError(f"'interventions' must be a list of definitions, got {changes!r:.80}")
+    kinds = {**dict.fromkeys(defaults, Any), "interventions": tuple[dict[str, Any], ...], "file": str | None}
+    fields = {**defaults, **check_table(table, "a task", {"game": str}, kinds)}
     fields["game"] = _game(fields["game"], fields.pop("file"), game)
     try:
         return kind(**fields)
@@ -117,8 +111,6 @@ def from_json(kind: type[_Kind], text: str, game: Game | None = None) -> _Kind:
 
 def _game(name: Any, file: Any, game: Game | None) -> Any:
     """The game of a stored task, in a form that `Task` takes."""
-    if not isinstance(name, str) or not (file is None or isinstance(file, str)):
-        raise ValueError(f"'game' must be a string and 'file' a string or null, got {name!r} and {file!r}")
     if game is not None:
         if name != game.id or file is not None:
             raise ValueError(f"the task is of the game {file or name!r}, not of {game.id!r}")
@@ -135,15 +127,7 @@ def _game(name: Any, file: Any, game: Game | None) -> Any:
 
 
 def _read(text: Any) -> dict[str, Any]:
-    """The table of a text.
-
-    Raises:
-        TypeError: it is no string.
-        ValueError: see `json_text.parse`; or it is no table.
-    """
     if not isinstance(text, str):
         raise TypeError(f"a task is read from a string of JSON, got {text!r:.80}")
-    table = json_text.parse(text, "the task")
-    if not isinstance(table, dict):
-        raise ValueError(f"a task must be a JSON object, got {table!r:.80}")
+    table: dict[str, Any] = check_type(json_text.parse(text, "the task"), "a task", dict)
     return table

@@ -14,14 +14,13 @@ from atari.games.catalog import games
 from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.games.pettingzoo import Environment, find_environment
-from atari.games.players import options_of
+from atari.games.players import pettingzoo_options
 from atari.task import storage
 from atari.task.data import TaskData
 from atari.task.description import describe
-from atari.task.fields import DEFAULTS, GROUPS, ROWS
-from atari.task.options import TaskOptions
+from atari.task.fields import DEFAULTS, GROUPS, ROWS, TaskOptions
 from atari.task.presets import find_preset
-from atari.task.resolution import OPTIONS, fields_of, fields_of_id, is_id, spelled, translate
+from atari.task.resolution import OPTIONS, catalogue_name, fields_of, fields_of_id, is_id, translate
 
 
 @dataclass(frozen=True, repr=False)
@@ -175,7 +174,7 @@ class FoundGame:
             TypeError, ValueError: see `Task.of`.
         """
         if self.environment is not None:
-            options = options_of(self.environment, options)
+            options = pettingzoo_options(self.environment, options)
         own = {**(base if self.bare and preset is None else {}), **self.fields}
         return Task(**fields_of(self.game, preset, options, own, owner=owner, others=others))
 
@@ -223,7 +222,7 @@ def look_up(game: GameLike) -> FoundGame:
         elif is_id(game):
             name, fields = fields_of_id(game)
             return FoundGame(games.find(name), game, fields)
-    return FoundGame(games.resolve(spelled(game)), environment=environment)
+    return FoundGame(games.resolve(catalogue_name(game)), environment=environment)
 
 
 def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, owner: str) -> Task:
@@ -241,7 +240,7 @@ def resolve_frames(game: GameLike, mode: int | None, difficulty: int | None, *, 
     """
     given = {name: value for name, value in (("mode", mode), ("difficulty", difficulty)) if value is not None}
     fixed = {**BY_FRAME, **{name: DEFAULTS[name] for name in (*GROUPS["observation"], *GROUPS["reward"])}}
-    return leave_out(look_up(game).task(None, given, owner=owner), ("mode", "difficulty"), fixed, owner)[0]
+    return fix_fields(look_up(game).task(None, given, owner=owner), ("mode", "difficulty"), fixed, owner)[0]
 
 
 BY_FRAME: Mapping[str, Any] = FrozenDict(
@@ -250,7 +249,9 @@ BY_FRAME: Mapping[str, Any] = FrozenDict(
 """The fields of play frame by frame, with all legal actions, none of them sticky, without a limit."""
 
 
-def leave_out(task: Task, obeyed: Collection[str], fixed: Mapping[str, Any], owner: str) -> tuple[Task, dict[str, Any]]:
+def fix_fields(
+    task: Task, obeyed: Collection[str], fixed: Mapping[str, Any], owner: str
+) -> tuple[Task, dict[str, Any]]:
     """A task with the values of `fixed`, and its former values of the changed fields.
 
     Args:
@@ -263,7 +264,7 @@ def leave_out(task: Task, obeyed: Collection[str], fixed: Mapping[str, Any], own
         ValueError: another option of the task differs from its default.
     """
     played = {name: {**DEFAULTS, **fixed}[name] for name in OPTIONS if name in fixed or name not in obeyed}
-    fields = task.plain()  # here the game's default mode is None
+    fields = task.as_options()  # here the game's default mode is None
     changed = {name: fields[name] for name, value in played.items() if fields[name] != value}
     for name, value in changed.items():
         if name not in fixed:

@@ -14,7 +14,7 @@ from atari.games.catalog import games
 from atari.policy import LoadedPolicy, describe, makes_policy
 from atari.policy.needs import in_game, needs_of
 from atari.task import Task
-from atari.task.options import VectorTaskOptions
+from atari.task.fields import VectorTaskOptions
 from atari.task.task import GameLike, look_up
 from atari.testing.contract import ContractError, broken_by, require, require_same
 from atari.vector import AtariVectorEnv

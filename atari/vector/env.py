@@ -24,7 +24,7 @@ from atari.base.gymnasium_versions import AutoresetMode, VectorEnv, adds_episode
 from atari.base.validation import FirstResetNeeded, check_known, check_name
 from atari.cores import ByteArray
 from atari.games.game import Game
-from atari.task.options import VectorTaskOptions
+from atari.task.fields import VectorTaskOptions
 from atari.task.task import GameLike
 from atari.vector.lanes import AddedWrites, Lane
 from atari.vector.options import VectorOptions, resolve_lanes

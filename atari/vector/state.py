@@ -187,7 +187,7 @@ class VectorState:
     def note_choices(self, index: int) -> None:
         """Store the new mode and difficulty of an environment in its task."""
         engine, tasks = self._open(), list(self.tasks)
-        tasks[index] = tasks[index].with_set(mode=engine.mode(index), difficulty=engine.difficulty(index))
+        tasks[index] = tasks[index].with_checked(mode=engine.mode(index), difficulty=engine.difficulty(index))
         self._options = replace(self._options, tasks=tuple(tasks))
 
     def _keep_states(self, engine: _emulator.VectorEngine) -> None:

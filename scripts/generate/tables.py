@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 import atari
+from atari.base.typed_table import in_text
 from atari.task import PRESETS, fields
 from atari.task.arguments import descriptions
 from atari.task.env_ids import FAMILIES, Family
@@ -117,7 +118,7 @@ def task_fields(tuned: bool) -> str:
 def options() -> str:
     """A table of the options that all agents have, and one for each agent's own."""
     from atari.learning.agents import AGENTS, find_agent  # imports PyTorch
-    from atari.learning.options import TrainingOptions, shown
+    from atari.learning.options import TrainingOptions
 
     common = {field.name for field in dataclasses.fields(TrainingOptions)} - {"task"}
     texts = descriptions(TrainingOptions)
@@ -128,19 +129,19 @@ def options() -> str:
         texts = descriptions(agent.options_class)
         lines += ["", f"| option of `{name}` | default | `--fast` | meaning |", "|---|---|---|---|"]
         for field in dataclasses.fields(agent.options_class):
-            fast = shown(agent.fast[field.name]) if field.name in agent.fast else ""
+            fast = in_text(agent.fast[field.name]) if field.name in agent.fast else ""
             own = field.name not in common | {"task"}
             if own or fast or field.default != _default_of(TrainingOptions, field.name):
                 flag = f"`--{field.name.replace('_', '-')}`, `{field.name}`"
                 meaning = texts[field.name] if own else "as above"
-                lines.append(f"| {flag} | {_shown_default(field, shown)} | {fast} | {meaning} |")
+                lines.append(f"| {flag} | {_shown_default(field)} | {fast} | {meaning} |")
     return "\n".join(lines)
 
 
 def fast() -> str:
     """A table of the fields of the task that `--fast` changes, for pixels and for RAM."""
     from atari.learning.agents import AGENTS, find_agent  # imports PyTorch
-    from atari.learning.options import FAST_RAM, shown
+    from atari.learning.options import FAST_RAM
 
     agents = {name: find_agent(name) for name in AGENTS}
     names = list(dict.fromkeys(name for agent in agents.values() for name in (*agent.fast, *FAST_RAM)))
@@ -152,8 +153,8 @@ def fast() -> str:
         own = {field.name for agent in agents.values() for field in dataclasses.fields(agent.options_class)}
         if name in own - {"network"}:
             continue  # `options` has it
-        cells = [shown(agent.fast[name]) if name in agent.fast else "" for agent in agents.values()]
-        ram = shown(FAST_RAM[name]) if name in FAST_RAM else "as from pixels"
+        cells = [in_text(agent.fast[name]) if name in agent.fast else "" for agent in agents.values()]
+        ram = in_text(FAST_RAM[name]) if name in FAST_RAM else "as from pixels"
         lines.append(f"| `{name}` | {' | '.join(cells)} | {ram} |")
     return "\n".join(lines)
 
@@ -162,8 +163,8 @@ def _default_of(owner: type[Any], name: str) -> object:
     return next((field.default for field in dataclasses.fields(owner) if field.name == name), None)
 
 
-def _shown_default(field: Any, shown: Callable[[Any], str]) -> str:
-    return "" if field.default is dataclasses.MISSING else shown(field.default)
+def _shown_default(field: Any) -> str:
+    return "" if field.default is dataclasses.MISSING else in_text(field.default)
 
 
 TABLES: Mapping[str, Callable[[], str]] = {

@@ -52,7 +52,7 @@ def any_game(source: random.Random) -> Game:
 
 def compare_copies(task: Task) -> None:
     """Every way to store, copy or write out a task gives an equal task."""
-    changed = {name: value for name, value in task.plain().items() if value != DEFAULTS[name]}
+    changed = {name: value for name, value in task.as_options().items() if value != DEFAULTS[name]}
     options = {name: value for name, value in changed.items() if name not in ("rules", "rom_md5")}
     doors: dict[str, Callable[[], Task]] = {
         "from_json(to_json())": lambda: Task.from_json(task.to_json()),
@@ -62,7 +62,7 @@ def compare_copies(task: Task) -> None:
         "repr": lambda: eval(repr(task), {"Task": Task}),
         "Task.of": lambda: Task.of(task),
         "replace": task.replace,
-        "the fields": lambda: Task(task.definition, **task.plain()),
+        "the fields": lambda: Task(task.definition, **task.as_options()),
         "the options": lambda: Task.of(task.game, **options),
         "the command line": lambda: of_command_line(task.game, options),
     }

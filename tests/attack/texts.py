@@ -159,7 +159,7 @@ def task_file(source: random.Random, folder: Path) -> None:
     (folder / "task.json").write_text(text)
     with contextlib.suppress(TypeError):
         refused_or_read(lambda: atari.Task.from_json(text))
-    printed("explain", str(folder / "task.json"))
+    printed("info", str(folder / "task.json"))
 
 
 def video_file(source: random.Random, folder: Path) -> None:

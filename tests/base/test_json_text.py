@@ -54,22 +54,6 @@ def test_files(tmp_path: Path) -> None:
         json_text.read(tmp_path / "pipe")
 
 
-def test_tables() -> None:
-    kinds = {"a": int, "b": (str, type(None))}
-    good = {"a": 1, "b": None, "c": 2}
-    assert json_text.check_table(good, "x", kinds, {"c": float}) == good
-    for bad, message in (
-        ([], r"x must be an object, got \[\]"),
-        ({"a": 1}, "x has no 'b'"),
-        ({**good, "d": 1}, "x has the unknown key 'd'; it can have a, b, c"),
-        ({**good, "a": True}, "x: 'a' must be int, got True"),
-        ({**good, "a": 1.0}, "x: 'a' must be int, got 1.0"),
-        ({**good, "b": 1}, "x: 'b' must be str or null, got 1"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            json_text.check_table(bad, "x", kinds, {"c": float})
-
-
 @pytest.mark.parametrize(
     ("text", "shown"),
     [

@@ -40,7 +40,7 @@ def test_the_documentation_has_them_all() -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in VARIABLES if name != "ATARI_ROMS"])
-@pytest.mark.parametrize("words", [("-m", "atari", "list"), ("-m", "atari.classic"), ("-m", "atari.cli.sweep", "list")])
+@pytest.mark.parametrize("words", [("-m", "atari", "info"), ("-m", "atari.classic"), ("-m", "atari.cli.sweep", "list")])
 def test_a_wrong_value_ends_a_program_with_one_sentence(name: str, words: tuple[str, ...]) -> None:
     done = subprocess.run(
         [sys.executable, *words], env={**os.environ, name: "?"}, capture_output=True, text=True, timeout=120

@@ -75,18 +75,18 @@ READ = {("verify", "--replay"), ("train", "--resume")}
 """Options that name a file that is read."""
 
 
-def options_of(parser: argparse.ArgumentParser, words: tuple[str, ...] = ()) -> Iterator[tuple[str, str]]:
+def outputs_of(parser: argparse.ArgumentParser, words: tuple[str, ...] = ()) -> Iterator[tuple[str, str]]:
     """The commands with their options that name a file."""
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
             for name, command in action.choices.items():
-                yield from options_of(command, (*words, name))
+                yield from outputs_of(command, (*words, name))
         elif action.option_strings and (action.type is Path or "-o" in action.option_strings):
             yield " ".join(words), action.option_strings[0]
 
 
 def test_the_table_has_every_option_that_names_an_output() -> None:
-    options = {one for one in options_of(cli._parser([])) if one[1] != "--rom"}
+    options = {one for one in outputs_of(cli._parser([])) if one[1] != "--rom"}
     assert options - READ - {written.command for written in WRITTEN.values()} == set()
 
 

@@ -100,7 +100,7 @@ def test_a_policy_plays_what_it_was_trained_for(capsys: pytest.CaptureFixture[st
         (["pong", "--labels", "ball_x, bal_y"], "atari: error: pong has no label 'bal_y'; did you mean 'ball_y'?"),
         (["pong", "--reward-clipping"], "atari collect has no place for --reward-clipping"),
         (["pong", "--seed", "4294967295", "--episodes", "2"], "seeds are below 4294967296"),
-        (["pong", "--seed", "4294967296"], "a seed must be within 0..4294967295, got 4294967296"),
+        (["pong", "--seed", "4294967296"], "'4294967296' is not a whole number within 0..4294967295"),
         (["ALE/Pong-v5", "--policy", "a.a26r"], "what was played is in the replay a.a26r; name the game alone, 'pong'"),
         (["breakout", "--policy", "a.a26r"], "a.a26r is a replay of pong, not of breakout"),
     ],

@@ -18,7 +18,7 @@ CASES = {
     "rec": {"record"},
     "info break": {"breakout"},
     "record ALE/Pon": {"ALE/Pong-v5", "ALE/Pong-ram-v5"},
-    "explain PongNo": {"PongNoFrameskip-v0", "PongNoFrameskip-v4"},
+    "info PongNo": {"PongNoFrameskip-v0", "PongNoFrameskip-v4"},
     "info catc": {"catch.toml"},
     "record pong --preset dqn": {"dqn2015"},
     "record pong --episodes": {"--episodes"},

@@ -1,11 +1,15 @@
-"""`atari info`."""
+"""`atari info`: the list of games, the facts of a game, and what an ID, a task or options play."""
+
+import json
+from pathlib import Path
 
 import pytest
 from cli_tools import read, read_json
 
 import atari
 from atari.cli import main
-from atari.task import env_ids
+from atari.registry import registration
+from atari.task import Task, env_ids
 
 
 def test_info_says_what_the_game_file_says(capsys: pytest.CaptureFixture[str]) -> None:
@@ -67,10 +71,6 @@ def test_info_takes_the_name_of_an_id(capsys: pytest.CaptureFixture[str]) -> Non
     assert read(capsys, "info", "MsPacman") == read(capsys, "info", "ms_pacman")
 
 
-def test_info_takes_an_id(capsys: pytest.CaptureFixture[str]) -> None:
-    assert read(capsys, "info", "Pong-ramDeterministic-v4") == read(capsys, "info", "pong")
-
-
 def test_info_says_what_the_manual_says(capsys: pytest.CaptureFixture[str]) -> None:
     lines = [line.strip() for line in read(capsys, "info", "freeway").splitlines()]
     assert "released      1981, Activision" in lines
@@ -93,3 +93,140 @@ def test_info_json_has_the_manual(capsys: pytest.CaptureFixture[str]) -> None:
     assert (manual["title"], manual["year"], manual["maker"]) == ("Freeway", 1981, "Activision")
     assert manual["modes"]["0"] == "light traffic of cars"
     assert manual["sources"]["modes"] == ["general knowledge", "play"]
+
+
+def test_list_has_a_line_for_each_game(capsys: pytest.CaptureFixture[str]) -> None:
+    header, *lines = read(capsys, "info").splitlines()
+    assert header.split() == ["game", "title", "actions", "modes", "difficulties"]
+    assert [line.split()[0] for line in lines] == list(atari.games)
+    assert next(line for line in lines if line.startswith("breakout")).split() == [
+        "breakout",
+        "Breakout",
+        "4",
+        "12",
+        "2",
+    ]
+    assert "Combat (2 players: see --players)" in next(line for line in lines if line.startswith("combat"))
+
+
+def test_list_json(capsys: pytest.CaptureFixture[str]) -> None:
+    listed = read_json(capsys, "info")
+    assert [game["id"] for game in listed] == list(atari.games)
+    assert listed[list(atari.games).index("breakout")] == {
+        "id": "breakout",
+        "title": "Breakout",
+        "single_player": True,
+        "actions": 4,
+        "modes": 12,
+        "difficulties": 2,
+    }
+    assert sum(not game["single_player"] for game in listed) == 4
+
+
+def test_list_ids_has_every_id_once(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = read(capsys, "info", "--ids").splitlines()
+    assert lines == list(env_ids.ids())
+    assert len(set(lines)) == len(lines) == 952
+    assert read_json(capsys, "info", "--ids") == lines
+
+
+def test_environments_of_several_players(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = read(capsys, "info", "--players", "4").splitlines()
+    assert [line.split()[0] for line in lines[1:]][-2:] == ["volleyball_pong_v3", "warlords_v3"]
+    names = [row["environment"] for row in read_json(capsys, "info", "--players", "2")]
+    assert len(names) == 31
+    assert names[-9:] == [
+        "atlantis", "backgammon", "blackjack", "bowling", "fishing_derby", "freeway", "hangman", "human_cannonball",
+        "tic_tac_toe_3d",
+    ]  # fmt: skip
+
+
+def test_explain_prints_the_explanation(capsys: pytest.CaptureFixture[str]) -> None:
+    out = read(capsys, "info", "PongDeterministic-v4")
+    assert out == registration.explain("PongDeterministic-v4") + "\n"
+    assert "frame skip    4 frames a step" in out
+
+
+def test_explain_json(capsys: pytest.CaptureFixture[str]) -> None:
+    facts = read_json(capsys, "info", "Pong-ram-v4")
+    assert facts["id"] == "Pong-ram-v4"
+    assert facts["observation"] == {"shape": [128], "dtype": "uint8"}
+    assert facts["options"] == {
+        "game": "pong",
+        "obs_type": "ram",
+        "frameskip": [2, 5],
+        "repeat_action_probability": 0.0,
+        "full_action_space": False,
+        "max_num_frames_per_episode": 108000,
+    }
+    assert len(facts["siblings"]) == 13
+    assert facts["siblings"]["ALE/Pong-v5"]["repeat_action_probability"] == 0.25
+    assert "Pong-ram-v4" not in facts["siblings"]
+
+
+def test_explain_json_of_pixels(capsys: pytest.CaptureFixture[str]) -> None:
+    assert read_json(capsys, "info", "ALE/AirRaid-v5")["observation"]["shape"] == [250, 160, 3]
+
+
+def test_explain_takes_a_game_a_task_and_flags(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    task = Task.of("Pong-ram-v4", frameskip=3)
+    assert read(capsys, "info", "Pong-ram-v4", "--frameskip", "3") == f"{task}\n"
+    assert read(capsys, "info", "pong", "--preset", "dqn2015") == f"{Task.of('pong', preset='dqn2015')}\n"
+    printed = read(capsys, "info", "Pong-ram-v4", "--frameskip", "3", "--print-task", "--json")
+    (tmp_path / "task.json").write_text(printed)
+    assert read(capsys, "info", str(tmp_path / "task.json")) == f"{task}\n"
+    facts = read_json(capsys, "info", str(tmp_path / "task.json"), "--obs-type", "grayscale", "--stack-num", "4")
+    assert facts["observation"] == {"shape": [4, 210, 160], "dtype": "uint8"}
+    assert Task.from_json(json.dumps(facts["task"])) == task.replace(obs_type="grayscale", stack_num=4)
+
+
+@pytest.mark.parametrize("option", [[], ["--json"]])
+@pytest.mark.parametrize(("wrong", "right"), [("Breakout-v5", "'ALE/Breakout-v5'"), ("pong-v4", "'Pong-v4'")])
+def test_explain_of_a_wrong_id_names_the_right_one(
+    wrong: str, right: str, option: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["info", wrong, *option]) == 1
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.startswith(f"atari: error: there is no environment '{wrong}'; did you mean")
+    assert right in captured.err
+    assert captured.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["breakout", "--ids"], "--ids lists all IDs, and options of a task need GAME; leave the others out"),
+        (["--ids", "--players", "2"], "--ids lists all IDs"),
+        (["--frameskip", "3"], "options of a task need GAME"),
+        (["--print-task"], "options of a task need GAME"),
+        (["--players", "2", "--mode", "3"], "options of a task need GAME"),
+        (["--players", "3"], "without GAME, --players lists the games of 2 or 4 players, got 3"),
+        (["a.mp4", "--mode", "4"], "a video says what was played; leave the options of a task out"),
+    ],
+)
+def test_words_that_do_not_go_together(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["info", *words]) == 1
+    captured = capsys.readouterr()
+    assert text in captured.err
+    assert captured.out == ""
+
+
+@pytest.mark.parametrize(
+    ("options", "shape"),
+    [
+        (["--stack-num", "4"], [4, 128]),
+        (["--obs-type", "dict"], None),
+        (["--obs-type", "rgb", "--sound-obs"], None),
+    ],
+)
+def test_the_shape_of_observations(
+    options: list[str], shape: list[int] | None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert read_json(capsys, "info", "Pong-ram-v4", *options)["observation"]["shape"] == shape
+
+
+def test_a_game_alone_shows_facts_and_its_task_on_demand(capsys: pytest.CaptureFixture[str]) -> None:
+    assert read(capsys, "info", "pong").startswith("pong: Pong\n  released")
+    assert read(capsys, "info", "pong", "--print-task") == f"{Task.of('pong')}\n"
+    assert read(capsys, "info", "pong_v3") == f"{Task.of('pong_v3')}\n"

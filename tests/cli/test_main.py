@@ -16,7 +16,7 @@ from atari.task import Task
 from atari.task.fields import GROUPS
 
 COMMANDS = [
-    ["list"], ["info"], ["explain"], ["demo"], ["record"], ["play"], ["roms"], ["replay"],
+    ["info"], ["record"], ["play"], ["roms"], ["replay"],
     ["replay", "show"], ["replay", "verify"], ["replay", "render"],
     ["completion"], ["lab"], ["causes"], ["collect"],
     ["roms", "list"], ["roms", "verify"], ["roms", "identify"], ["roms", "import"], ["roms", "install"],
@@ -76,10 +76,8 @@ def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture
         (["record"], "arguments are required: GAME"),
         (["replay"], "arguments are required: COMMAND"),
         (["replay", "verify"], "arguments are required: FILE"),
-        (["list", "breakout"], "unrecognized arguments: breakout"),
-        (["info"], "arguments are required: GAME"),
-        (["explain"], "arguments are required: GAME"),
-        (["list", "--i"], "unrecognized arguments: --i"),
+        (["info", "breakout", "pong"], "unrecognized arguments: pong"),
+        (["info", "--i"], "unrecognized arguments: --i"),
         (["record", "pong", "--secnds", "2"], "usage: atari record GAME [options]\n"),
         (["replay", "show", "a.a26r", "--core", "ale"], "usage: atari replay show FILE [options]\n"),
         (["roms", "identify"], "arguments are required: FILE"),
@@ -125,7 +123,7 @@ def test_errors_of_the_library_are_one_line_and_1(
         raise error
 
     monkeypatch.setattr(record, "_play", fail)
-    assert main(["demo", "--no-video", "--json"]) == 1
+    assert main(["record", "pong", "--no-video", "--json"]) == 1
     captured = capsys.readouterr()
     assert captured.err == f"atari: error: {line}\n"
     assert captured.out == ""
@@ -134,7 +132,7 @@ def test_errors_of_the_library_are_one_line_and_1(
 def test_a_bug_shows_its_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(record, "_play", lambda *_: 1 // 0)
     with pytest.raises(ZeroDivisionError):
-        main(["demo", "--no-video", "--json"])
+        main(["record", "pong", "--no-video", "--json"])
 
 
 def test_ctrl_c_is_130(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -142,23 +140,23 @@ def test_ctrl_c_is_130(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.M
         raise KeyboardInterrupt
 
     monkeypatch.setattr(record, "_play", interrupt)
-    assert main(["demo", "--no-video", "--json"]) == 130
+    assert main(["record", "pong", "--no-video", "--json"]) == 130
     assert capsys.readouterr().err == "atari: interrupted\n"
 
 
 def test_python_m_atari_is_the_command_line(tmp_path: Path) -> None:
-    listed = run("list", "--ids", cwd=tmp_path)
+    listed = run("info", "--ids", cwd=tmp_path)
     assert (listed.returncode, listed.stderr) == (0, "")
     assert "ALE/Breakout-v5" in listed.stdout.splitlines()
     unknown = run("info", "breakuot", cwd=tmp_path)
     assert (unknown.returncode, unknown.stdout) == (1, "")
     assert unknown.stderr == "atari: error: there is no game 'breakuot'; did you mean 'breakout'?\n"
-    usage = run("info", cwd=tmp_path)
+    usage = run("record", cwd=tmp_path)
     assert usage.returncode == 2
-    assert usage.stderr.startswith("usage: atari info")
+    assert usage.stderr.startswith("usage: atari record")
 
 
-@pytest.mark.parametrize("words", [["list", "--ids"], ["info", "pong", "--json"], ["--help"], ["roms", "list"]])
+@pytest.mark.parametrize("words", [["info", "--ids"], ["info", "pong", "--json"], ["--help"], ["roms", "list"]])
 def test_a_reader_that_has_gone_ends_the_command_quietly(words: list[str]) -> None:
     reader, writer = os.pipe()
     os.close(reader)

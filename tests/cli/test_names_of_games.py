@@ -20,9 +20,9 @@ NAMES = {"pong": "pong", "ALE/Pong-v5": "pong", "PongNoFrameskip-v4": "pong", CA
 
 COMMANDS = {
     "info": ["info", "GAME"],
-    "explain": ["explain", "GAME"],
-    "demo": ["demo", "GAME", "--steps", "3", "--no-video"],
-    "record": ["record", "GAME", "--seconds", "0.1", "-o", "game.a26r"],
+    "info of a task": ["info", "GAME", "--preset", "dqn2015"],
+    "record": ["record", "GAME", "--policy", "random", "--seconds", "0.1", "-o", "game.a26r"],
+    "record without a policy": ["record", "GAME", "--steps", "3", "--no-video"],
     "verify": ["verify", "GAME", "--frames", "3", "--core", "plain", "--jobs", "1"],
     "roms verify": ["roms", "verify", "GAME"],
     "evaluate": ["evaluate", "random", "GAME", "--episodes", "1"],
@@ -58,9 +58,10 @@ def test_a_training_resolves_names(name: str) -> None:
 
 
 def test_a_game_of_ones_own_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["explain", CATCH]) == 0
-    assert "Catch-v5 and Catch-ram-v5, after atari.register_game(" in capsys.readouterr().out
-    assert read_json(capsys, "explain", CATCH)["ids"] == ["Catch-v5", "Catch-ram-v5"]
+    for words in ([CATCH], [CATCH, "--frameskip", "2"]):
+        assert main(["info", *words]) == 0
+        assert "Catch-v5 and Catch-ram-v5, after atari.register_game(" in capsys.readouterr().out
+        assert read_json(capsys, "info", *words)["ids"] == ["Catch-v5", "Catch-ram-v5"]
 
 
 def test_a_file_is_told_by_its_content(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,7 +7,7 @@ from importlib import import_module
 import pytest
 
 from atari import cli
-from atari.cli.arguments import Parser
+from atari.task.parser import Parser
 
 COMMANDS = tuple(name for name in cli._COMMANDS if name != "train")  # tests/learning has those of agents
 WRONG = (str(10**23), "-1", "1e400", "nan", "", "1.5", "0x10", "9" * 5000)

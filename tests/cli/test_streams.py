@@ -24,7 +24,7 @@ def run(redirections: str, *words: str, **variables: str) -> "subprocess.Complet
 
 
 @pytest.mark.parametrize(
-    "words", ["atari list", "atari --version", "atari train", "atari.classic --help", "atari.integrations.envpool -h"]
+    "words", ["atari info", "atari --version", "atari train", "atari.classic --help", "atari.integrations.envpool -h"]
 )
 def test_a_closed_stdout_is_refused_with_a_sentence(words: str) -> None:
     done = run(">&-", *words.split())
@@ -35,23 +35,23 @@ def test_a_closed_stdout_is_refused_with_a_sentence(words: str) -> None:
 @pytest.mark.parametrize("redirections", ["2>&-", "<&-", "<&- 2>&-"])
 def test_other_closed_streams_do_not_matter(redirections: str, tmp_path: Path) -> None:
     replay = tmp_path / "a.a26r"
-    assert run(redirections, "atari", "list").stdout.startswith("game ")
+    assert run(redirections, "atari", "info").stdout.startswith("game ")
     assert run(redirections, "atari", "info", "nothing").returncode == 1
-    assert run(redirections, "atari", "info").returncode == 2
+    assert run(redirections, "atari", "record").returncode == 2
     assert not replay.exists()
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no full device")
 def test_full_streams() -> None:
-    for words in (["list"], ["list", "--ids"], ["--help"], ["record", "--help"]):
+    for words in (["info"], ["info", "--ids"], ["--help"], ["record", "--help"]):
         done = run(">/dev/full", "atari", *words)
         assert (done.returncode, done.stderr) == (1, "atari: error: No space left on device: stdout\n")
-    assert run("2>/dev/full", "atari", "list").returncode == 0
+    assert run("2>/dev/full", "atari", "info").returncode == 0
     assert run("2>/dev/full", "atari", "info", "nothing").returncode == 1
-    assert run("2>/dev/full", "atari", "info").returncode == 2
+    assert run("2>/dev/full", "atari", "record").returncode == 2
 
 
-@pytest.mark.parametrize("words", [["atari", "list"], ["atari.classic", "x.py"], ["atari.cli.sweep", "list"]])
+@pytest.mark.parametrize("words", [["atari", "info"], ["atari.classic", "x.py"], ["atari.cli.sweep", "list"]])
 def test_ctrl_c_while_the_package_is_imported(words: list[str], tmp_path: Path) -> None:
     """A numpy of our own sends the signal."""
     (tmp_path / "numpy.py").write_text("import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nwhile True: pass\n")

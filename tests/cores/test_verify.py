@@ -142,7 +142,7 @@ def test_several_processes_give_the_same(capsys: pytest.CaptureFixture[str]) -> 
         (["verify", "brekout"], 1, "did you mean 'breakout'?"),
         (["verify", "pong", "--modes", "--mode", "1"], 1, "--modes plays all of them; leave it or --mode out"),
         (["verify", "pong", "--intervention", "lazy_enemy"], 2, "has no place for --intervention, the field"),
-        (["verify", "pong", "--seeds", "4294967296"], 2, "a seed must be within 0..4294967295, got 4294967296"),
+        (["verify", "pong", "--seeds", "4294967296"], 2, "'4294967296' is not a whole number within 0..4294967295"),
         (["verify", "pong", "--frames", "0"], 2, "'0' is not a whole number within 1..1000000000"),
         (["verify", "pong", "--sticky", "2"], 2, "repeat_action_probability must be within 0..1"),
         (["verify", "--replay", "nowhere.json"], 1, "nowhere.json"),

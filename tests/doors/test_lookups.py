@@ -109,7 +109,7 @@ DOORS_WITH_GAME = {
     "recording/replay/replay.py": {"Replay.load"},
     "registry/making.py": {"make", "make_AtariEnv"},
     "roms/search.py": {"verify", "find"},
-    "task/resolution.py": {"spelled"},
+    "task/resolution.py": {"catalogue_name"},
     "task/task.py": {"Task.of", "look_up", "resolve_frames"},
     "testing/game_file.py": {"check_game_file"},
     "testing/policy.py": {"check_policy"},

@@ -404,7 +404,7 @@ def test_wrappers_and_subclasses_with_steps_of_their_own_are_nested() -> None:
             return self.env.step(action)
 
     task = Task.of("breakout", preset="dqn2015")
-    plain = task.of_emulator()
+    plain = task.emulator_task()
     for env in (OwnStep(plain), OwnInfo(plain), Layer(AtariEnv(plain))):
         assert type(wrap(env, task)).__name__ == "ClipReward"
     assert type(wrap(AtariEnv(plain), task)).__name__ == "EpisodeEnv"

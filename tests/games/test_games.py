@@ -15,7 +15,7 @@ import atari
 from atari import Action
 from atari.games.actions import Switch
 from atari.games.game import Controllers, RamLabel, Rom, Screen, load_game
-from atari.games.rules import _OPERATION_KEYS, HELPERS, Rules
+from atari.games.rules import _OPERATIONS, HELPERS, Rules
 from atari.roms import find
 
 GAME = """
@@ -167,7 +167,7 @@ def test_an_unknown_game_suggests_the_nearest(wrong: str, right: str) -> None:
 
 
 def test_a_game_like_no_other_is_pointed_to_the_list() -> None:
-    with pytest.raises(ValueError, match="there is no game 'qqqq'; see `atari list` for all of them"):
+    with pytest.raises(ValueError, match="there is no game 'qqqq'; see `atari info` for all of them"):
         atari.games.find("qqqq")
 
 
@@ -238,37 +238,45 @@ def test_the_rules_may_be_absent(tmp_path: Path) -> None:
     [
         # The file and its tables.
         ('title = "Example"', "", "the file needs the key 'title'"),
-        ('title = "Example"', "title = 3", "title must be str, got 3"),
-        ("players = 1", 'players = "one"', "players must be int, got 'one'"),
-        ('notes = ["A game."]', 'notes = "A game."', "notes must be tuple[str, ...], got 'A game.'"),
-        ("players = 1", "players = 1\nauthor = 'me'", "the file has no key 'author' (expected title, players, notes, "),
-        ("[ram]", "[rams]", "the file has no key 'rams'"),
+        ('title = "Example"', "title = 3", "the file: 'title' must be a text, got 3"),
+        ("players = 1", 'players = "one"', "the file: 'players' must be a whole number, got 'one'"),
+        ('notes = ["A game."]', 'notes = "A game."', "the file: 'notes' must be a list of texts, got 'A game.'"),
+        (
+            "players = 1",
+            "players = 1\nauthor = 'me'",
+            "the file has no key 'author'; it can have title, players, notes, ",
+        ),
+        ("[ram]", "[rams]", "the file has no key 'rams'; did you mean 'ram'? it can have"),
         ("[rules]", "[rulez]", "the file has no key 'rulez'"),
         ('minimal = ["NOOP", "FIRE"]', 'minimal = ["NOOP"', "Unclosed array"),
         # [rom]
         ('cartridge = "4K"', 'cartridge = "4K"\nmapper = "4K"', "[rom] has no key 'mapper'"),
-        ("size = 4096", 'size = "4K"', "[rom] size must be int, got '4K'"),
+        ("size = 4096", 'size = "4K"', "[rom]: 'size' must be a whole number, got '4K'"),
         ('md5 = "0123', 'md5 = "X123', "[rom] md5 must be 32 hexadecimal digits in lower case, got 'X123"),
         ('sha256 = "01', 'sha256 = "', "[rom] sha256 must be 64 hexadecimal digits in lower case"),
         # [screen]
-        ('format = "NTSC"', 'format = "VGA"', "[screen] format must be Literal['NTSC', 'PAL', 'SECAM'], got 'VGA'"),
+        ('format = "NTSC"', 'format = "VGA"', "[screen]: 'format' must be one of NTSC, PAL, SECAM, got 'VGA'"),
         ("height = 210", "height = 0", "[screen] height 0 is not within 200..256"),
-        ("height = 210", "height = true", "[screen] height must be int, got True"),
+        ("height = 210", "height = true", "[screen]: 'height' must be a whole number, got True"),
         ("first_line = 34", "", "[screen] needs the key 'first_line'"),
         # [controllers]
         (
             'left = "paddles"',
             'left = "mouse"',
-            "[controllers] left must be Literal['joystick', 'paddles', 'none'], got 'mouse'",
+            "[controllers]: 'left' must be one of joystick, paddles, none, got 'mouse'",
         ),
-        ("[27450, 790196]", "[27450]", "[controllers] paddle_range must be tuple[int, int] | None, got [27450]"),
+        (
+            "[27450, 790196]",
+            "[27450]",
+            "[controllers]: 'paddle_range' must be a list of 2 whole numbers or none, got [27450]",
+        ),
         # [actions]
         ('"NOOP", "FIRE"]', '"NOOP", "JUMP"]', "[actions] unknown action 'JUMP'"),
         ('legal = "all"', 'legal = ["NOOP"]', "[actions] a minimal action is not legal"),
         ('starting = ["RESET", "FIRE"]', "", "[actions] needs the key 'starting'"),
         # [settings]
         ("default_mode = 4", "default_mode = 5", "[settings] default_mode 5 is not one of the modes"),
-        ("modes = [0, 4]", 'modes = ["easy"]', "[settings] modes must be tuple[int, ...], got ['easy']"),
+        ("modes = [0, 4]", 'modes = ["easy"]', "[settings]: 'modes' must be a list of whole numbers, got ['easy']"),
         ("difficulties = [0, 1]", "difficulties = [0, 4]", "[settings] difficulties [0, 4] are not among 0, 1, 2, 3"),
         ("difficulties = [0, 1]", "difficulties = []", "[settings] difficulties [] are not among 0, 1, 2, 3"),
         # [ram]
@@ -316,7 +324,7 @@ def test_the_schema_names_every_key() -> None:
     names = {field.name for kind in kinds for field in dataclasses.fields(kind)} - {"name", "width"}
     names |= {field.name for field in dataclasses.fields(Rules)}
     names |= {"minimal", "legal", "starting", "modes", "default_mode", "difficulties", "title", "players", "notes"}
-    names |= set(HELPERS) | set(_OPERATION_KEYS)
+    names |= set(HELPERS) | set(_OPERATIONS)
     assert [name for name in sorted(names) if f"`{name}" not in schema] == []
 
 

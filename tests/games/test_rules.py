@@ -131,10 +131,10 @@ def test_the_helpers_are_those_of_the_interpreter() -> None:
     ("changes", "text"),
     [
         ({"speed": 1}, "[rules] has no key 'speed'"),
-        ({"lives_initial": "3"}, "[rules] lives_initial must be an integer, got '3'"),
-        ({"state": {"score": 0.5}}, "[rules] score must be an integer, got 0.5"),
-        ({"selection_frames": True}, "[rules] selection_frames must be an integer, got True"),
-        ({"step": 3}, "[rules] step must be a text of 'name = expression' lines, got 3"),
+        ({"lives_initial": "3"}, "[rules]: 'lives_initial' must be a whole number, got '3'"),
+        ({"state": {"score": 0.5}}, "[rules] state: score must be a whole number, got 0.5"),
+        ({"selection_frames": True}, "[rules]: 'selection_frames' must be a whole number, got True"),
+        ({"step": 3}, "[rules]: 'step' must be a text, got 3"),
         ({"step": "reward = 1\nterminal = 0"}, "[rules] step never assigns 'lives'"),
         ({"step": "reward = 1\nlives = 1"}, "[rules] step never assigns 'terminal'"),
         ({"step": "reward"}, "[rules] step, line 1: expected 'name = expression', got 'reward'"),
@@ -143,13 +143,19 @@ def test_the_helpers_are_those_of_the_interpreter() -> None:
         ({"step": "bcd = 1"}, "[rules] step, line 1: 'bcd' has a meaning in the language and cannot be assigned"),
         ({"step": "reward = later\nlater = 1"}, "line 1: in 'later', the name 'later' is not defined before this line"),
         ({"kept_over_reset": ["timer"]}, "[rules] kept_over_reset names 'timer', which is not in state"),
-        ({"mode_select": [{"op": "wait"}]}, "[rules] mode_select: unknown operation 'wait'"),
-        ({"mode_select": [{"frames": 2}]}, "[rules] mode_select: unknown operation None"),
-        ({"mode_select": [{"op": "soft_reset", "times": 2}]}, "[rules] mode_select: soft_reset takes the keys []"),
-        ({"mode_select": [{"op": "press_select"}]}, "[rules] mode_select: press_select takes the keys ['frames']"),
+        (
+            {"mode_select": [{"op": "wait"}]},
+            "[rules] mode_select, op must be one of set, press_select, press_select_until, soft_reset, act, ",
+        ),
+        ({"mode_select": [{"frames": 2}]}, "repeat_until, repeat, got None"),
+        (
+            {"mode_select": [{"op": "soft_reset", "times": 2}]},
+            "[rules] mode_select, soft_reset has no key 'times'; it can have none",
+        ),
+        ({"mode_select": [{"op": "press_select"}]}, "[rules] mode_select, press_select needs the key 'frames'"),
         (
             {"mode_select": [{"op": "act", "action": "RESET", "times": 1}]},
-            "[rules] mode_select: unknown action 'RESET'",
+            "[rules] mode_select, act: 'action' must be one of NOOP, FIRE, UP, ",
         ),
         (
             {"mode_select": [{"op": "press_select_until", "frames": 2, "until": "ram[0x80] == mood"}]},
@@ -157,7 +163,7 @@ def test_the_helpers_are_those_of_the_interpreter() -> None:
         ),
         (
             {"mode_select": [{"op": "repeat", "times": 2, "do": [{"op": "jump"}]}]},
-            "[rules] mode_select: unknown operation 'jump'",
+            "repeat_until, repeat, got 'jump'",
         ),
     ],
 )

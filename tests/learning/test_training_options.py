@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import atari
-from atari.learning.options import TrainingOptions, parse
+from atari.learning.options import TrainingOptions, option_from_text
 from atari.task import Task
 from atari.task.arguments import descriptions
 
@@ -27,13 +27,13 @@ from atari.task.arguments import descriptions
     ],
 )
 def test_parse(name: str, text: str, value: object) -> None:
-    assert parse(TrainingOptions, name, text) == value
+    assert option_from_text(TrainingOptions, name, text) == value
 
 
 @pytest.mark.parametrize(("name", "text"), [("total_steps", "1.5"), ("normalize", "yes"), ("gamma", "x")])
 def test_parse_refuses(name: str, text: str) -> None:
-    with pytest.raises(ValueError, match=r"whole number|true, false|convert"):
-        parse(TrainingOptions, name, text)
+    with pytest.raises(ValueError, match=r"must be (a whole number|true or false|a number), got"):
+        option_from_text(TrainingOptions, name, text)
 
 
 @pytest.mark.parametrize(

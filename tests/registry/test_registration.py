@@ -188,7 +188,7 @@ def test_make_suggests_the_nearest_game() -> None:
         ("Revers-v0", "did you mean 'Reverse-v0'?"),
         ("ReversedAddition3-v1", "did you mean 'ReversedAddition3-v0'?"),
         ("ALE/RepeatCopy", "did you mean 'RepeatCopy-v0'?"),
-        ("CartPole-v1", "see `atari list --ids` for all of them"),
+        ("CartPole-v1", "see `atari info --ids` for all of them"),
     ],
 )
 def test_the_error_for_a_wrong_id_suggests_the_right_one(wrong: str, cure: str) -> None:

@@ -9,7 +9,7 @@ from field_values import CASES
 from atari.task import Task
 
 
-def options_of(door: Door, field: str) -> dict[str, Any]:
+def cell_options(door: Door, field: str) -> dict[str, Any]:
     """Options, GAME among them, in which a field differs from its default."""
     case = CASES[field]
     if door.games != "several":
@@ -29,7 +29,7 @@ def call(door: Door, options: dict[str, Any]) -> Task:
 
 def check_cell(door: Door, field: str) -> None:
     """Check that a door takes a field, so that its task has the value, or refuses it with a sentence that names it."""
-    options = options_of(door, field)
+    options = cell_options(door, field)
     if field in door.outside:
         assert getattr(call(door, options), field) == getattr(Task("pong"), field), door.outside[field]
         return

@@ -164,12 +164,12 @@ _OF_POLICIES = of_fields(
     "policies play whole games of one player, with the game's own scores",
 )
 _NO_CHOICE = of_fields(("continuous", "continuous_action_threshold"), "a policy chooses one of the actions")
-_OF_DEMO = _NO_CHOICE | of_fields(
+_WITHOUT_POLICY = _NO_CHOICE | of_fields(
     (
         *lacking("one", "vector"),
         *("actions", "repeat_action_probability", "life_loss_info"),  # dqn2015 prescribes or contradicts these
     ),
-    "the demonstration plays preset dqn2015",
+    "without a policy, preset dqn2015 is played",
 )
 
 DOORS: tuple[Door, ...] = (
@@ -195,14 +195,14 @@ DOORS: tuple[Door, ...] = (
         outside=of_fields(("reward", "reward_clipping"), "scores are the game's own"),
         takes_options=False,
     ),
-    Door("atari explain", _command("explain")),
+    Door("atari info", _command("info")),
     Door("atari play", _command("play"), _OF_PLAY),
+    Door("atari record", _command("record"), _WITHOUT_POLICY),
     Door(
-        "atari record",
-        _command("record"),
+        "atari record --policy random",
+        _command("record", "--policy", "random"),
         {**of_fields(("agent_indicator", "zero_sum"), _SEEN_BY_A_PERSON), **_NO_CHOICE},
     ),
-    Door("atari demo", _command("demo"), _OF_DEMO),
     Door("atari lab", _command("lab"), all_but(_FRAMES, _BY_FRAME)),
     Door("atari causes", _command("causes"), all_but(("mode", "difficulty"), _BY_FRAME)),
     Door("atari verify", _command("verify"), all_but(_COMPARED, _BY_FRAME)),

@@ -16,7 +16,7 @@ from atari.games.interventions import load
 from atari.task import Task
 from atari.task.checks import NO_LIMIT, FrameSkip, OneOf, OrNone, Probability, Span, Whole, check_actions, check_bool
 from atari.task.fields import CHECKS, DEFAULTS
-from atari.task.rules import settle
+from atari.task.rules import default_ineffective
 
 Pick = Callable[[random.Random, int, int], int]
 """Draws an integer within low..high."""
@@ -224,7 +224,7 @@ def settled(source: random.Random, game: Game, drawn: Mapping[str, Any]) -> Task
             fields[name] = fields[name] or value_of(source, name, game) or 1
     fields["img_height"] = fields["img_height"] and min(fields["img_height"], game.screen.height)
     try:
-        settle(fields, given=())
+        default_ineffective(fields, given=())
         return Task(**fields)
     except ValueError:
         return None

@@ -13,7 +13,7 @@ def nested(task: Task, core: str = "native", render_mode: Any = None) -> Any:
     """A single environment of the wrappers of a task, one in the other: the oracle of `EpisodeEnv` and of vectors."""
     if not task.preprocessed:
         return make_env(task, render_mode, core)
-    env = wrap(AtariEnv(task.of_emulator(), core=core, render_mode=render_mode), task, nested=True)
+    env = wrap(AtariEnv(task.emulator_task(), core=core, render_mode=render_mode), task, nested=True)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
 

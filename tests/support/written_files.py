@@ -346,7 +346,7 @@ WRITTEN: dict[str, Written] = {
     ),
     "atari record of a replay": Written(f"a{SUFFIX}", of_command("-o", "record", "pong", "--seconds", 20), keeps=True),
     "atari record of a picture": Written("a.png", of_command("-o", "record", "pong", "--seconds", 1)),
-    "atari demo": Written("a.gif", of_command("-o", "demo", "pong", "--seconds", 2), AV, True, command=("demo", "-o")),
+    "atari record of a GIF": Written("a.gif", of_command("-o", "record", "pong", "--seconds", 2), AV, True),
     "atari replay render": Written(
         "a.mp4", of_command("-o", "replay", "render", replay=True), AV, keeps=True, command=("replay render", "-o")
     ),

@@ -20,8 +20,7 @@ from atari.games.actions import Action
 from atari.games.catalog import games
 from atari.task import PRESETS, Task
 from atari.task.arguments import descriptions
-from atari.task.fields import DEFAULTS, FIELDS, GROUPS, ROWS, TYPES
-from atari.task.options import MakeOptions, TaskOptions, VectorTaskOptions
+from atari.task.fields import DEFAULTS, FIELDS, GROUPS, ROWS, TYPES, MakeOptions, TaskOptions, VectorTaskOptions
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.vector import ale_names
 

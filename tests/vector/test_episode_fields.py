@@ -405,7 +405,7 @@ class TestStates:
 
 def make_engine(fields: dict[str, Any]) -> _emulator.VectorEngine:
     """An engine with settings that `Task` may refuse."""
-    episode = filled_by_name(_emulator.EpisodeSettings(), Task.of("pong").with_set(**fields), acts_after_end=False)
+    episode = filled_by_name(_emulator.EpisodeSettings(), Task.of("pong").with_checked(**fields), acts_after_end=False)
     with mock.patch("atari.vector.options.episode_settings", return_value=episode):
         return atari.AtariVectorEnv("pong", 1, players=fields.get("players"))._options.make_engine()
 

@@ -90,7 +90,7 @@ def composed(task: Task) -> Any:
     assume(task.end_frames == "last" and task.preprocessed)
     # `FrameSkip` pools two frames of a skip that was cut, and a lost life shows the last frame, not the last image.
     assume(not task.maxpool or (task.frameskip <= 2 and (task.on_reset != "continue" or task.lives_unit == "skip")))
-    env: Any = AtariEnv(task.of_emulator().replace(obs_type="rgb" if task.pool_rgb else task.obs_type))
+    env: Any = AtariEnv(task.emulator_task().replace(obs_type="rgb" if task.pool_rgb else task.obs_type))
     for wrapper, arguments in layers_of(task):
         if wrapper is wrappers.FrameStack:
             continue

@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
 
+from atari.base.typed_table import check_table
 from atari.base.validation import check_integer
 from atari.games.actions import Action
 from atari.games.catalog import games
@@ -158,18 +159,18 @@ def _load(path: Path, game: Game, changed: int) -> Mapping[str, Intervention]:
 
 
 def _parse(name: str, table: Any, game: Game, where: str) -> Intervention:
-    _check_keys(table, where, ("description", "source", "writes"), ("check", "paid"))
+    needed = {"description": str, "source": str, "writes": tuple[dict[str, Any], ...]}
+    check_table(table, where, needed, {"check": dict, "paid": bool})
     for key in ("description", "source"):
-        if not isinstance(table[key], str) or not table[key]:
-            raise ValueError(f"{where}, {key}: must be a text, got {table[key]!r}")
-    paid = _check_flag(table.get("paid", True), f"{where}, paid")
+        if not table[key]:
+            raise ValueError(f"{where}, {key}: must be a text, got ''")
     writes = table["writes"]
-    if not isinstance(writes, (list, tuple)) or not 1 <= len(writes) <= _MOST_WRITES:
+    if not 1 <= len(writes) <= _MOST_WRITES:
         raise ValueError(f"{where}, writes: must be a list of 1..{_MOST_WRITES} tables, got {writes!r}")
     rules = []
     for number, write in enumerate(writes):
         place = f"{where}, writes[{number}]"
-        rules.append(_write(write, paid, place))
+        rules.append(_write(write, table.get("paid", True), place))
         try:
             compile_write(game, rules[-1], place)
         except TypeError as error:
@@ -179,16 +180,9 @@ def _parse(name: str, table: Any, game: Game, where: str) -> Intervention:
 
 
 def _write(table: Any, paid: bool, where: str) -> WriteRule:
-    _check_keys(table, where, ("to", "value"), ("when", "if", "mask"))
-    to, value, condition = table["to"], table["value"], table.get("if")
-    if type(to) not in (str, int):
-        raise ValueError(f"{where}, to: must be a label or a place in RAM, got {to!r}")
-    if type(value) not in (str, int):
-        raise ValueError(f"{where}, value: must be an integer or an expression, got {value!r}")
-    if condition is not None and type(condition) is not str:
-        raise ValueError(f"{where}, if: must be an expression, got {condition!r}")
-    mask = table.get("mask", 0xFF)
-    return WriteRule(to, value, _when(table.get("when", "frame"), f"{where}, when"), condition, mask, paid=paid)
+    check_table(table, where, {"to": str | int, "value": str | int}, {"when": Any, "if": str | None, "mask": Any})
+    when = _when(table.get("when", "frame"), f"{where}, when")
+    return WriteRule(table["to"], table["value"], when, table.get("if"), table.get("mask", 0xFF), paid=paid)
 
 
 def _when(value: Any, where: str) -> "Literal['frame', 'reset'] | tuple[int, ...]":
@@ -201,20 +195,19 @@ def _when(value: Any, where: str) -> "Literal['frame', 'reset'] | tuple[int, ...
 
 
 def _check(table: Any, game: Game, where: str) -> Check:
-    _check_keys(table, where, ("frames",), ("actions", "holds", "more", "less", "after", "by"))
+    expressions = dict.fromkeys(("holds", "more", "less"), str | int)
+    check_table(table, where, {"frames": int}, {"actions": Any, **expressions, "after": int, "by": float})
     kinds = [kind for kind in ("holds", "more", "less") if kind in table]
     if len(kinds) != 1:
         raise ValueError(f"{where}: needs one of 'holds', 'more' and 'less', got {', '.join(kinds) or 'none'}")
     kind: Any = kinds[0]
     expression = table[kind]
-    frames = _check_number(table["frames"], f"{where}, frames", 1, _MOST_FRAMES)
+    frames = check_integer(f"{where}, frames", table["frames"], 1, _MOST_FRAMES)
     by = table.get("by", 1.2)
-    if type(by) not in (int, float) or not 1.0 <= by <= 1e6:
+    if not 1.0 <= by <= 1e6:
         raise ValueError(f"{where}, by: must be a factor of 1 or more, got {by!r}")
     if "by" in table and kind == "holds":
         raise ValueError(f"{where}, by: is the factor of 'more' and 'less', and not of 'holds'")
-    if type(expression) not in (str, int):
-        raise ValueError(f"{where}, {kind}: must be an expression, got {expression!r}")
     from_calls = split_calls(str(expression), game, f"{where}, {kind}")
     parse_expression(game, from_calls.source, (*CHECK_NAMES, *from_calls.calls), f"{where}, {kind}")
     return Check(
@@ -222,7 +215,7 @@ def _check(table: Any, game: Game, where: str) -> Check:
         actions=_actions(table.get("actions", "random"), game, f"{where}, actions"),
         kind=kind,
         expression=str(expression),
-        after=_check_number(table.get("after", 0), f"{where}, after", 0, frames - 1),
+        after=check_integer(f"{where}, after", table.get("after", 0), 0, frames - 1),
         by=float(by),
     )
 
@@ -260,30 +253,6 @@ def _actions(value: Any, game: Game, where: str) -> Any:
     if not names or not all(isinstance(one, str) and one in legal and one in Action.__members__ for one in names):
         raise ValueError(f"{where}: must be 'random', 'noop' or a list of legal actions such as 'FIRE', got {value!r}")
     return tuple(names)
-
-
-def _check_number(value: Any, where: str, low: int, high: int) -> int:
-    try:
-        return check_integer(where, value, low, high)
-    except TypeError as error:
-        raise ValueError(str(error)) from None
-
-
-def _check_flag(value: Any, where: str) -> bool:
-    if type(value) is not bool:
-        raise ValueError(f"{where}: must be true or false, got {value!r}")
-    return value
-
-
-def _check_keys(table: Any, where: str, required: Sequence[str], optional: Sequence[str]) -> None:
-    if not isinstance(table, Mapping):
-        raise ValueError(f"{where}: must be a table, got {table!r}")
-    for key in table:
-        if key not in (*required, *optional):
-            raise ValueError(f"{where}: {unknown(key, 'key', (*required, *optional), 'it')}")
-    for key in required:
-        if key not in table:
-            raise ValueError(f"{where}: needs the key {key!r}")
 
 
 def _frozen(value: Any) -> Any:

@@ -103,7 +103,7 @@ def compile_write(game: Game, rule: WriteRule, where: str) -> CompiledWrite:
         remembers=any(isinstance(node, ast.Name) and node.id == "old" for tree in trees for node in ast.walk(tree)),
         condition=programs[1] if rule.condition is not None else [],
         value=programs[0],
-        label=[] if label is None else _compile_label(label),
+        label=[] if label is None else compile_expression(_parse_label(label), _VARIABLES, _RESULT),
     )
 
 
@@ -206,7 +206,3 @@ def _parse_label(label: RamLabel) -> ast.Expression:
     if label.transform is None and label.encoding == "bcd":
         source = f"{source} if (v & 15) < 10 and (v & 240) < 160 else {NO_VALUE}"
     return check_expression(source, {"v"}, label.name, LABEL_ADDRESSES)
-
-
-def _compile_label(label: RamLabel) -> list[int]:
-    return compile_expression(_parse_label(label), _VARIABLES, _RESULT)

@@ -13,7 +13,9 @@ from typing import Any, Literal
 import ray
 
 from atari.base import durable, json_text
+from atari.base.typed_table import check_table, check_type
 from atari.base.validation import check_integer, check_name
+from atari.cores.options import SEED_LIMIT
 from atari.lab.collect import Format, check_output, output_format, write_dataset
 from atari.lab.labels import Labels
 from atari.learning import load_policy
@@ -24,9 +26,6 @@ from atari.task import Task
 from atari.task.task import GameLike
 
 _MANIFEST = "_manifest.jsonl"
-_SEEDS = 2**32
-"""The bound of seeds."""
-
 _LINE = {"seed": int, "file": str, "bytes": int, "score": float}
 _OF_FORMATS = {"steps": int, "frames": int}
 """The kinds of a line of the manifest."""
@@ -109,7 +108,7 @@ def collect(
     """
     (chosen,) = resolve_games(game)
     check_name("frames", frames, ("rgb", "grayscale"))
-    wanted = sorted({check_integer("a seed", seed, 0, _SEEDS - 1) for seed in seeds})
+    wanted = sorted({check_integer("a seed", seed, 0, SEED_LIMIT - 1) for seed in seeds})
     if not wanted:
         raise ValueError("a data set needs at least one seed")
     format = output_format(output, format)
@@ -212,7 +211,7 @@ class _Manifest:
             other = ", ".join(f"{name} {first.get(name)!r}" for name in facts if first.get(name) != facts[name])
             raise ValueError(f"{folder} has data of {other or 'another kind'}; choose another name")
         for line in lines:
-            if self._is_whole(json_text.check_table(line, f"{self._path}: a line", _LINE, _OF_FORMATS)):
+            if self._is_whole(check_table(line, f"{self._path}: a line", _LINE, _OF_FORMATS)):
                 self.finished[line["seed"]] = line
 
     def add(self, part: _Part) -> None:
@@ -227,7 +226,7 @@ class _Manifest:
 
     def _parse(self, line: bytes) -> dict[str, Any]:
         try:
-            return dict(json_text.check_kind(json_text.parse(line, "JSON"), "a line", dict))
+            return dict(check_type(json_text.parse(line, "JSON"), "a line", dict))
         except ValueError as error:
             text = f"{self._path} is damaged at {line[:40]!r}; delete the line, or the folder"
             raise ValueError(f"{text} ({error})") from None

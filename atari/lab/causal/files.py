@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from atari.base import archives, durable, json_text
+from atari.base.typed_table import check_table
 from atari.base.validation import check_file
 from atari.games.catalog import games
 from atari.games.game import Game
@@ -98,7 +99,7 @@ def _from_arrays(arrays: dict[str, NDArray[Any]]) -> CausalMap:
     facts = json_text.parse(arrays["facts"].tobytes(), "JSON")
     if not isinstance(facts, dict) or facts.get("format") != _FORMAT:
         raise ValueError(f"its format is not {_FORMAT}, which this version reads")
-    json_text.check_table(facts, "its facts", _FACTS)
+    check_table(facts, "its facts", _FACTS)
     height, numbers, writes = facts["height"], arrays["numbers"], arrays["writes"]
     if (
         not 200 <= height <= 256
@@ -132,7 +133,7 @@ def _from_arrays(arrays: dict[str, NDArray[Any]]) -> CausalMap:
                 pixels=pixels[index],
             )
         )
-    suggestions = tuple(Suggestion(**json_text.check_table(each, *_SUGGESTION)) for each in facts["suggestions"])
+    suggestions = tuple(Suggestion(**check_table(each, *_SUGGESTION)) for each in facts["suggestions"])
     return CausalMap(facts["game"], height, facts["settings"], tuple(found), suggestions)
 
 

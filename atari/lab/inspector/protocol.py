@@ -32,6 +32,7 @@ import numpy as np
 
 import atari._emulator as _emulator
 from atari.base import json_text
+from atari.base.typed_table import check_table
 from atari.lab.inspector.inspection import HISTORY, SPEEDS, Inspection
 
 VERSION = 1
@@ -128,32 +129,32 @@ def news(inspection: Inspection, known: str) -> tuple[str, list[dict[str, Any]]]
     return present, messages
 
 
-_INTEGER, _TEXT, _BOOL, _NUMBER, _BYTE = int, str, bool, float, (int, type(None))
+_BYTE = int | None
 
-_COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, type | tuple[type, ...]]]] = {
+_COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "play": (Inspection.play, {}),
     "pause": (Inspection.pause, {}),
-    "step": (Inspection.step, {"frames": _INTEGER}),
-    "seek": (Inspection.seek, {"frame": _INTEGER}),
+    "step": (Inspection.step, {"frames": int}),
+    "seek": (Inspection.seek, {"frame": int}),
     "take_over": (Inspection.take_over, {}),
     "new_game": (Inspection.new_game, {}),
-    "speed": (Inspection.set_speed, {"speed": _NUMBER}),
-    "hold": (Inspection.hold, {"vertical": _INTEGER, "horizontal": _INTEGER, "fire": _BOOL}),
-    "agent": (Inspection.let_agent_play, {"on": _BOOL}),
-    "poke": (Inspection.poke, {"index": _INTEGER, "value": _INTEGER}),
-    "freeze": (Inspection.freeze, {"index": _INTEGER, "value": _BYTE}),
-    "release": (Inspection.release, {"index": _INTEGER}),
+    "speed": (Inspection.set_speed, {"speed": float}),
+    "hold": (Inspection.hold, {"vertical": int, "horizontal": int, "fire": bool}),
+    "agent": (Inspection.let_agent_play, {"on": bool}),
+    "poke": (Inspection.poke, {"index": int, "value": int}),
+    "freeze": (Inspection.freeze, {"index": int, "value": _BYTE}),
+    "release": (Inspection.release, {"index": int}),
     "undo": (Inspection.undo, {}),
-    "name": (Inspection.name, {"index": _INTEGER, "name": _TEXT}),
+    "name": (Inspection.name, {"index": int, "name": str}),
     "fork": (Inspection.open_fork, {}),
-    "close_fork": (Inspection.close_fork, {"keep": _BOOL}),
+    "close_fork": (Inspection.close_fork, {"keep": bool}),
     "select": (Inspection.select, {"index": _BYTE}),
-    "watch": (Inspection.watch, {"index": _INTEGER, "on": _BOOL}),
+    "watch": (Inspection.watch, {"index": int, "on": bool}),
     "new_search": (Inspection.new_search, {}),
-    "filter": (Inspection.filter, {"name": _TEXT, "low": _INTEGER, "high": _INTEGER}),
+    "filter": (Inspection.filter, {"name": str, "low": int, "high": int}),
     "undo_filter": (Inspection.undo_filter, {}),
-    "pixels": (Inspection.pixels_of, {"index": _INTEGER}),
-    "bytes": (Inspection.bytes_of, {"x": _INTEGER, "y": _INTEGER}),
+    "pixels": (Inspection.pixels_of, {"index": int}),
+    "bytes": (Inspection.bytes_of, {"x": int, "y": int}),
 }
 """The method and the types of the arguments, by the name of a command."""
 
@@ -191,4 +192,4 @@ def _parse(text: str) -> tuple[str, dict[str, Any]]:
     method, kinds = _COMMANDS[name]
     parameters = signature(method).parameters
     required = {key: kind for key, kind in kinds.items() if parameters[key].default is Parameter.empty}
-    return name, json_text.check_table(message, f"the command {name}", required, kinds)
+    return name, check_table(message, f"the command {name}", required, kinds)

@@ -78,7 +78,7 @@ def inspection_of_snapshot(path: Path, *, rom: Path | None = None, agent: Agent 
         if facts.get("core") != "native" or not isinstance(facts.get("game"), str):
             raise ValueError(f"it is of the core {facts.get('core')!r}; the inspector plays on the core 'native'")
         if facts["game"] not in games:
-            raise ValueError(f"it is of the game {facts['game']!r}, which is not one of `atari list`")
+            raise ValueError(f"it is of the game {facts['game']!r}, which is not one of `atari info`")
         names = ("repeat_action_probability", "mode", "difficulty")
         options = {name: facts[name] for name in names if name in facts}
         if text is not None:

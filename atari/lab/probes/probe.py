@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.base.extras import import_extra, install_extra
+from atari.base.text_table import Table
 from atari.base.validation import check_integer
 from atari.cores import ByteArray
 from atari.lab.atari_ari import CATEGORIES, categories
 from atari.lab.probes.data import ProbeData, Split, check_data
-from atari.lab.table import Table
 
 Encoder = Callable[[ByteArray], Any]
 

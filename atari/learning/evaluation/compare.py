@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from atari.base import durable
+from atari.base.text_table import aligned
 from atari.base.validation import check_integer
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences, refusal
 from atari.learning.evaluation.published import Published, read_table
-from atari.learning.evaluation.results import Result, aligned
+from atari.learning.evaluation.results import Result
 from atari.learning.evaluation.statistics import (
     Estimate,
     Floats,
@@ -79,7 +80,7 @@ class Comparison:
             means = (f"{np.mean(row.scores[game]):,.1f}" for row in self.rows)
             table.append((game, *(f"{score:,.1f}" for score in self.references[game]), *means))
         return "\n".join(
-            [title, "", *aligned(overview), "", *aligned(table), "", *(f"- {note}" for note in self.notes)]
+            [title, "", *aligned(overview, bool), "", *aligned(table, bool), "", *(f"- {note}" for note in self.notes)]
         )
 
     def to_json(self) -> dict[str, Any]:

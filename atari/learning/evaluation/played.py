@@ -8,7 +8,7 @@ from typing import Any
 from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol, in_words
-from atari.policy.needs import composed, in_game, needs_of
+from atari.policy.needs import in_game, needs_of, task_with_fields
 from atari.task import PRESETS, Task
 from atari.task.fields import GROUPS, OF_GAME
 from atari.task.task import GameLike, look_up
@@ -87,7 +87,7 @@ def usual_protocol(policy: Any, game: EvaluatedGame) -> EvaluationProtocol:
         return find_protocol(own)
     if isinstance(task, Task):
         return _of_whole_games(in_game(task, game.task).replace(**_of_game(game.task)), "task")
-    if says_nothing(policy) and (game.env_id is not None or game.is_task):
+    if has_no_needs(policy) and (game.env_id is not None or game.is_task):
         return _of_whole_games(game.task, game.env_id or "task")
     return PROTOCOLS["baselines"]
 
@@ -96,7 +96,7 @@ def _of_whole_games(task: Task, name: str) -> EvaluationProtocol:
     return EvaluationProtocol.of_task(task, name=name, source=f"whole games of {name}", epsilon=0.0, episodes=1)
 
 
-def says_nothing(policy: Any) -> bool:
+def has_no_needs(policy: Any) -> bool:
     """Whether a policy has no attribute that says which environments it needs."""
     return not any(getattr(policy, name, None) for name in ("task", "environment", "protocol"))
 
@@ -123,7 +123,7 @@ def played_task(game: EvaluatedGame, protocol: EvaluationProtocol, policy: Any) 
         played = _whole_games(protocol, protocol.task, seen)
     else:
         fields = {**_observation(seen, protocol.preset), **_play(protocol), **_lives(protocol)}
-        played = composed(game.task, **fields, **_of_game(game.task))
+        played = task_with_fields(game.task, **fields, **_of_game(game.task))
     if game.is_task and game.task != protocol.task:
         _check_given(game.task, played, protocol)
     return played
@@ -171,7 +171,7 @@ def _whole_games(protocol: EvaluationProtocol, task: Task, seen: Task | None) ->
         own["on_reset"] = "continue"
     if all(own[name] is None for name in GROUPS["limits"]):
         own["max_num_frames_per_episode"] = protocol.max_frames  # a game may never end by itself
-    return composed(task, **{**own, **_observation(seen or task, ""), **_of_game(task)})
+    return task_with_fields(task, **{**own, **_observation(seen or task, ""), **_of_game(task)})
 
 
 def _check_alone(task: Task, owner: str) -> None:
@@ -187,7 +187,7 @@ def _check_alone(task: Task, owner: str) -> None:
 def _check_policy(game: Task, protocol: EvaluationProtocol, policy: Task) -> None:
     """Refuse a policy of another game than the one that is played, unless the user asks for this other game."""
     _check_alone(policy, "the policy")
-    said, default = game.plain(), Task.of(game.definition).plain()
+    said, default = game.as_options(), Task.of(game.definition).as_options()
     _check_alike(game, policy, "policy", [name for name in OF_GAME if said[name] == default[name]])
     if policy.frames != protocol.frames:
         ours, theirs = in_words(protocol.frames), in_words(policy.frames)
@@ -232,7 +232,7 @@ def _check_same_game(game: Task, task: Task) -> None:
 def _check_alike(game: Task, wanted: Task, owner: str, names: Iterable[str]) -> None:
     """Refuse a game that differs from the policy's or the protocol's in one of these fields."""
     for name in names:
-        if wanted.plain()[name] != game.plain()[name]:
+        if wanted.as_options()[name] != game.as_options()[name]:
             theirs, ours = _shown(wanted, name), _shown(game, name)
             raise ValueError(
                 f"the {owner} plays {wanted.game} with {name}={theirs}, and the game to evaluate has {ours}; "
@@ -243,7 +243,7 @@ def _check_alike(game: Task, wanted: Task, owner: str, names: Iterable[str]) -> 
 
 def _flags(task: Task, name: str) -> str:
     """The flags of a command that give a task this field."""
-    value, flag = task.plain()[name], f"--{name.removesuffix('s').replace('_', '-')}"
+    value, flag = task.as_options()[name], f"--{name.removesuffix('s').replace('_', '-')}"
     values = [one.name for one in task.interventions] if name == "interventions" else [value]
     texts = [",".join(map(str, one)) if isinstance(one, tuple) else one for one in values]
     return " ".join(f"{flag} {text}" for text in texts) if value else f"no {flag}"
@@ -251,5 +251,5 @@ def _flags(task: Task, name: str) -> str:
 
 def _shown(task: Task, name: str) -> str:
     """The text of a field in an error, as a user gives it: None is the default mode or difficulty."""
-    value = [one.name for one in task.interventions] if name == "interventions" else task.plain()[name]
+    value = [one.name for one in task.interventions] if name == "interventions" else task.as_options()[name]
     return repr(value)

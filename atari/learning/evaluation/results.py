@@ -4,16 +4,17 @@ import json
 import math
 import platform
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from importlib.metadata import version
 from os import PathLike
 from pathlib import Path
 from statistics import fmean, median, pstdev
-from types import NoneType
 from typing import Any
 
 from atari.base import durable, json_text
+from atari.base.text_table import aligned
+from atari.base.typed_table import check_table, check_type
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.task.fields import DEFAULTS, OF_GAME
@@ -115,7 +116,7 @@ class Result:
         for one in self.games:
             numbers = (one.mean, one.std, one.median, min(one.scores), max(one.scores))
             rows.append((one.game, len(one.scores), *(f"{number:,.1f}" for number in numbers), one.truncations))
-        lines = [f"policy {self.policy}, seed {self.seed}", f"protocol {self.protocol}", "", *aligned(rows)]
+        lines = [f"policy {self.policy}, seed {self.seed}", f"protocol {self.protocol}", "", *aligned(rows, bool)]
         if changed := [f"{one.game} was played with {_in_words(one.changes)}" for one in self.games if one.changes]:
             lines += ["", *changed]
         if truncated := sum(one.truncations for one in self.games):
@@ -164,7 +165,7 @@ _KINDS: dict[str, Any] = {
     "protocol": dict,
     "seed": int,
     "games": list,
-    "training_frames": (int, NoneType),
+    "training_frames": int | None,
 }
 _KINDS_OF_GAME = {
     "game": str, "scores": list, "frames": list, "truncated": list, "seeds": list, "observation": dict, "task": dict
@@ -172,7 +173,7 @@ _KINDS_OF_GAME = {
 
 
 def _checked_result(content: dict[str, Any]) -> Result:
-    json_text.check_table(content, "it", {"format": str, **_KINDS, "versions": dict})
+    check_table(content, "it", {"format": str, **_KINDS, "versions": dict})
     games = tuple(_checked_game(one) for one in content["games"])
     if not games or len({one.game for one in games}) < len(games):
         raise ValueError("games must have each game once, and at least one")
@@ -181,11 +182,10 @@ def _checked_result(content: dict[str, Any]) -> Result:
 
 
 def _checked_game(content: Any) -> GameResult:
-    content = json_text.check_table(content, "a game", _KINDS_OF_GAME)
+    content = check_table(content, "a game", _KINDS_OF_GAME)
     kinds = {"scores": float, "frames": int, "truncated": bool, "seeds": int}
     lists = {
-        name: tuple(json_text.check_kind(one, f"each of {name}", kind) for one in content[name])
-        for name, kind in kinds.items()
+        name: tuple(check_type(one, f"each of {name}", kind) for one in content[name]) for name, kind in kinds.items()
     }
     if len({*map(len, lists.values()), 0}) != 2:
         raise ValueError(f"{content['game']} must have as many scores, frames, truncated and seeds, and at least one")
@@ -205,16 +205,3 @@ def versions() -> dict[str, str]:
     own = {"atari-envs": version("atari-envs"), "python": platform.python_version()}
     others = ("gymnasium", "numpy", "torch", "stable_baselines3", "onnxruntime")
     return {**own, **{name: str(sys.modules[name].__version__) for name in others if name in sys.modules}}
-
-
-def aligned(rows: Iterable[Sequence[object]]) -> list[str]:
-    """Rows as lines of aligned columns: the first to the left, the others to the right."""
-    cells = [[str(cell) for cell in row] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    return [
-        "  ".join(
-            cell.rjust(width) if column else cell.ljust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in cells
-    ]

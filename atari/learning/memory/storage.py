@@ -16,13 +16,13 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
-from types import NoneType
 from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
 
 from atari.base import durable, json_text
+from atari.base.typed_table import check_table
 from atari.base.validation import check_file
 from atari.learning.memory.options import MemoryOptions
 
@@ -40,9 +40,9 @@ _KINDS: dict[str, Any] = {
     "autoreset_mode": str,
     "action_shape": list,
     "action_dtype": str,
-    "priority_exponent": (float, NoneType),
+    "priority_exponent": float | None,
     "final_frames": int,
-    "compressed_bytes": (int, NoneType),
+    "compressed_bytes": int | None,
     "margin": int,
     "saved": bool,
 }
@@ -205,7 +205,7 @@ def block_of(state: Any, options: MemoryOptions) -> Block:
     """
     if not isinstance(state, Mapping) or set(state) != {"options", "block"}:
         raise ValueError("it must be a dict of options and block, as state() returns it")
-    if options_of(state["options"]) != options:
+    if checked_options(state["options"]) != options:
         raise ValueError("it is a replay memory with other options")
     block, shape = np.asarray(state["block"]), (options.geometry().block_bytes,)
     if block.dtype != np.uint8 or block.shape != shape:
@@ -213,14 +213,14 @@ def block_of(state: Any, options: MemoryOptions) -> Block:
     return block
 
 
-def options_of(values: Any) -> MemoryOptions:
+def checked_options(values: Any) -> MemoryOptions:
     """The options at the beginning of a file or a state.
 
     Raises:
         ValueError: an option is missing, unknown, or wrong.
     """
     try:
-        json_text.check_table(values, "the table of options", _KINDS)
+        check_table(values, "the table of options", _KINDS)
         if not re.fullmatch(r"[<>|=][biuf]\d{1,2}", values["action_dtype"]):
             raise ValueError(f"action_dtype is {values['action_dtype']!r:.60}")
         return MemoryOptions.check(**values)
@@ -252,7 +252,7 @@ def _read_first_page(file: BinaryIO, path: Path) -> MemoryOptions:
     if zlib.crc32(rest) != check or length > len(rest):
         raise ValueError(f"{path} is damaged in its first {_PAGE} bytes")
     with naming(path):
-        options = options_of(json_text.parse(rest[:length], "the table of options"))
+        options = checked_options(json_text.parse(rest[:length], "the table of options"))
     if magic != _magic(options):
         raise ValueError(
             f"{path} is a memory with priorities of an earlier version of atari-envs, which did not store the greatest "

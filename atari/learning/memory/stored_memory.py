@@ -243,7 +243,7 @@ class StoredMemory:
         return {"state": self.state(), "num_threads": self._threads}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        options = storage.options_of(state["state"]["options"])
+        options = storage.checked_options(state["state"]["options"])
         block = storage.allocate(options)
         block[:] = storage.block_of(state["state"], options)
         self._begin(options, state["num_threads"], None, block, False)

@@ -10,10 +10,11 @@ from typing import Any
 
 from atari.base import durable
 from atari.base.validation import check_file
+from atari.cores.options import SEED_LIMIT
 from atari.learning.agent import AgentCode, read_options
 from atari.learning.evaluation.played import EvaluatedGame, played_task
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol
-from atari.learning.options import SEEDS, TrainingOptions
+from atari.learning.options import TrainingOptions
 from atari.learning.programs import Program, is_program, program, sha256
 from atari.learning.run import RunFolder
 
@@ -65,7 +66,7 @@ def find_seeds(text: str) -> list[int]:
     for part in text.split(","):
         found = re.fullmatch(r"(\d{1,10})(?:-(\d{1,10}))?", part.strip())
         low, high = (int(found[1]), int(found[2] or found[1])) if found else (1, 0)
-        if not low <= high < SEEDS:
+        if not low <= high < SEED_LIMIT:
             raise ValueError(f"seeds are numbers and ranges below 2**32 with commas between, as in 0-2,7, got {text!r}")
         if len(seeds) + high - low >= MOST_SEEDS:
             raise ValueError(f"a sweep has at most {MOST_SEEDS:,} seeds, and {text!r} has more")

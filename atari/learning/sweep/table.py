@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TextIO
 
 from atari.base.json_text import escaped
-from atari.learning.evaluation.results import aligned
+from atari.base.text_table import aligned
 from atari.learning.sweep.processes import Progress
 
 _SECONDS = 1.0
@@ -46,7 +46,7 @@ class Table:
         """The lines of the table: one for each run, or for as many as there are lines."""
         order = {"waiting": 2, "done": 1}
         shown = runs if len(runs) <= self._height else sorted(runs, key=lambda one: order.get(one.state, 0))
-        lines = aligned([HEAD, *(cells(one) for one in shown[: self._height])])
+        lines = aligned([HEAD, *(cells(one) for one in shown[: self._height])], bool)
         states = [one.state for one in runs]
         counts = ", ".join(f"{states.count(state)} {state}" for state in dict.fromkeys(states))
         return [*lines, f"{len(runs)} runs: {counts}"]

@@ -15,7 +15,7 @@ from atari.recording.replay.recorder import rom_md5
 from atari.task import Task
 from atari.task.fields import DEFAULTS
 from atari.task.resolution import translate
-from atari.task.rules import settle
+from atari.task.rules import default_ineffective
 
 _MAY_BE_NONE = ("mode", "difficulty", "max_num_frames_per_episode", "interventions")
 """The options that may be None in a header."""
@@ -79,5 +79,5 @@ def emulator_task(options: Mapping[str, Any], game: Game) -> Task:
     """
     given, _ = translate(options, "the replay")
     fields = {**DEFAULTS, "max_num_frames_per_episode": None, **given, "game": game}
-    settle(fields, given=())  # older releases recorded options without effect, too
+    default_ineffective(fields, given=())  # older releases recorded options without effect, too
     return Task(**fields)

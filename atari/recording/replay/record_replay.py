@@ -231,7 +231,7 @@ def _shadow_env(options: VectorOptions, index: int) -> AtariEnv:
     With ale-py's seeding, the header has the emulator's fields and the frame skip; otherwise it has the whole task.
     """
     task = options.tasks[index]
-    alone = task.of_emulator() if task.preprocessed else task.replace(max_episode_steps=None)
+    alone = task.emulator_task() if task.preprocessed else task.replace(max_episode_steps=None)
     if options.mixed:
         alone = alone.replace(actions="full")
     if task.seeding == "ale":

@@ -210,19 +210,19 @@ FORGED = [
     ({"observation_shape": {"": [2**40]}}, "observation_shape"),
     ({"observation_shape": {"": [2**20, 2**20]}}, "observation_shape"),
     ({"observation_shape": {"": [[4]]}}, "observation_shape"),
-    ({"observation_shape": [4, 6]}, "must be dict"),
+    ({"observation_shape": [4, 6]}, "must be a table"),
     ({"margin": 2**40, "final_frames": 2**40}, "larger than"),
     ({"stack_num": {"": 2**40}}, "stack_num"),
     ({"margin": 2**39}, "should have"),
     ({"final_frames": 2**39}, "should have"),
-    ({"final_frames": None}, "must be int"),
+    ({"final_frames": None}, "must be a whole number"),
     ({"priority_exponent": 1e30}, "priority_exponent"),
     ({"priority_exponent": None}, "earlier version|version"),
     ({"action_dtype": "(2**30)i8"}, "action_dtype"),
     ({"action_dtype": "O"}, "action_dtype"),
     ({"action_shape": [2**26]}, "action"),
-    ({"capacity": True}, "must be int"),
-    ({"more": 1}, "unknown key"),
+    ({"capacity": True}, "must be a whole number"),
+    ({"more": 1}, "has no key 'more'"),
 ]
 
 

@@ -17,7 +17,7 @@ torch = pytest.importorskip("torch")
 from atari.cli import main  # noqa: E402
 from atari.learning import PROTOCOLS, RunFolder  # noqa: E402
 from atari.learning.agent import agent_code  # noqa: E402
-from atari.learning.command import options_of  # noqa: E402
+from atari.learning.command import training_options  # noqa: E402
 from atari.learning.run_log import read_last_row  # noqa: E402
 from atari.learning.sweep.plan import plan  # noqa: E402
 from atari.learning.sweep.processes import Settings, do_runs  # noqa: E402
@@ -33,7 +33,7 @@ NAMES = ["pong-seed0", "pong-seed3", "qbert-seed0", "qbert-seed3"]
 
 
 def resolve(game: str, seed: int) -> Any:
-    return options_of(agent_code("ppo"), [game, *TINY, "--seed", str(seed)], "atari train ppo")
+    return training_options(agent_code("ppo"), [game, *TINY, "--seed", str(seed)], "atari train ppo")
 
 
 def wait_for(what: Any, seconds: float = 120) -> None:

@@ -210,7 +210,7 @@ def test_a_wrong_name_and_a_bad_place(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file"]
 
 
-def options_of(path: Path) -> Any:
+def stored_options(path: Path) -> Any:
     return read(path).header["options"]
 
 
@@ -224,5 +224,5 @@ def test_the_header_says_what_was_played(tmp_path: Path) -> None:
         "id": None,
     }
     assert header["rom"] == "240bfbac5163af4df5ae713985386f92"
-    assert options_of(path)["frameskip"] == [2, 5]
+    assert stored_options(path)["frameskip"] == [2, 5]
     assert Replay.load(path).options["frameskip"] == (2, 5)

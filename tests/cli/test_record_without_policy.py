@@ -1,4 +1,4 @@
-"""`atari demo`: its output, and a video with every played frame."""
+"""`atari record` without a policy: its output, and a video with every played frame."""
 
 import json
 import re
@@ -25,14 +25,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def demo_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
-    assert main(["demo", *words, "--json"]) == 0
+def record_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    assert main(["record", *words, "--json"]) == 0
     result: dict[str, Any] = json.loads(capsys.readouterr().out)
     return result
 
 
 def test_writes_a_video_of_breakout_and_says_where(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["demo", "--steps", "30"]) == 0
+    assert main(["record", "breakout", "--steps", "30"]) == 0
     captured = capsys.readouterr()
     path = folder / "videos" / "breakout-0.mp4"
     title = "breakout: Breakout, as 'breakout' with preset='dqn2015'\n"
@@ -48,7 +48,7 @@ def test_writes_a_video_of_breakout_and_says_where(folder: Path, capsys: pytest.
 
 
 def test_video_has_every_emulated_frame_in_colour(capsys: pytest.CaptureFixture[str]) -> None:
-    result = demo_json(capsys, "breakout", "--steps", "20", "--seed", "3", "-o", "a/b.mp4")
+    result = record_json(capsys, "breakout", "--steps", "20", "--seed", "3", "-o", "a/b.mp4")
     assert result["files"] == [str(Path("a/b.mp4").resolve())]
     assert 20 * 4 < result["frames"] <= 20 * 4 + 30  # the no-ops at the start are played too
     shown = video_frames(Path("a/b.mp4"))
@@ -59,7 +59,7 @@ def test_video_has_every_emulated_frame_in_colour(capsys: pytest.CaptureFixture[
 
 
 def test_a_pal_game_has_its_own_size_and_rate(capsys: pytest.CaptureFixture[str]) -> None:
-    result = demo_json(capsys, "air_raid", "--steps", "5")
+    result = record_json(capsys, "air_raid", "--steps", "5")
     with av.open(result["files"][0]) as container:
         stream = container.streams.video[0]
         assert (stream.width, stream.height) == (640, 500)
@@ -68,30 +68,30 @@ def test_a_pal_game_has_its_own_size_and_rate(capsys: pytest.CaptureFixture[str]
 
 
 def test_the_same_seed_plays_the_same(capsys: pytest.CaptureFixture[str]) -> None:
-    facts = [demo_json(capsys, "pong", "--steps", "150", "--no-video", "--seed", seed) for seed in "114"]
+    facts = [record_json(capsys, "pong", "--steps", "150", "--no-video", "--seed", seed) for seed in "114"]
     assert facts[0]["files"] == []
     assert [facts[0][key] for key in ("frames", "scores")] == [facts[1][key] for key in ("frames", "scores")]
     assert facts[0]["frames"] != facts[2]["frames"]
 
 
 def test_the_score_is_the_games_and_not_the_clipped_reward(capsys: pytest.CaptureFixture[str]) -> None:
-    (score,) = demo_json(capsys, "ms_pacman", "--steps", "100", "--no-video")["scores"]
+    (score,) = record_json(capsys, "ms_pacman", "--steps", "100", "--no-video")["scores"]
     assert score >= 50
     assert score % 10 == 0  # a dot is 10 points, and 1 after clipping
 
 
 def test_games_are_counted_and_not_lives(capsys: pytest.CaptureFixture[str]) -> None:
-    result = demo_json(capsys, "breakout", "--steps", "600", "--no-video")
+    result = record_json(capsys, "breakout", "--steps", "600", "--no-video")
     assert 2 <= len(result["scores"]) <= 5  # of five lives each
 
 
 def test_seconds_are_those_of_the_console(capsys: pytest.CaptureFixture[str]) -> None:
-    assert 120 <= demo_json(capsys, "pong", "--seconds", "2", "--no-video")["frames"] < 124
-    assert 100 <= demo_json(capsys, "air_raid", "--seconds", "2", "--no-video")["frames"] < 104
+    assert 120 <= record_json(capsys, "pong", "--seconds", "2", "--no-video")["frames"] < 124
+    assert 100 <= record_json(capsys, "air_raid", "--seconds", "2", "--no-video")["frames"] < 104
 
 
 def test_no_video_makes_no_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["demo", "--steps", "3", "--no-video"]) == 0
+    assert main(["record", "breakout", "--steps", "3", "--no-video"]) == 0
     assert "file" not in capsys.readouterr().out
     assert not list(folder.iterdir())
 
@@ -118,28 +118,28 @@ def test_observers_get_the_played_frames_and_none_after_the_end(folder: Path) ->
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["--steps", "0"], "'0' is not a whole number within 1..1000000000"),
-        (["--steps", "1.5"], "'1.5' is not a whole number within 1..1000000000"),
-        (["--seconds", "nan"], "'nan' is not a number within 0.1..1000000000"),
-        (["--seconds", "inf"], "'inf' is not a number within 0.1..1000000000"),
-        (["--seed", "-1"], "a seed must be within 0..4294967295, got -1"),
-        (["--steps", "5", "--seconds", "5"], "not allowed with argument"),
+        (["breakout", "--steps", "0"], "'0' is not a whole number within 1..1000000000"),
+        (["breakout", "--steps", "1.5"], "'1.5' is not a whole number within 1..1000000000"),
+        (["breakout", "--seconds", "nan"], "'nan' is not a number within 0.1..1000000000"),
+        (["breakout", "--seconds", "inf"], "'inf' is not a number within 0.1..1000000000"),
+        (["breakout", "--seed", "-1"], "'-1' is not a whole number within 0..4294967295"),
+        (["breakout", "--steps", "5", "--seconds", "5"], "not allowed with argument"),
     ],
 )
 def test_wrong_usage(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["demo", *words]) == 2
+    assert main(["record", *words]) == 2
     assert text in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["--no-video", "-o", "a.mp4"], "--no-video writes nothing; leave it or --output out"),
+        (["breakout", "--no-video", "-o", "a.mp4"], "--no-video writes nothing; leave it or --output out"),
         (["breakuot"], "there is no game 'breakuot'; did you mean 'breakout'?"),
         (["combat"], "'combat' is a two-player cartridge"),
-        (["-o", "a.avi"], "-o is a file that ends in one of .mp4, "),
-        (["-o", "occupied/a.mp4"], "occupied"),
-        (["-o", "folder.mp4"], "it is a folder, a device or a pipe; choose the name of a file: folder.mp4"),
+        (["breakout", "-o", "a.avi"], "-o is a file that ends in one of .mp4, "),
+        (["breakout", "-o", "occupied/a.mp4"], "occupied"),
+        (["breakout", "-o", "folder.mp4"], "it is a folder, a device or a pipe; choose the name of a file: folder.mp4"),
     ],
 )
 def test_what_cannot_be_done_is_refused_before_playing(
@@ -148,7 +148,7 @@ def test_what_cannot_be_done_is_refused_before_playing(
     (folder / "occupied").touch()
     (folder / "folder.mp4").mkdir()
     monkeypatch.setattr("atari.cli.record._play", lambda *_: pytest.fail("it played"))
-    assert main(["demo", *words]) == 1
+    assert main(["record", *words]) == 1
     captured = capsys.readouterr()
     assert captured.err.startswith("atari: error: ")
     assert text in captured.err
@@ -160,16 +160,16 @@ def test_without_pyav_it_names_the_extra_and_the_way_without(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "av", None)
-    assert main(["demo", "--steps", "3"]) == 1
+    assert main(["record", "breakout", "--steps", "3"]) == 1
     err = capsys.readouterr().err
     assert "pip install 'av>=14'" in err
     assert "--no-video" in err
     assert not list(folder.iterdir())
-    assert main(["demo", "--steps", "3", "--no-video"]) == 0
+    assert main(["record", "breakout", "--steps", "3", "--no-video"]) == 0
 
 
 def test_ctrl_c_ends_it_with_a_playable_video(folder: Path) -> None:
-    command = [sys.executable, "-m", "atari", "demo", "--steps", "2000", "-o", "a.mp4"]
+    command = [sys.executable, "-m", "atari", "record", "breakout", "--steps", "2000", "-o", "a.mp4"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stderr is not None
         assert process.stderr.readline().startswith("200 of 2,000 steps")

@@ -1,23 +1,23 @@
-"""`Looks`: the options that say how videos and pictures look, for the commands that write them."""
+"""`VideoFlags`: the options that say how videos and pictures look, for the commands that write them."""
 
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from atari.cli.arguments import number
 from atari.games.game import Game
 from atari.recording import VideoWriter
 from atari.recording.replay.file_format import SUFFIX
 from atari.recording.video.formats import FORMATS, has_sound, is_picture
 from atari.recording.video.overlay import OVERLAYS, Overlay
 from atari.recording.video.writer import SPEEDS
+from atari.task.parser import number
 
 _SCALE = 2
 
 
-def add_looks(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `Looks`."""
+def add_video_flags(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `VideoFlags`."""
     parser.add_argument(
         "--scale", type=number(int, 1, 16), metavar="N", help=f"rows of the video a pixel (default: {_SCALE})"
     )
@@ -44,8 +44,8 @@ def add_looks(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--no-sound", action="store_true", help="write no sound")
 
 
-class Looks:
-    """How videos and pictures look, by the options of `add_looks`.
+class VideoFlags:
+    """How videos and pictures look, by the options of `add_video_flags`.
 
     Args:
         args: the parsed arguments.

@@ -30,9 +30,7 @@ def test_the_best_frame_and_part_are_named(capsys: pytest.CaptureFixture[str]) -
     assert ".mp4" in capsys.readouterr().err  # the endings that there are
 
 
-@pytest.mark.parametrize(
-    "words", [["record", "breakout", "--seconds", "1"], ["demo", "--steps", "12"], ["replay", "render", "b.a26r"]]
-)
+@pytest.mark.parametrize("words", [["record", "breakout", "--seconds", "1"], ["replay", "render", "b.a26r"]])
 def test_slow_motion_and_a_picture(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     if words[0] == "replay":
         record(Path("b.a26r"), "breakout", 12)
@@ -87,7 +85,7 @@ def test_options_without_effect(words: list[str], text: str, capsys: pytest.Capt
 def test_options_without_effect_in_other_commands(capsys: pytest.CaptureFixture[str]) -> None:
     record(Path("a.a26r"), "pong", 3)
     for words, text in (
-        (["demo", "--no-video", "--speed", "2"], "--speed is for a video, and the command writes nothing"),
+        (["record", "pong", "--no-video", "--speed", "2"], "--speed is for a video, and the command writes nothing"),
         (
             ["replay", "render", "a.a26r", "--frame", "1"],
             "--frame is for a picture, such as -o game.png, and the command ",

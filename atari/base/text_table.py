@@ -1,0 +1,57 @@
+"""Rows of text with aligned columns; `Table`, which also shows in a notebook; facts by name."""
+
+import html
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+
+def aligned(rows: Iterable[Sequence[object]], to_right: Callable[[int], bool] = lambda column: False) -> list[str]:
+    """Rows as lines of aligned columns, to the left, or to the right where `to_right` of the column is true."""
+    texts = [[str(cell) for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*texts, strict=True)]
+    columns = [(width, str.rjust if to_right(column) else str.ljust) for column, width in enumerate(widths)]
+    return [
+        "  ".join(put(cell, width) for cell, (width, put) in zip(row, columns, strict=True)).rstrip() for row in texts
+    ]
+
+
+def fact_lines(name: str, values: Iterable[object]) -> list[str]:
+    """A line for each value of a fact, the first with its name."""
+    return [f"  {'' if index else name:12}  {value}" for index, value in enumerate(values)]
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table; `str` aligns its columns, a notebook shows it as HTML. None is an empty cell.
+
+    Attributes:
+        columns: the titles of the columns.
+        rows: the rows, each with a cell for each column.
+    """
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Any, ...], ...]
+
+    @classmethod
+    def of(cls, columns: Iterable[str], rows: Iterable[Sequence[Any]]) -> "Table":
+        """A table of any iterables."""
+        return cls(tuple(columns), tuple(map(tuple, rows)))
+
+    def __str__(self) -> str:
+        columns = list(zip(*self.rows, strict=True)) if self.rows else [()] * len(self.columns)
+        numeric = [all(isinstance(cell, int) or cell is None for cell in column) for column in columns]
+        return "\n".join(aligned([self.columns, *(tuple(map(_text, row)) for row in self.rows)], numeric.__getitem__))
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{html.escape(title)}</th>" for title in self.columns)
+        body = "".join(
+            "<tr>" + "".join(f"<td>{html.escape(_text(cell))}</td>" for cell in row) + "</tr>" for row in self.rows
+        )
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _text(cell: Any) -> str:
+    return "" if cell is None else str(cell)
