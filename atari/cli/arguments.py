@@ -1,4 +1,4 @@
-"""The arguments of commands: the declaration of commands, and types of arguments."""
+"""The arguments of commands: the declaration of a command, GAME and --rom."""
 
 import argparse
 from collections.abc import Callable

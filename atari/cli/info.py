@@ -52,7 +52,7 @@ def _info(args: argparse.Namespace) -> int:
         return _of_video(args)
     found = look_up(read_game(args.game))
     if options or not found.bare or found.environment is not None:
-        return _of_task(args, not options)
+        return _of_task(args, task_of(args, found), not options)
     game = found.definition
     if args.json:
         print_json({**to_json_types(game), "manual": game.manual, "ids": _ids(game)})
@@ -110,9 +110,8 @@ def _row(game: Game) -> tuple[object, ...]:
     return game.id, game.title, len(game.minimal_actions), len(game.modes), len(game.difficulties)
 
 
-def _of_task(args: argparse.Namespace, unchanged: bool) -> int:
-    """What an ID, a task, or a game with options plays; `unchanged` is whether there are no options."""
-    task = task_of(args)
+def _of_task(args: argparse.Namespace, task: Task, unchanged: bool) -> int:
+    """Explain the task of an ID, a task, or a game with options; `unchanged` is whether there are no options."""
     env_id = args.game.removeprefix(env_ids.MODULE_PREFIX)
     if args.print_task:
         show_task(args, task)

@@ -166,7 +166,7 @@ _OF_POLICIES = of_fields(
 _NO_CHOICE = of_fields(("continuous", "continuous_action_threshold"), "a policy chooses one of the actions")
 _WITHOUT_POLICY = _NO_CHOICE | of_fields(
     (
-        *lacking("one", "vector"),
+        *(name for name in lacking("one", "vector") if name != "players"),
         *("actions", "repeat_action_probability", "life_loss_info"),  # dqn2015 prescribes or contradicts these
     ),
     "without a policy, preset dqn2015 is played",
