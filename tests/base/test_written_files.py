@@ -111,7 +111,6 @@ BY_ANOTHER = {
     "atari.learning.run_log": "log of a training",
     "atari.learning.sweep.plan": "report",
     "atari.learning.sweep.processes": "logs of child processes",
-    "atari.learning.sweep.report": "report",
     "atari.learning.programs": "trusted programs",
     "atari.play.base": "state of a play session",
     "atari.recording.datasets": "Minari",

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from atari.learning.environments import TrainingEnvironments
-from atari.learning.old_runs import migrated
 from atari.learning.options import TrainingOptions
-from atari.task import PRESETS, Task
 
 OPTIONS_OF_FORMAT_1: dict[str, Any] = {
     "game": "pong", "obs": "pixels", "seed": 0, "total_steps": 10_000_000, "stop_score": None, "num_envs": 3,
@@ -52,14 +50,6 @@ CASES: list[tuple[str, dict[str, Any], bool, str]] = [
 ]
 
 
-def of_format_1(agent: str = "ppo", **options: Any) -> TrainingOptions:
-    network = {"network": "mlp"} if options.get("obs") == "ram" else {}
-    config = {"format": 1, "agent": agent, "options": {**OPTIONS_OF_FORMAT_1, **network, **options}, "policy": {}}
-    found = migrated(config)
-    assert (found["format"], "policy" in found) == (2, False)
-    return TrainingOptions(task=Task.from_json(json.dumps(found["task"])), **found["options"])
-
-
 def now(game: str, protocol: str, **old: Any) -> TrainingOptions:
     """The present options for a configuration of format 1."""
     size, stack = old.pop("image_size", 84), old.pop("stack", 4)
@@ -96,23 +86,6 @@ def digest(options: TrainingOptions, stacked: bool, steps: int = 400) -> str:
 @pytest.mark.parametrize(("game", "old", "stacked", "expected"), CASES)
 def test_bytes_are_those_of_release_0_2(game: str, old: dict[str, Any], stacked: bool, expected: str) -> None:
     assert digest(now(game, **old), stacked) == expected
-    assert digest(of_format_1(game=game, **old), stacked) == expected
-
-
-@pytest.mark.parametrize("obs", ["pixels", "ram"])
-@pytest.mark.parametrize("episodic_life", [None, True, False])
-@pytest.mark.parametrize("preset", [name for name in PRESETS if name != "multiplayer_dqn"])  # 0.2 did not have it
-def test_options_of_format_1_are_a_task(preset: str, episodic_life: bool | None, obs: str) -> None:
-    old = of_format_1(protocol=preset, episodic_life=episodic_life, obs=obs)
-    new = now("pong", preset, episodic_life=episodic_life, obs=obs)
-    differing = {"max_num_frames_per_episode": (None, 108_000)} if preset == "gymnasium" else {}
-    assert old.task.differences(new.task) == differing
-
-
-def test_format_1_had_combinations_that_presets_refuse() -> None:
-    assert of_format_1(protocol="dqn2015", sticky=0.25).task.repeat_action_probability == 0.25
-    assert of_format_1(protocol="dqn2015", obs="ram", agent="dqn").task.padding == "zero"
-    assert of_format_1(protocol="envpool", obs="ram", agent="dqn").task.padding == "reset"
 
 
 def test_a_stack_of_ram_goes_on_where_that_of_images_does() -> None:
