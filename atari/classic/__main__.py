@@ -6,8 +6,8 @@ import sys
 from pathlib import Path
 
 import atari.classic
+from atari.base.script import run_script
 from atari.classic import old_numpy
-from atari.classic.script import run_script
 
 _HELP = "Runs a script of OpenAI Gym's time: `import gym` gives it atari.classic."
 

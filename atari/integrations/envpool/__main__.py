@@ -7,8 +7,8 @@ import sys
 from importlib.util import find_spec
 from types import ModuleType
 
+from atari.base.script import run_script
 from atari.classic.__main__ import stand_in as stand_in_for_gym
-from atari.classic.script import run_script
 from atari.integrations import envpool
 from atari.integrations.envpool import registration
 

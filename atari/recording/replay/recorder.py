@@ -45,7 +45,7 @@ def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
             raise ValueError(f"a replay needs {name}={played}, and env.ale has set {value}; set it back, and reset")
     options = env.ale_options()
     if options["interventions"] is None:
-        del options["interventions"]  # releases without the option read the file
+        del options["interventions"]  # a header has the key only with interventions
     return {
         "game": env.game.id,
         "rom": rom_md5(env.game, env.driver.rom),

@@ -175,7 +175,7 @@ export class ExportPanel {
       h("div", { class: "line" }, file("Interventions", "interventions.toml", "what you froze and poked"), h("span", { class: "dim" }, "what you froze and poked, TOML")),
       h("div", { class: "line" }, file("Replay", "replay.a26r", "what was played up to here"), h("span", { class: "dim" }, "all that was played up to here, .a26r")),
       h("div", { class: "line" }, button("Clip", "a video with sound", clip, { "data-export": "clip.mp4" }), "the last", seconds, h("span", { class: "dim" }, "seconds, MP4")))
-      : h("p", { class: "status" }, "In a notebook, call session.export(folder).");
+      : h("p", { class: "status" }, "In a notebook: shown = show(env), then shown.export(folder).");
   }
 }
 
