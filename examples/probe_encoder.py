@@ -16,7 +16,7 @@ import torch
 from atari.lab.probes import majority, play_episodes, probe, split_episodes
 from atari.lab.probes.probe import ProbeResult
 from atari.learning.agent import kept_agent, read_options
-from atari.learning.run import RunFolder
+from atari.learning.run_folder import RunFolder
 
 
 def main() -> None:

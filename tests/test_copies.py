@@ -102,7 +102,7 @@ REFUSED: Mapping[str, tuple[Callable[[Path], Any], str]] = {
         r"a ReplayMemory with a file cannot be copied or pickled: .*a\.replay is open for one object; close it and pass "
         r"the path to ReplayMemory\.open, or restore its state\(\) in a memory without a file",
     ),
-    "atari.learning.run.RunFolder": (
+    "atari.learning.run_folder.RunFolder": (
         locked_run,
         r"a RunFolder that is locked for a training cannot be copied or pickled: .*; pass the path, and use "
         r"RunFolder\.open\(path\) there",

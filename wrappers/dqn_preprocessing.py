@@ -26,7 +26,7 @@ from atari.env import AtariEnv
 from atari.env.restorable import Restorable, State, layers, warn_of_restore
 from atari.games.game import Screen
 from atari.observations.settings import filled, pixel_format
-from atari.task.kinds import KINDS
+from atari.task.observation_kinds import KINDS
 from atari.wrappers._checks import Environment, require_atari, require_pixels, require_single_frames
 from atari.wrappers.episodic_life import EpisodicLife
 from atari.wrappers.frame_stack import Padding

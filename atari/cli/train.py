@@ -102,7 +102,7 @@ def _train(args: argparse.Namespace) -> int:
         raise gymnasium.error.DependencyNotInstalled(f"atari train needs torch: {install_extra('learn')}")
     from atari.learning.agent import agent_code
     from atari.learning.command import finish_run, resume, train
-    from atari.learning.run import RunFolder
+    from atari.learning.run_folder import RunFolder
 
     if args.resume is not None:
         if args.seeds is not None or args.jobs is not None:

@@ -15,7 +15,7 @@ from atari.base.progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command
 from atari.cli.printing import print_json
 from atari.cores import CORES
-from atari.cores.machine import differences, machine, read_goldens
+from atari.cores.host_check import differences, machine, read_goldens
 from atari.cores.verify import Difference, VerificationRun, read, verify
 from atari.games.catalog import games
 from atari.task import Task

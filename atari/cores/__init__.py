@@ -6,11 +6,11 @@
 
 from collections.abc import Mapping
 
+from atari.base.frozen import FrozenDict
 from atari.cores.ale import AleCore
 from atari.cores.core import ByteArray as ByteArray
 from atari.cores.core import Core
 from atari.cores.native import NativeCore, PlainCore
-from atari.games.frozen import FrozenDict
 
 _BY_NAME: dict[str, type[NativeCore] | type[AleCore]] = {"native": NativeCore, "ale": AleCore, "plain": PlainCore}
 

@@ -13,12 +13,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from atari.base import durable
+from atari.base.frozen import FrozenDict
 from atari.base.notebook import png
 from atari.base.validation import AleError, AleTypeError, check_integer, check_poke, check_probability
 from atari.cores.ale_actions import Action as AleAction
 from atari.cores.core import ByteArray, Core
 from atari.cores.options import SEED_LIMIT
-from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.roms.identification import by_content
 from atari.roms.image import read_image

@@ -30,7 +30,7 @@ from atari.observations.settings import observation_space, pixel_format
 from atari.roms import find
 from atari.task import Task
 from atari.task.fields import UNSET, AddedOptions, Interventions
-from atari.task.kinds import KINDS
+from atari.task.observation_kinds import KINDS
 from atari.task.task import GameLike, look_up
 
 ObsType = Literal["rgb", "grayscale", "ram"]

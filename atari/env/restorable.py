@@ -19,7 +19,7 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker, TimeLimit
 from atari.cores import snapshot
 from atari.env.env import AtariEnv
 from atari.task.fields import GROUPS
-from atari.task.storage import identity, require_same
+from atari.task.json_form import identity, require_same
 
 Environment = gymnasium.Env[Any, Any]
 

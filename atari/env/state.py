@@ -14,7 +14,7 @@ from atari.env.driver import Driver, Phase, Played
 from atari.games.game import Game
 from atari.task import Task
 from atari.task.fields import GROUPS
-from atari.task.storage import identity, require_same
+from atari.task.json_form import identity, require_same
 
 
 class EnvState(gymnasium.Env[Any, Any]):

@@ -10,10 +10,10 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
+from atari.base.frozen import FrozenDict
 from atari.base.notebook import facts
 from atari.base.typed_table import build, check_table, check_type
 from atari.games.actions import Action, Switch, parse_actions, parse_starting_actions
-from atari.games.frozen import FrozenDict
 from atari.games.manual import Manual, load_manual
 from atari.games.multiplayer import Multiplayer, parse_multiplayer
 from atari.games.rules import LABEL_ADDRESSES, Rules, check_label_expression, parse_rules

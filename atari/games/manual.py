@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from atari.base.frozen import FrozenDict
 from atari.base.typed_table import check_table, check_type
-from atari.games.frozen import FrozenDict
 from atari.games.toml_file import check_numbers, read_toml
 
 SOURCES = ("manual", "play", "rules", "general knowledge")

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from atari.base.frozen import FrozenDict
 from atari.base.typed_table import check_table
 from atari.games.actions import Action, Switch, parse_actions, parse_starting_actions
-from atari.games.frozen import FrozenDict
 from atari.games.rules import Rules, parse_rules
 
 

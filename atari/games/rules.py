@@ -11,9 +11,9 @@ from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
+from atari.base.frozen import FrozenDict
 from atari.base.typed_table import check_table, check_type
 from atari.games.actions import PLAYER_ACTIONS
-from atari.games.frozen import FrozenDict
 
 
 class Helper(NamedTuple):

@@ -9,7 +9,7 @@ confirmed; the labels have names of this package there.
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from atari.games.frozen import FrozenDict
+from atari.base.frozen import FrozenDict
 from atari.games.game import Game, RamLabel
 
 CATEGORIES = (

@@ -21,8 +21,8 @@ from atari.base.extras import import_extra, pip_install
 from atari.base.validation import check_file, check_name
 from atari.base.writer_process import write_apart
 from atari.lab.labels import Labels
-from atari.recording.datasets import NO_STEPS, check_new_dataset, import_minari, write_minari
 from atari.recording.episodes import EpisodeArrays, Source, facts_of_replays, load_replays, replayed_episodes
+from atari.recording.minari import NO_STEPS, check_new_dataset, import_minari, write_minari
 
 Format = Literal["minari", "parquet", "hdf5"]
 

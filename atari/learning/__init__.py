@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from atari.learning.command import main
     from atari.learning.networks import Encoder
     from atari.learning.replicas import Replicas
-    from atari.learning.run import RunFolder
+    from atari.learning.run_folder import RunFolder
     from atari.learning.training import Training
 
 __all__ = [

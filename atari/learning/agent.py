@@ -25,7 +25,7 @@ from atari.learning.programs import (
     program,
     program_of,
 )
-from atari.learning.run import RunFolder
+from atari.learning.run_folder import RunFolder
 
 _OURS = Path(agents.__file__).parent
 

@@ -19,7 +19,7 @@ from atari.base.progress import ProgressBar
 from atari.base.typed_table import fits, in_text
 from atari.learning.agent import Agent, AgentCode, agent_code
 from atari.learning.options import FAST_RAM, NOT_FOR_AGENTS, TrainingOptions, option_from_text
-from atari.learning.run import RunFolder
+from atari.learning.run_folder import RunFolder
 from atari.learning.training import Training
 from atari.task import Task
 from atari.task.arguments import add_task, descriptions, given_options, read_game, show_task, task_of

@@ -15,7 +15,7 @@ from atari.learning.evaluation.evaluate import evaluate, record_games
 from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result
 from atari.learning.policies import load_policy
-from atari.learning.run import RunFolder
+from atari.learning.run_folder import RunFolder
 from atari.learning.run_policy import training_protocol
 from atari.learning.training import WINDOW
 from atari.recording import Replay

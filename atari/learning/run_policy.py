@@ -11,7 +11,7 @@ import torch
 
 from atari.learning.agent import Agent, kept_agent, read_options
 from atari.learning.evaluation.protocols import EvaluationProtocol
-from atari.learning.run import RunFolder
+from atari.learning.run_folder import RunFolder
 from atari.observations.settings import image_shape
 from atari.policy import Accepted, ScoresPolicy
 

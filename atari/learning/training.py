@@ -16,7 +16,7 @@ from atari.learning.agent import Agent, AgentCode, agent_code, kept_agent, read_
 from atari.learning.environments import TrainingEnvironments
 from atari.learning.options import TrainingOptions
 from atari.learning.programs import program_of
-from atari.learning.run import RunFolder
+from atari.learning.run_folder import RunFolder
 
 WINDOW = 100
 """The number of whole games whose mean is the score in the log."""

@@ -25,7 +25,7 @@ from atari.observations.layout import Layout
 from atari.observations.settings import make_episode
 from atari.task import Task
 from atari.task.checks import NO_LIMIT
-from atari.task.storage import identity, require_same
+from atari.task.json_form import identity, require_same
 from atari.task.task import GameLike
 from atari.vector.results import indexed, zero_sum
 from atari.vector.seeds import words_of

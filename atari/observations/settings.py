@@ -12,7 +12,7 @@ from atari.cores.compiled import reward_formula
 from atari.cores.native import as_ale_reads
 from atari.games.actions import Action
 from atari.task import Task
-from atari.task.kinds import Kind
+from atari.task.observation_kinds import Kind
 
 _Settings = TypeVar("_Settings")
 

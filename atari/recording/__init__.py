@@ -1,6 +1,6 @@
 """Recorded gameplay: videos with sound, replays that reproduce a game exactly, and datasets made from replays."""
 
-from atari.recording.datasets import to_minari
+from atari.recording.minari import to_minari
 from atari.recording.replay.record_replay import RecordReplay
 from atari.recording.replay.replay import Replay
 from atari.recording.video.facts import video_facts

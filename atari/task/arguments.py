@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
 from atari.base import magic
+from atari.base.frozen import FrozenDict
 from atari.base.typed_table import from_text
 from atari.base.validation import check_file
-from atari.games.frozen import FrozenDict
 from atari.roms.identification import identify
 from atari.roms.search import ENDINGS
 from atari.task.description import summary

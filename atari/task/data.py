@@ -18,7 +18,7 @@ from atari.games.game import Game
 from atari.games.interventions import resolve
 from atari.games.players import choose_mode, rules_of
 from atari.task.fields import DEFAULTS, FIELDS, GROUPS, WRAPPED, TaskFields, check_field
-from atari.task.kinds import KINDS, Kind
+from atari.task.observation_kinds import KINDS, Kind
 from atari.task.rules import check_together, default_ineffective
 
 

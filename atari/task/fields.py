@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, TypedDict, TypeVar, get_args
 
+from atari.base.frozen import FrozenDict
 from atari.base.validation import MOST_FRAMES_SKIPPED
 from atari.games.actions import Action
-from atari.games.frozen import FrozenDict
 from atari.games.interventions import Intervention
 from atari.task.checks import (
     NO_LIMIT,
@@ -32,7 +32,7 @@ from atari.task.checks import (
     check_text,
     check_threshold,
 )
-from atari.task.kinds import IN_WORDS, ObsType
+from atari.task.observation_kinds import IN_WORDS, ObsType
 
 Fire = Literal["never", "before_noops", "after_noops"]
 OnReset = Literal["noop", "continue", "new_game"]

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from atari.games.frozen import FrozenDict
+from atari.base.frozen import FrozenDict
 
 
 @dataclass(frozen=True)

@@ -5,15 +5,15 @@ from typing import Any
 
 import gymnasium
 
+from atari.base.frozen import FrozenDict
 from atari.base.validation import check_known
 from atari.games.catalog import games
-from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.task import env_ids
 from atari.task.checks import check_bool
 from atari.task.data import TaskData
 from atari.task.fields import DEFAULTS, FIELDS, ROWS, check_field
-from atari.task.kinds import kind_of
+from atari.task.observation_kinds import kind_of
 from atari.task.presets import Preset, find_preset
 from atari.task.rules import default_ineffective
 

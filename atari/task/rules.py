@@ -11,7 +11,7 @@ from typing import Any
 from atari.games.game import Game
 from atari.task.checks import NO_LIMIT
 from atari.task.fields import DEFAULTS
-from atari.task.kinds import kind_of
+from atari.task.observation_kinds import kind_of
 
 Fields = Mapping[str, Any]
 

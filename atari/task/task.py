@@ -10,12 +10,12 @@ from typing import Any
 
 from typing_extensions import Unpack
 
+from atari.base.frozen import FrozenDict
 from atari.games.catalog import games
-from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.games.pettingzoo import Environment, find_environment
 from atari.games.players import pettingzoo_options
-from atari.task import storage
+from atari.task import json_form
 from atari.task.data import TaskData
 from atari.task.description import describe
 from atari.task.fields import DEFAULTS, GROUPS, ROWS, TaskOptions
@@ -92,7 +92,7 @@ class Task(TaskData):
         Raises:
             ValueError: the game is a `Game` without a file.
         """
-        return storage.to_json(self)
+        return json_form.to_json(self)
 
     @staticmethod
     def from_json(text: str, game: Game | None = None) -> "Task":
@@ -107,7 +107,7 @@ class Task(TaskData):
             ValueError: the text is no task, or one of another game: it is too long or too deep, has an unknown key or a
                 value of the wrong kind, or has a newer format. The message names the key.
         """
-        return storage.from_json(Task, text, game)
+        return json_form.from_json(Task, text, game)
 
     def __str__(self) -> str:
         return describe(self)

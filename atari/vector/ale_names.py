@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
+from atari.base.frozen import FrozenDict
 from atari.base.validation import check_integer, check_name
-from atari.games.frozen import FrozenDict
 from atari.task.checks import NO_LIMIT, check_bool
-from atari.task.kinds import KINDS, with_image
+from atari.task.observation_kinds import KINDS, with_image
 
 _PREPROCESSING = {
     "repeat_action_probability": 0.0,

@@ -26,8 +26,8 @@ from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
 from atari.task.checks import NO_LIMIT, check_bool
+from atari.task.json_form import identity
 from atari.task.resolution import ALIASES, OPTIONS
-from atari.task.storage import identity
 from atari.task.task import FoundGame, GameLike, look_up
 from atari.vector.ale_names import NAMES, ale_defaults, as_task_options
 

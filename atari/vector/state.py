@@ -13,7 +13,7 @@ import atari._emulator as _emulator
 from atari.cores import writes
 from atari.games.game import Game
 from atari.task import Task
-from atari.task.storage import require_same
+from atari.task.json_form import require_same
 from atari.vector.lanes import AddedWrites, check_lanes
 from atari.vector.options import VectorOptions
 from atari.vector.results import Results
@@ -23,7 +23,7 @@ _COPIED = ("spec", "single_action_space", "action_space")
 
 
 class LaneSnapshot(NamedTuple):
-    """The state of a lane, in memory, with the text that `atari.task.storage.identity` makes from its task."""
+    """The state of a lane, in memory, with the text that `atari.task.json_form.identity` makes from its task."""
 
     state: _emulator.MemberSnapshot
     task: str

@@ -15,8 +15,8 @@ from os import cpu_count
 import numpy as np
 from tqdm import tqdm
 
+from atari.base.frozen import FrozenDict
 from atari.games.catalog import games
-from atari.games.frozen import FrozenDict
 from atari.games.game import Game, RamLabel
 from atari.lab import causes
 from atari.lab.causal.files import DATA, save

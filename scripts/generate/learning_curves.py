@@ -34,7 +34,7 @@ PUBLISHED = ("dopamine/dqn", "dopamine/rainbow", "cleanrl/ppo")
 def collect(path: Path) -> None:
     """Keep the curve and the facts of a run folder."""
     from atari.learning.agent import read_options
-    from atari.learning.run import RunFolder  # needs PyTorch, and --help does not
+    from atari.learning.run_folder import RunFolder  # needs PyTorch, and --help does not
 
     folder = RunFolder.open(path)
     agent, options = folder.config["agent"], read_options(folder)

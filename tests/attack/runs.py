@@ -19,7 +19,7 @@ from crash_model import Disk
 from crash_trainings import go_on, outcome, train
 
 from atari.learning import load_policy
-from atari.learning.run import RunFolder
+from atari.learning.run_folder import RunFolder
 from attack.files import damaged
 
 HOME = tempfile.TemporaryDirectory()

@@ -105,15 +105,15 @@ BY_ANOTHER = {
     "atari.learning.evaluation.compare": "comparison",
     "atari.learning.evaluation.plot": "plot",
     "atari.learning.evaluation.results": "result",
-    "atari.learning.memory.storage": "the attacker of crashes",
+    "atari.learning.memory.memory_file": "the attacker of crashes",
     "atari.learning.report": "report",
-    "atari.learning.run": "atari train",
+    "atari.learning.run_folder": "atari train",
     "atari.learning.run_log": "log of a training",
     "atari.learning.sweep.plan": "report",
     "atari.learning.sweep.processes": "logs of child processes",
     "atari.learning.programs": "trusted programs",
     "atari.play.base": "state of a play session",
-    "atari.recording.datasets": "Minari",
+    "atari.recording.minari": "Minari",
     "atari.recording.replay.file_format": "RecordReplay",
     "atari.recording.video.encoder": "MP4",
     "atari.roms.locations": "imported ROM",
@@ -128,7 +128,7 @@ ITSELF = {
     "atari.classic.video_recorder",  # an empty file, as Gym's `touch`
     "atari.recording.video.encoder",  # FFmpeg, as well
     "atari.lab.causal.files",  # in memory
-    "atari.learning.memory.storage",  # with all its room
+    "atari.learning.memory.memory_file",  # with all its room
     "atari.learning.sweep.processes",  # by `durable.open_to_append`
     "atari.roms.locations",  # a new file by a hard link
 }

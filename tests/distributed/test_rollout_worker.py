@@ -11,7 +11,7 @@ import atari
 pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./scripts/test --ray")
 pytestmark = pytest.mark.ray
 
-from atari.games.frozen import FrozenDict  # noqa: E402
+from atari.base.frozen import FrozenDict  # noqa: E402
 from atari.integrations.ray.rollout import Rollout  # noqa: E402
 from atari.integrations.ray.rollout_worker import Played, Position, RolloutWorker, WorkerSettings  # noqa: E402
 from atari.learning import ScoresPolicy  # noqa: E402

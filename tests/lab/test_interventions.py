@@ -18,7 +18,7 @@ from atari.games.interventions import resolve
 from atari.lab.interventions import check, load
 from atari.recording.replay.record_replay import RecordReplay
 from atari.recording.replay.replay import Replay
-from atari.task.storage import to_short_json
+from atari.task.json_form import to_short_json
 
 RANDOM = {
     "name": "shaky",

@@ -8,9 +8,9 @@ import pytest
 
 import atari
 from atari import AtariEnv, AtariVectorEnv
+from atari.base.frozen import FrozenDict
 from atari.base.text_table import Table
 from atari.cores import NativeCore
-from atari.games.frozen import FrozenDict
 from atari.lab import Ram
 from atari.lab.objects import GameObject, positions, visible_objects
 from atari.wrappers import DqnPreprocessing

@@ -12,7 +12,7 @@ from gymnasium.vector import SyncVectorEnv
 
 import atari
 from atari import AtariEnv, AtariVectorEnv
-from atari.games.frozen import FrozenDict
+from atari.base.frozen import FrozenDict
 from atari.lab import Ram, RamLabels
 from atari.lab.ram_labels import LabelValues, VectorRamLabels
 from atari.wrappers import FrameStack

@@ -18,7 +18,7 @@ torch = pytest.importorskip("torch")
 from small_trainings import SUPPORT, make_options  # noqa: E402
 
 from atari.learning.agents import AGENTS, find_agent  # noqa: E402
-from atari.learning.run import RunFolder  # noqa: E402
+from atari.learning.run_folder import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
 from atari.task.arguments import descriptions  # noqa: E402
 

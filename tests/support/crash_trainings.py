@@ -12,7 +12,7 @@ from crash_model import Disk, FullDisk, Stopped, on
 from small_trainings import make_options
 
 from atari.learning.agents import dqn
-from atari.learning.run import RunFolder
+from atari.learning.run_folder import RunFolder
 from atari.learning.training import Training
 
 TINY: dict[str, dict[str, Any]] = {

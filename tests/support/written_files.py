@@ -254,7 +254,7 @@ def trained(steps: int) -> Write:
 def report(rows: int) -> Write:
     """The report of a training, in a folder with links to the training's files."""
     from atari.learning.report import write_report
-    from atari.learning.run import RunFolder
+    from atari.learning.run_folder import RunFolder
 
     run = Path("trained").absolute()
     with RunFolder.begin(run, "mine", atari.Task.of("pong"), {"rate": 0.5}) as folder:

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from atari.task import Task
-from atari.task.storage import identity
+from atari.task.json_form import identity
 
 FILE = Path(__file__).with_name("words.txt")
 

@@ -8,11 +8,11 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Literal
 
+from atari.base.frozen import FrozenDict
 from atari.base.typed_table import check_table
 from atari.base.validation import check_integer
 from atari.games.actions import Action
 from atari.games.catalog import games
-from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.games.interventions.writes import (
     LATEST_FRAME,

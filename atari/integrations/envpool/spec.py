@@ -20,7 +20,7 @@ from atari.observations.settings import image_shape
 from atari.task import Task
 from atari.task.checks import check_bool
 from atari.task.env_ids import stem
-from atari.task.kinds import with_image
+from atari.task.observation_kinds import with_image
 from atari.task.task import FoundGame, GameLike, look_up
 from atari.vector import AtariVectorEnv
 

@@ -14,7 +14,7 @@ from atari.games.catalog import games
 from atari.lab import atari_ari
 from atari.lab.labels import byte_index
 from atari.task import Task
-from atari.task.kinds import KINDS, with_image
+from atari.task.observation_kinds import KINDS, with_image
 from atari.task.resolution import is_id
 from atari.task.task import GameLike
 from atari.vector import AtariVectorEnv

@@ -19,13 +19,12 @@ from atari.learning.evaluation.results import Result
 from atari.learning.evaluation.statistics import (
     Estimate,
     Floats,
+    References,
     atari5_estimate,
     estimate_of_episodes,
     estimate_of_runs,
+    human_normalised,
 )
-
-References = Mapping[str, tuple[float, float]]
-"""By game, the score of random play and of a human."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,7 @@ class Comparison:
 
     def normalised(self, row: Row) -> dict[str, Floats]:
         """By game, the human-normalised scores of a row's runs, (runs,) float64."""
-        return _normalised({game: np.array(scores) for game, scores in row.scores.items()}, self.references)
+        return human_normalised({game: np.array(scores) for game, scores in row.scores.items()}, self.references)
 
     def __str__(self) -> str:
         title = f"human-normalised scores (table {self.human}) of {len(self.games)} games"
@@ -328,9 +327,9 @@ def _own_row(
     runs = {game: np.array([one.mean for one in several]) for game, several in played.items()}
     if all(len(several) == 1 for several in played.values()):
         episodes = {game: np.array(several[0].scores) for game, several in played.items()}
-        estimates = estimate_of_episodes(_normalised(episodes, references), **bootstrap)
+        estimates = estimate_of_episodes(human_normalised(episodes, references), **bootstrap)
     else:
-        estimates = estimate_of_runs(_normalised(runs, references), **bootstrap)
+        estimates = estimate_of_runs(human_normalised(runs, references), **bootstrap)
     count = sum(len(one.scores) for several in played.values() for one in several)
     trained = {result.training_frames for result in results}
     return Row(
@@ -352,10 +351,5 @@ def _published_row(other: Published, references: References, frames: int | None,
         frames=_frames_at(other, frames),
         protocol=f"{other.title}, {other.protocol['phase']}; {other.source['repo']}, {other.source['licence']}",
         scores={game: tuple(values.tolist()) for game, values in scores.items()},
-        **estimate_of_runs(_normalised(scores, references), **bootstrap),
+        **estimate_of_runs(human_normalised(scores, references), **bootstrap),
     )
-
-
-def _normalised(scores: Mapping[str, Floats], references: References) -> dict[str, Floats]:
-    """Human-normalised scores by game: random play is 0, a human 1."""
-    return {game: (scores[game] - random) / (human - random) for game, (random, human) in references.items()}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
-from atari.games.frozen import FrozenDict
+from atari.base.frozen import FrozenDict
 from atari.games.game import Game
 from atari.learning.evaluation.protocols import GAME_SETS, PROTOCOLS, EvaluationProtocol, find_protocol, in_words
 from atari.policy.needs import in_game, needs_of, task_with_fields

@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields
 from types import SimpleNamespace
 from typing import Any, Literal
 
+from atari.base.frozen import FrozenDict
 from atari.base.validation import check_frameskip, check_integer, check_name, check_probability
-from atari.games.frozen import FrozenDict
 from atari.learning.evaluation.published import Published, check_known_name, read_table
 from atari.task import PRESETS, Task
 from atari.task.description import summary

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from atari.base.frozen import FrozenDict
 from atari.base.validation import check_integer
-from atari.games.frozen import FrozenDict
 
 Floats = npt.NDArray[np.float64]
 

@@ -14,6 +14,8 @@ from atari.learning.evaluation.published import read_table
 
 Floats = npt.NDArray[np.float64]
 Scores = Mapping[str, Floats]
+References = Mapping[str, tuple[float, float]]
+"""By game, the score of random play and of a human."""
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,11 @@ class Estimate:
     def __str__(self) -> str:
         interval = "" if self.low is None or self.high is None else f" [{self.low:.3f}, {self.high:.3f}]"
         return f"{self.value:.3f}{interval}"
+
+
+def human_normalised(scores: Scores, references: References) -> dict[str, Floats]:
+    """Human-normalised scores by game: random play is 0, a human 1."""
+    return {game: (scores[game] - random) / (human - random) for game, (random, human) in references.items()}
 
 
 def interquartile_mean(values: Floats) -> Floats:

@@ -14,7 +14,7 @@ import atari._emulator as _emulator
 from atari.base.gymnasium_versions import AutoresetMode, autoreset_mode
 from atari.base.validation import check_integer
 from atari.cores.options import SEED_LIMIT
-from atari.learning.memory import storage
+from atari.learning.memory import memory_file
 from atari.learning.memory.batch_pool import BatchPool
 from atari.learning.memory.batches import Batch, Sequences, array_maker, check_size, check_stacks, make_batch, target_of
 from atari.learning.memory.options import MemoryOptions, as_numpy, options_for
@@ -141,9 +141,9 @@ class ReplayMemory(StoredMemory):
         autoflush = check_bool("autoflush", autoflush)
         if path is None and (margin is not None or not autoflush):
             raise ValueError("margin and autoflush are about flushes to a file; add path=..., or leave them out")
-        file = None if path is None else storage.BlockFile.create(Path(os.fspath(path)), options)
+        file = None if path is None else memory_file.BlockFile.create(Path(os.fspath(path)), options)
         try:
-            block = storage.allocate(options) if file is None else file.block
+            block = memory_file.allocate(options) if file is None else file.block
             self._begin(options, threads, file, block, autoflush)
             self._core.seed(int(words.generate_state(1, np.uint64)[0]))
             self.flush()
@@ -152,7 +152,7 @@ class ReplayMemory(StoredMemory):
                 file.discard()
             raise
 
-    def _use(self, core: _emulator.ReplayMemory, block: storage.Block) -> None:
+    def _use(self, core: _emulator.ReplayMemory, block: memory_file.Block) -> None:
         super()._use(core, block)
         options = self._options
         self._arrays, self._pool = StepArrays(options), BatchPool(options)

@@ -12,7 +12,7 @@ from typing_extensions import Self
 
 import atari._emulator as _emulator
 from atari.base.validation import check_integer
-from atari.learning.memory import storage
+from atari.learning.memory import memory_file
 from atari.learning.memory.options import MemoryOptions
 from atari.task.checks import check_bool
 
@@ -41,8 +41,8 @@ class StoredMemory:
         self,
         options: MemoryOptions,
         threads: int,
-        file: storage.BlockFile | None,
-        block: storage.Block,
+        file: memory_file.BlockFile | None,
+        block: memory_file.Block,
         autoflush: bool,
     ) -> None:
         self._process, self._lock = os.getpid(), _emulator.CallLock("replay memory")
@@ -50,7 +50,7 @@ class StoredMemory:
         self._options, self._threads, self._file = options, threads, file
         self._use(_emulator.ReplayMemory(options.geometry(), block), block)
 
-    def _use(self, core: _emulator.ReplayMemory, block: storage.Block) -> None:
+    def _use(self, core: _emulator.ReplayMemory, block: memory_file.Block) -> None:
         self._closed_core: _emulator.ReplayMemory | None = core
         self._block = block
 
@@ -87,11 +87,11 @@ class StoredMemory:
         autoflush, verify = check_bool("autoflush", autoflush), check_bool("verify", verify)
         number = None if flush is None else check_integer("flush", flush, 1, 2**62)
         where = Path(os.fspath(path))
-        file = storage.BlockFile.open(where)
+        file = memory_file.BlockFile.open(where)
         try:
             memory = cls.__new__(cls)
             memory._begin(file.options, threads, file, file.block, autoflush)
-            with storage.naming(where):
+            with memory_file.naming(where):
                 memory._core.load(verify, number)
             if number is not None:
                 file.sync()  # a later flush is forgotten before its rows are overwritten
@@ -194,7 +194,7 @@ class StoredMemory:
         """
         core, block = self._core, self._block.copy()
         core.save_copy(block)
-        return storage.state_of(self._options, block)
+        return memory_file.state_of(self._options, block)
 
     @atomic
     def restore(self, state: Mapping[str, Any]) -> None:
@@ -208,11 +208,11 @@ class StoredMemory:
             OSError: the disk has no space for the new file; nothing has changed.
         """
         core, old = self._core, self._file
-        with storage.naming("the state"):
-            given = storage.block_of(state, self._options)
+        with memory_file.naming("the state"):
+            given = memory_file.block_of(state, self._options)
             file = None if old is None else old.successor()
             try:
-                block = storage.allocate(self._options) if file is None else file.block
+                block = memory_file.allocate(self._options) if file is None else file.block
                 block[:] = given
                 core = _emulator.ReplayMemory(self._options.geometry(), block)
                 core.load(True, None)
@@ -243,9 +243,9 @@ class StoredMemory:
         return {"state": self.state(), "num_threads": self._threads}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        options = storage.checked_options(state["state"]["options"])
-        block = storage.allocate(options)
-        block[:] = storage.block_of(state["state"], options)
+        options = memory_file.checked_options(state["state"]["options"])
+        block = memory_file.allocate(options)
+        block[:] = memory_file.block_of(state["state"], options)
         self._begin(options, state["num_threads"], None, block, False)
         self._core.load(True, None)
         self._core.resume()

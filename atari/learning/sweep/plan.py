@@ -16,7 +16,7 @@ from atari.learning.evaluation.played import EvaluatedGame, played_task
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol
 from atari.learning.options import TrainingOptions
 from atari.learning.programs import Program, is_program, program, sha256
-from atari.learning.run import RunFolder
+from atari.learning.run_folder import RunFolder
 
 MOST_SEEDS = 1000
 

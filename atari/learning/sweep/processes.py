@@ -11,7 +11,7 @@ from typing import Any
 from atari.base import durable
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.evaluation.results import Result
-from atari.learning.run import RunFolder
+from atari.learning.run_folder import RunFolder
 from atari.learning.run_log import read_last_row
 from atari.learning.sweep.plan import TrainingRun
 

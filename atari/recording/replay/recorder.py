@@ -26,7 +26,7 @@ from atari.recording.replay.file_format import (
 )
 from atari.roms import find
 from atari.roms.image import md5, read_image
-from atari.task.storage import to_short_json
+from atari.task.json_form import to_short_json
 
 
 def rom_md5(game: Game, rom: str | PathLike[str] | None) -> str:

@@ -10,7 +10,7 @@ from atari.base import json_text
 from atari.base.validation import check_file
 from atari.recording.video.encoder import import_av
 from atari.task import Task
-from atari.task.storage import to_short_json
+from atari.task.json_form import to_short_json
 
 PACKAGE = f"atari-envs {__version__}"
 

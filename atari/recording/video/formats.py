@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 
-from atari.games.frozen import FrozenDict
+from atari.base.frozen import FrozenDict
 
 
 @dataclass(frozen=True)

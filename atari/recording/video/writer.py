@@ -18,8 +18,8 @@ from typing import Any
 
 import numpy as np
 
+from atari.base.frozen import FrozenDict
 from atari.cores import ByteArray
-from atari.games.frozen import FrozenDict
 from atari.games.game import Game
 from atari.recording.video.audio import SAMPLES_PER_FRAME
 from atari.recording.video.encoder import FFmpegEncoder, PngEncoder

@@ -13,7 +13,7 @@ torch = pytest.importorskip("torch")
 
 from atari.learning import PROTOCOLS  # noqa: E402
 from atari.learning.agents.ppo import PPO  # noqa: E402
-from atari.learning.run import RunFolder  # noqa: E402
+from atari.learning.run_folder import RunFolder  # noqa: E402
 from atari.learning.sweep.plan import TrainingRun, plan  # noqa: E402
 from atari.learning.sweep.processes import Settings, do_runs, next_step  # noqa: E402
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from atari.cli import main
-from atari.cores.machine import differences, machine, read_goldens
+from atari.cores.host_check import differences, machine, read_goldens
 
 GOLDENS = Path(__file__).parents[1] / "conformance" / "goldens.json"
 LEVELS = ("scalar", "simd128", "avx2", "avx512")

@@ -23,7 +23,7 @@ from atari.cli import main  # noqa: E402
 from atari.learning import ReplayMemory, load_policy, record_games  # noqa: E402
 from atari.learning.command import Lines  # noqa: E402
 from atari.learning.report import draw_levels, finish, learning_curves  # noqa: E402
-from atari.learning.run import RunFolder  # noqa: E402
+from atari.learning.run_folder import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
 from atari.recording import Replay  # noqa: E402
 from atari.task import Task  # noqa: E402

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from atari.task import Task
 from atari.task.fields import FIELDS
-from atari.task.storage import to_short_json
+from atari.task.json_form import to_short_json
 
 TEXT = Task.of("breakout", preset="envpool", interventions=[]).to_json()
 

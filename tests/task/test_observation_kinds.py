@@ -6,10 +6,10 @@ from typing import get_args
 
 import pytest
 
-from atari.task.kinds import IN_WORDS, KINDS, ObsType, with_image
+from atari.task.observation_kinds import IN_WORDS, KINDS, ObsType, with_image
 
 TOP = Path(__file__).parents[2]
-DATA_SETS = {"atari/recording/datasets.py", "atari/recording/episodes.py"}
+DATA_SETS = {"atari/recording/minari.py", "atari/recording/episodes.py"}
 """The "dict" of a data set is `RamObservation` around the recorded image, whatever its colours are."""
 
 
@@ -57,4 +57,4 @@ def test_no_module_compares_the_names() -> None:
     paths = [path for part in ("atari", "wrappers", "roms", "scripts") for path in (TOP / part).rglob("*.py")]
     texts = {path.relative_to(TOP).as_posix(): path.read_text() for path in paths}
     found = {name: lines for name, text in texts.items() if (lines := comparisons(text))}
-    assert found.keys() == DATA_SETS, "ask `Task.kind`, a row of `atari.task.kinds.KINDS`"
+    assert found.keys() == DATA_SETS, "ask `Task.kind`, a row of `atari.task.observation_kinds.KINDS`"
