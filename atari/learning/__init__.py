@@ -55,7 +55,7 @@ _WITH_TORCH = {
     "Agent": "agent",
     "Encoder": "networks",
     "Replicas": "replicas",
-    "RunFolder": "run",
+    "RunFolder": "run_folder",
     "Training": "training",
     "TrainingLoop": "agent",
     "main": "command",
