@@ -34,7 +34,7 @@ from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
 from atari.registry.making import make_found
 from atari.task import Task
-from atari.task.arguments import add_task, read_game, show_task, task_of
+from atari.task.arguments import add_task, given_options, read_game, show_task, task_of
 from atari.task.parser import number, seed
 from atari.task.task import FoundGame, look_up
 
@@ -56,7 +56,7 @@ def register(commands: Commands) -> None:
         help="random, noop, MODULE:FUNCTION (called with observations (n, ...), returns n actions), a replay, such "
         "as game.a26r, a run folder of `atari train`, an SB3 zip, a TorchScript or ONNX file; with --players, one for "
         f"each player, but no replay (default: random; for one player it plays {_STEPS} steps, and preset {_PRESET} "
-        "unless GAME is an ID or a task)",
+        "unless GAME is an ID or a task, or an option of the task is given)",
     )
     add_rom(parser)
     length = parser.add_mutually_exclusive_group()
@@ -163,7 +163,7 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
         found = look_up(read_game(args.game))
         if args.policy is None and (args.seconds, args.episodes, args.steps) == (None, None, None):
             args.steps = _STEPS
-        if args.policy is None and args.preset is None and found.bare:
+        if args.policy is None and args.preset is None and found.bare and not given_options(args):
             args.preset = _PRESET
         task = task_of(args, found)
         if task.continuous:
