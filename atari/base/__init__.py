@@ -1,1 +1,1 @@
-"""What every part uses: checks of arguments, durable files, files of strangers, optional packages, and programs."""
+"""Checks of arguments, durable files, files of strangers, optional packages and programs, for every part."""

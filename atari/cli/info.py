@@ -36,7 +36,7 @@ def register(commands: Commands) -> None:
         metavar="GAME",
         nargs="?",
         help=f"{GAME_HELP}; or a video. A game alone shows its facts. An ID, a task, or a game with options of a task "
-        "shows what is played, a video what was played (default: all games, with --players those of 2 or 4 players)",
+        "shows what is played, a video what was played (default: all games, with --players games of 2 or 4 players)",
     )
     parser.add_argument("--ids", action="store_true", help="list the IDs that gymnasium.make accepts, one a line")
     add_task(parser)
@@ -145,7 +145,7 @@ def _facts_of_task(task: Task) -> dict[str, Any]:
 
 
 def _ids(game: Game) -> list[str]:
-    """The IDs of a game; those of a game of the user's own are registered by `atari.register_game`."""
+    """The IDs of a game. `atari.register_game` registers the IDs of a game of the user's own."""
     if game.file is not None:
         return [f"{env_ids.stem(game.id)}{suffix}-v5" for suffix in ("", "-ram")]
     return [family.id(game.id) for family in env_ids.FAMILIES if game.id in family.games()]

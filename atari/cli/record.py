@@ -42,7 +42,7 @@ Play = Callable[[Path], bool]
 """Plays games to a replay; False if it was interrupted."""
 
 _PRESET, _STEPS = "dqn2015", 1000
-"""What is played without a policy."""
+"""The preset and the number of steps that a random agent plays without `--policy`."""
 
 
 def register(commands: Commands) -> None:

@@ -119,7 +119,7 @@ def _checked(name: str, kind: type, value: Any) -> Any:
 
 
 class AleConsole(Protocol):
-    """What an `AleInterface` plays: the driver of an environment, or a console without one."""
+    """The console that an `AleInterface` plays: the driver of an environment, or a console without one."""
 
     ale_settings: AleSettings
 
