@@ -71,7 +71,7 @@ def test_functions_of_modules(tmp_path, monkeypatch):
         ),
         (lambda file: archive(file, data="{", _stable_baselines3_version="2"), ValueError, "is damaged"),
         (lambda file: archive(file, _stable_baselines3_version="2"), ValueError, "is damaged"),
-        (lambda file: archive(file, data="[]", _stable_baselines3_version="2"), ValueError, "must be dict"),
+        (lambda file: archive(file, data="[]", _stable_baselines3_version="2"), ValueError, "must be a table"),
     ],
 )
 def test_what_is_no_policy(tmp_path, make, error, text):

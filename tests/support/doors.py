@@ -164,13 +164,7 @@ _OF_POLICIES = of_fields(
     "policies play whole games of one player, with the game's own scores",
 )
 _NO_CHOICE = of_fields(("continuous", "continuous_action_threshold"), "a policy chooses one of the actions")
-_WITHOUT_POLICY = _NO_CHOICE | of_fields(
-    (
-        *(name for name in lacking("one", "vector") if name != "players"),
-        *("actions", "repeat_action_probability", "life_loss_info"),  # dqn2015 prescribes or contradicts these
-    ),
-    "without a policy, preset dqn2015 is played",
-)
+_OF_RECORD = {**of_fields(("agent_indicator", "zero_sum"), _SEEN_BY_A_PERSON), **_NO_CHOICE}
 
 DOORS: tuple[Door, ...] = (
     Door("Task.of", Task.of),
@@ -197,12 +191,8 @@ DOORS: tuple[Door, ...] = (
     ),
     Door("atari info", _command("info")),
     Door("atari play", _command("play"), _OF_PLAY),
-    Door("atari record", _command("record"), _WITHOUT_POLICY),
-    Door(
-        "atari record --policy random",
-        _command("record", "--policy", "random"),
-        {**of_fields(("agent_indicator", "zero_sum"), _SEEN_BY_A_PERSON), **_NO_CHOICE},
-    ),
+    Door("atari record", _command("record"), _OF_RECORD),
+    Door("atari record --policy random", _command("record", "--policy", "random"), _OF_RECORD),
     Door("atari lab", _command("lab"), all_but(_FRAMES, _BY_FRAME)),
     Door("atari causes", _command("causes"), all_but(("mode", "difficulty"), _BY_FRAME)),
     Door("atari verify", _command("verify"), all_but(_COMPARED, _BY_FRAME)),
