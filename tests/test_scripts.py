@@ -3,6 +3,7 @@
 import importlib
 import os
 import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -37,11 +38,17 @@ def test_a_shell_script_prints_its_help(script: Path) -> None:
 @needs_gymnasium_1
 @needs_new_ale_py
 @pytest.mark.parametrize("script", PYTHON, ids=name)
-def test_a_python_script_prints_its_help(script: Path) -> None:
+def test_a_python_script_prints_its_help(
+    script: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     if script.name == "training.py" and not find_spec("torch"):
         pytest.skip("needs PyTorch")
-    done = subprocess.run([sys.executable, str(script), "--help"], check=True, capture_output=True, text=True)
-    assert done.stdout.startswith(f"usage: {script.name} [-h]")
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.setattr(sys, "argv", [str(script), "--help"])
+    with pytest.raises(SystemExit) as ended:
+        runpy.run_path(str(script), run_name="__main__")
+    assert not ended.value.code
+    assert capsys.readouterr().out.startswith(f"usage: {script.name} [-h]")
 
 
 @needs_gymnasium_1
