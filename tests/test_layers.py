@@ -8,13 +8,9 @@ import ast
 from collections.abc import Iterator
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
-from pathlib import Path
 
 import pytest
-
-import atari
-import atari.roms
-import atari.wrappers
+from package_modules import SOURCES
 
 ORDER = """
     base
@@ -39,20 +35,6 @@ LAZY = {
     "atari.integrations.arrays",  # the home of `to_jax` and `to_torch`
 }
 """The modules of later parts that `atari` has as lazy attributes."""
-
-
-def sources() -> dict[str, Path]:
-    """The file of every module by its name."""
-    found = {}
-    for package in (atari, atari.roms, atari.wrappers):
-        folder = Path(str(package.__file__)).parent
-        for file in folder.rglob("*.py"):
-            parts = [package.__name__, *file.relative_to(folder).with_suffix("").parts]
-            found[".".join(parts).removesuffix(".__init__")] = file
-    return found
-
-
-SOURCES = sources()
 
 
 def imports(tree: ast.AST, module: str) -> Iterator[str]:
@@ -94,9 +76,8 @@ def against_the_order(module: str, imported: set[str]) -> list[str]:
     return sorted(name for name in imported if part(name) not in below)
 
 
-@pytest.mark.parametrize("module", sorted(SOURCES))
-def test_a_part_imports_only_parts_before_it(module: str) -> None:
-    assert not against_the_order(module, imported_by(module))
+def test_a_part_imports_only_parts_before_it() -> None:
+    assert not {module: found for module in SOURCES if (found := against_the_order(module, imported_by(module)))}
 
 
 def test_every_part_of_the_list_exists() -> None:
@@ -144,11 +125,18 @@ def _private(name: str) -> bool:
     return name.startswith("_") and not name.startswith("__")
 
 
+def nodes(of_part: str | None = None) -> Iterator[tuple[str, ast.AST]]:
+    """The nodes of the modules of a part, or of all, each with its module."""
+    for module in SOURCES:
+        if of_part in (None, part(module)):
+            yield from ((module, node) for node in ast.walk(tree_of(module)))
+
+
 @cache
 def own_names(of_part: str) -> set[str]:
     """The names that the modules of a part define: functions, classes, variables, and attributes that they set."""
     found = set()
-    for node in (node for module in SOURCES if part(module) == of_part for node in ast.walk(tree_of(module))):
+    for _, node in nodes(of_part):
         if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
             found.add(node.name)
         elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
@@ -171,10 +159,9 @@ OF_OTHERS = {
 """Private names of other libraries."""
 
 
-@pytest.mark.parametrize("module", sorted(SOURCES))
-def test_a_part_uses_no_private_name_of_another(module: str) -> None:
-    own = part(module)
-    for node in ast.walk(tree_of(module)):
+def test_a_part_uses_no_private_name_of_another() -> None:
+    for module, node in nodes():
+        own = part(module)
         if isinstance(node, ast.Attribute) and _private(node.attr) and node.attr not in OF_OTHERS:
             by_itself = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
             assert by_itself or node.attr in own_names(own), f"{module}:{node.lineno}: {ast.unparse(node)}"
@@ -188,9 +175,8 @@ def _is_public(module: str, name: str) -> bool:
     return (module in homes or part(module) == "base") and not _private(name)
 
 
-@pytest.mark.parametrize("module", sorted(module for module in SOURCES if part(module) == "classic"))
-def test_classic_imports_the_public_api_alone(module: str) -> None:
-    for node in ast.walk(tree_of(module)):
+def test_classic_imports_the_public_api_alone() -> None:
+    for _, node in nodes("classic"):
         if isinstance(node, ast.ImportFrom) and str(node.module).split(".")[0] == "atari":
             if part(str(node.module)) != "classic":
                 assert all(_is_public(str(node.module), alias.name) for alias in node.names), ast.unparse(node)

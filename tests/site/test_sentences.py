@@ -4,7 +4,6 @@ import contextlib
 import dataclasses
 import importlib
 import inspect
-import pkgutil
 import re
 from collections.abc import Iterator
 from functools import cache
@@ -13,6 +12,7 @@ from typing import Any
 
 import gymnasium
 import pytest
+from package_modules import SOURCES
 
 import atari
 
@@ -38,14 +38,8 @@ def sentences(page: str) -> str:
 def public() -> dict[str, list[Any]]:
     """The package's public functions, classes and methods, by their last name and by "Class.method"."""
     found: dict[str, list[Any]] = {}
-    for module in [
-        "atari",
-        *(info.name for info in pkgutil.walk_packages(atari.__path__, "atari.", lambda name: None)),
-    ]:
-        if (
-            module.startswith(("atari.atari", "atari.classic")) and not module.startswith("atari.classic.algorithmic")
-        ) or any(part[0] == "_" for part in module.split(".")):
-            continue
+    of_gym = [name for name in SOURCES if name.startswith("atari.classic") and "algorithmic" not in name]
+    for module in [name for name in SOURCES if name not in of_gym and "._" not in name]:
         with contextlib.suppress(ImportError, gymnasium.error.DependencyNotInstalled):
             for name in getattr(importlib.import_module(module), "__all__", ()):
                 with contextlib.suppress(ImportError, AttributeError, gymnasium.error.DependencyNotInstalled):
