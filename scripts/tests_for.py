@@ -11,6 +11,7 @@ import argparse
 import re
 import sys
 from collections.abc import Iterator
+from functools import cache
 from itertools import zip_longest
 from pathlib import Path
 
@@ -96,6 +97,8 @@ PLACES: dict[str, tuple[str, ...]] = {
 }
 """By file or folder, its tests where they are not in the folder of the same name; the longest name counts."""
 
+_LANES = {"peers", "distributed", "compiled", "browser", "gpu"}
+
 GAME_FILE = re.compile(r"atari/games/(?:data|manuals|interventions/data)/(\w+)\.toml")
 DOCUMENT = re.compile(r"(?:README|CONTRIBUTING|atari/games/SCHEMA|docs/\w[\w-]*)\.md")
 
@@ -152,13 +155,14 @@ def _importers(file: str) -> Iterator[str]:
         return
     package = ".".join(path.parts[:-1]) if path.parts[0] == "atari" else f"atari.{'.'.join(path.parts[:-1])}"
     pattern = re.compile(rf"from {package}\.{path.stem} import|from {package} import [^\n]*\b{path.stem}\b")
-    found = [
-        test.relative_to(TOP).as_posix()
-        for test in sorted((TOP / "tests").rglob("test_*.py"))
-        if not {"peers", "distributed", "compiled", "browser", "gpu"} & set(test.parts)
-        and pattern.search(test.read_text(encoding="utf-8"))
-    ]
-    yield from found[:5]
+    yield from [test for test, text in _plain_tests() if pattern.search(text)][:5]
+
+
+@cache
+def _plain_tests() -> list[tuple[str, str]]:
+    """The names and texts of the test files that need no other packages."""
+    files = [file for file in sorted((TOP / "tests").rglob("test_*.py")) if not _LANES & set(file.parts)]
+    return [(file.relative_to(TOP).as_posix(), file.read_text(encoding="utf-8")) for file in files]
 
 
 def _around(file: str) -> tuple[str, ...]:

@@ -9,10 +9,12 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import cloudpickle
 import gymnasium
 import numpy as np
 import pytest
@@ -49,10 +51,6 @@ ELSEWHERE = {
 """Classes that need an optional library, and the file that copies them."""
 
 
-def memory_of_file(folder: Path) -> Any:
-    return ReplayMemory(10, 1, (4, 4), path=folder / "a.replay")
-
-
 def played_through_another(folder: Path) -> Any:
     env = atari.AtariEnv("pong")
     env.ale = type("Ale", (), {"__getattr__": lambda self, name: getattr(env.driver.emulated, name)})()
@@ -75,19 +73,22 @@ def training(folder: Path) -> Any:
     return Training.begin("ppo", options, folder / "run")
 
 
+_OF_REPLAY = "RecordReplay writes a file and cannot be copied or pickled; close it, or copy what it records"
+_OF_RUN = (
+    r"a RunFolder that is locked for a training cannot be copied or pickled: .*; pass the path, and use "
+    r"RunFolder\.open\(path\) there"
+)
+
 REFUSED: Mapping[str, tuple[Callable[[Path], Any], str]] = {
     "atari.recording.replay.record_replay.RecordReplay": (
         lambda folder: RecordReplay(atari.AtariEnv("pong"), folder / "a.a26r"),
-        "RecordReplay writes a file and cannot be copied or pickled; close it, or copy what it records",
+        _OF_REPLAY,
     ),
     "RecordReplay of a vector": (
         lambda folder: RecordReplay(atari.AtariVectorEnv("pong", 2), folder / "b.a26r"),
-        "RecordReplay writes a file and cannot be copied or pickled; close it, or copy what it records",
+        _OF_REPLAY,
     ),
-    "RecordReplay of a core": (
-        lambda folder: RecordReplay(MultiplayerCore("pong"), folder / "c.a26r"),
-        "RecordReplay writes a file and cannot be copied or pickled; close it, or copy what it records",
-    ),
+    "RecordReplay of a core": (lambda folder: RecordReplay(MultiplayerCore("pong"), folder / "c.a26r"), _OF_REPLAY),
     "atari.recording.video.writer.VideoWriter": (
         lambda folder: VideoWriter(folder / "a.gif", atari.games["pong"]),
         r"VideoWriter writes .*a\.gif and cannot be copied or pickled; make a new one",
@@ -98,20 +99,12 @@ REFUSED: Mapping[str, tuple[Callable[[Path], Any], str]] = {
         "or pickle the environment",
     ),
     "ReplayMemory with a file": (
-        memory_of_file,
+        lambda folder: ReplayMemory(10, 1, (4, 4), path=folder / "a.replay"),
         r"a ReplayMemory with a file cannot be copied or pickled: .*a\.replay is open for one object; close it and pass "
         r"the path to ReplayMemory\.open, or restore its state\(\) in a memory without a file",
     ),
-    "atari.learning.run_folder.RunFolder": (
-        locked_run,
-        r"a RunFolder that is locked for a training cannot be copied or pickled: .*; pass the path, and use "
-        r"RunFolder\.open\(path\) there",
-    ),
-    "atari.learning.training.Training": (
-        training,
-        r"a RunFolder that is locked for a training cannot be copied or pickled: .*; pass the path, and use "
-        r"RunFolder\.open\(path\) there",
-    ),
+    "atari.learning.run_folder.RunFolder": (locked_run, _OF_RUN),
+    "atari.learning.training.Training": (training, _OF_RUN),
 }
 """By class: a function that makes an object with an open file, and its refusal."""
 
@@ -148,22 +141,27 @@ def test_every_public_constant_and_function_is_copied() -> None:
     assert copied > 60
 
 
-@pytest.mark.parametrize("name", [*CASES, *OTHERS])
-def test_a_copy_plays_on_equally(name: str) -> None:
+@cache
+def played(name: str) -> tuple[bytes, Any]:
+    """The pickle of an object, and its play, which is that of its copies, too."""
     make, play = {**CASES, **OTHERS}[name]
     one = make()
-    copies = {way: duplicate(one) for way, duplicate in WAYS.items()}
+    data, copies = cloudpickle.dumps(one), {way: duplicate(one) for way, duplicate in WAYS.items()}
     expected = play(one)
     for way, copied in copies.items():
         assert play(copied) == expected, way
+    return data, expected
+
+
+@pytest.mark.parametrize("name", [*CASES, *OTHERS])
+def test_a_copy_plays_on_equally(name: str) -> None:
+    played(name)
 
 
 def test_copies_play_on_equally_in_a_new_process() -> None:
-    cases = {**CASES, **OTHERS}
-    objects = {name: make() for name, (make, _) in cases.items()}
-    there = in_new_process(objects)
-    for name, one in objects.items():
-        assert there[name] == cases[name][1](one), name
+    there = in_new_process({name: played(name)[0] for name in (*CASES, *OTHERS)})
+    for name, seen in there.items():
+        assert seen == played(name)[1], name
 
 
 @pytest.mark.parametrize("name", REFUSED)

@@ -17,10 +17,7 @@ def run(program: str, folder: Path, *options: str) -> str:
     return result.stdout
 
 
-@pytest.mark.parametrize(
-    "imports",
-    ["import atari", "import ale_py, atari", "import atari, ale_py", "import gymnasium, ale_py; import atari, ale_py"],
-)
+@pytest.mark.parametrize("imports", ["import atari", "import gymnasium, ale_py; import atari, ale_py"])
 def test_importing_prints_and_warns_nothing(imports: str, tmp_path: Path) -> None:
     assert run(imports, tmp_path, "-W", "error") == ""
 
@@ -43,9 +40,19 @@ def test_heavy_packages_stay_out(tmp_path: Path) -> None:
     assert run(program, tmp_path) == "set()\n"
 
 
-@pytest.mark.parametrize(
-    "imports",
-    [
+ANEW = """
+import sys
+for imports in {imports!r}:
+    for name in [name for name in sys.modules if name.partition(".")[0] == "atari"]:
+        del sys.modules[name]
+    exec(imports)
+    {check}
+"""
+"""Runs several imports, each as if it were the first of the package."""
+
+
+def test_games_stays_the_mapping_however_it_is_imported(tmp_path: Path) -> None:
+    imports = [
         "import atari; games = atari.games",
         "import atari.games; games = atari.games",
         "from atari import games",
@@ -55,71 +62,54 @@ def test_heavy_packages_stay_out(tmp_path: Path) -> None:
         "import atari.games.data; import atari; games = atari.games",
         "import copy, atari; games = copy.deepcopy(atari.games)",
         "import pickle, atari; games = pickle.loads(pickle.dumps(atari.games))",
-    ],
-)
-def test_games_stays_the_mapping_however_it_is_imported(imports: str, tmp_path: Path) -> None:
-    program = f"{imports}\nimport collections.abc\nassert isinstance(games, collections.abc.Mapping)\n"
-    assert run(f"{program}print(games['pong'].title, len(games), games)", tmp_path) == (
-        "Pong 108 <108 games: adventure ... zaxxon>\n"
+    ]
+    check = (
+        "from collections.abc import Mapping; print(isinstance(games, Mapping), games['pong'].title, len(games), games)"
     )
+    printed = run(ANEW.format(imports=imports, check=check), tmp_path).splitlines()
+    assert printed == ["True Pong 108 <108 games: adventure ... zaxxon>"] * len(imports)
 
 
-@pytest.mark.parametrize(
-    "imports",
-    [
+def test_games_is_a_package_too(tmp_path: Path) -> None:
+    imports = [
         "from atari.games.rules import parse_rules",
         "from atari.games import rules; parse_rules = rules.parse_rules",
         "import atari.games.rules as rules; parse_rules = rules.parse_rules",
         "import atari, atari.games.rules; parse_rules = atari.games.rules.parse_rules",
-    ],
-)
-def test_games_is_a_package_too(imports: str, tmp_path: Path) -> None:
-    assert run(f"{imports}\nprint(parse_rules.__module__)", tmp_path) == "atari.games.rules\n"
+    ]
+    program = ANEW.format(imports=imports, check="print(parse_rules.__module__)")
+    assert run(program, tmp_path) == "atari.games.rules\n" * len(imports)
 
 
-def test_lazy_attributes_are_imported_at_first_use(tmp_path: Path) -> None:
+def test_the_names_of_a_new_import(tmp_path: Path) -> None:
+    """No definition is read yet: to parse all of them would double the time of `import atari`."""
+    program = """
+import sys, atari
+names = "classic integrations lab learning multiplayer recording roms wrappers".split()
+print([name for name in ("lab", "learning", "recording", "wrappers") if f"atari.{name}" in sys.modules])
+from atari.games import catalog
+print(catalog._load.cache_info().currsize)
+print([name for name in atari.__all__ if not hasattr(atari, name)])
+print([name for name in names if getattr(atari, name).__name__ != f"atari.{name}"])
+print(atari.recording.Replay.__name__, atari.lab.Ram.__name__, atari.learning.evaluate.__name__)
+import atari.lab, atari.play
+print(set(dir(atari)) ^ {*atari.__all__, "__version__"})
+try:
+    atari.rom
+except AttributeError as error:
+    print(error)
+"""
+    expected = ["[]", "0", "[]", "[]", "Replay Ram evaluate", "set()", "module 'atari' has no attribute 'rom'"]
+    assert run(program, tmp_path).splitlines() == expected
+
+
+def test_making_and_playing_by_the_module_prefix_prints_nothing(tmp_path: Path) -> None:
     program = (
-        "import sys, atari\n"
-        "names = 'classic integrations lab learning multiplayer recording roms wrappers'.split()\n"
-        "print([name for name in ('lab', 'learning', 'recording', 'wrappers') if f'atari.{name}' in sys.modules])\n"
-        "print([name for name in names if getattr(atari, name).__name__ != f'atari.{name}'])\n"
-        "print(atari.recording.Replay.__name__, atari.lab.Ram.__name__, atari.learning.evaluate.__name__)"
-    )
-    assert run(program, tmp_path) == "[]\n[]\nReplay Ram evaluate\n"
-
-
-def test_dir_shows_the_public_names_alone(tmp_path: Path) -> None:
-    program = "import atari\nimport atari.lab, atari.play\nprint(set(dir(atari)) ^ {*atari.__all__, '__version__'})"
-    assert run(program, tmp_path) == "set()\n"
-
-
-def test_a_name_that_is_not_there_raises(tmp_path: Path) -> None:
-    program = "import atari\ntry:\n    atari.rom\nexcept AttributeError as error:\n    print(error)"
-    assert run(program, tmp_path) == "module 'atari' has no attribute 'rom'\n"
-
-
-def test_everything_in_all_is_there(tmp_path: Path) -> None:
-    program = "import atari\nprint([name for name in atari.__all__ if not hasattr(atari, name)])"
-    assert run(program, tmp_path) == "[]\n"
-
-
-def test_no_game_definition_is_read(tmp_path: Path) -> None:
-    """Parsing all of them would double the time of `import atari`."""
-    program = "import atari\nfrom atari.games import catalog\nprint(catalog._load.cache_info().currsize)"
-    assert run(program, tmp_path) == "0\n"
-
-
-def test_making_and_playing_prints_nothing(tmp_path: Path) -> None:
-    program = (
-        "import gymnasium, atari\nenv = gymnasium.make('ALE/Breakout-v5')\nenv.reset(seed=0)\n"
+        "import gymnasium\nenv = gymnasium.make('atari:Pong-ram-v4')\nassert env.reset(seed=0)[0].shape == (128,)\n"
+        "env = gymnasium.make('ALE/Breakout-v5')\nenv.reset(seed=0)\n"
         "for _ in range(50): env.step(env.action_space.sample())\nenv.close()"
     )
     assert run(program, tmp_path, "-W", "error") == ""
-
-
-def test_gymnasium_imports_the_package_by_the_module_prefix(tmp_path: Path) -> None:
-    program = "import gymnasium\nprint(gymnasium.make('atari:Pong-ram-v4').reset(seed=0)[0].shape)"
-    assert run(program, tmp_path, "-W", "error") == "(128,)\n"
 
 
 def test_a_second_import_after_the_first_was_deleted(tmp_path: Path) -> None:

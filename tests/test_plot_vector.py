@@ -2,7 +2,6 @@
 
 import json
 import runpy
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -22,22 +21,26 @@ DOCUMENT: dict[str, Any] = {
 }
 
 
-def test_speeds_are_of_medians_and_means_of_games() -> None:
-    curves = runpy.run_path(str(SCRIPT))["curves"](DOCUMENT)
+@pytest.fixture
+def script() -> dict[str, Any]:
+    return runpy.run_path(str(SCRIPT))
+
+
+def test_speeds_are_of_medians_and_means_of_games(script: dict[str, Any]) -> None:
+    curves = script["curves"](DOCUMENT)
     assert list(curves) == ["native"]
     assert [count for count, _ in curves["native"]] == [1, 8]
     assert [speed for _, speed in curves["native"]] == pytest.approx([20_000, 100_000])
+    assert script["subtitle"](DOCUMENT) == "pong, breakout; A CPU, 2 threads\natari-envs 1, ale-py 2"
 
 
-def test_the_title_says_what_was_measured() -> None:
-    text = runpy.run_path(str(SCRIPT))["subtitle"](DOCUMENT)
-    assert text == "pong, breakout; A CPU, 2 threads\natari-envs 1, ale-py 2"
-
-
-def test_another_suite_is_refused(tmp_path: Path) -> None:
+def test_another_suite_is_refused(
+    script: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     (tmp_path / "raw.json").write_text(json.dumps({"suite": "raw"}))
-    command = [sys.executable, str(SCRIPT), str(tmp_path / "raw.json"), str(tmp_path / "plot.svg")]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 2
-    assert "is of suite 'raw'; run bench.py --suite sizes --json FILE" in done.stderr
+    monkeypatch.setattr(sys, "argv", [str(SCRIPT), str(tmp_path / "raw.json"), str(tmp_path / "plot.svg")])
+    with pytest.raises(SystemExit) as ended:
+        script["main"]()
+    assert ended.value.code == 2
+    assert "is of suite 'raw'; run bench.py --suite sizes --json FILE" in capsys.readouterr().err
     assert not (tmp_path / "plot.svg").exists()

@@ -1,6 +1,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 # Modules whose `__all__` another module re-exports, or that hold names for other parts of the package only.
 NOT_PAGES = {
     "atari.base.gymnasium_versions",
@@ -15,29 +17,30 @@ NOT_PAGES = {
 }
 
 
-def all_definitions(public):
+@pytest.fixture(scope="module")
+def public(site_module):
+    return site_module("public")
+
+
+@pytest.fixture(scope="module")
+def definitions(public):
+    """The module and the definition of every public name."""
     return [(module, found) for module in public.MODULES for found in public.definitions(module)]
 
 
-def test_every_module_with_public_names_has_a_page(site_module):
-    public = site_module("public")
-    of_gym = {name for name in public.modules_with_public_names() if name.startswith("atari.classic.")}
-    assert set(public.modules_with_public_names()) - set(public.MODULES) - of_gym == NOT_PAGES
+def test_every_module_with_public_names_has_a_page(public):
+    named = {*public.modules_with_public_names()} - {*public.MODULES}
+    assert {name for name in named if not name.startswith("atari.classic.")} == NOT_PAGES
 
 
-def test_every_public_name_has_a_docstring(site_module):
-    public = site_module("public")
-    assert [f"{module}.{found.name}" for module, found in all_definitions(public) if not found.docstring] == []
+def test_every_public_name_has_a_docstring(definitions):
+    assert [f"{module}.{found.name}" for module, found in definitions if not found.docstring] == []
 
 
-def test_every_public_name_is_found(site_module):
+def test_every_public_name_is_found(public, definitions):
     """But for modules, and Gymnasium's classes under old names."""
-    public = site_module("public")
-    found = {(module, definition.name) for module, definition in all_definitions(public)}
-    missing = {f"{module}.{name}" for module in public.MODULES for name in public.exported(module)} - {
-        f"{module}.{name}" for module, name in found
-    }
-    assert missing == {
+    found = {f"{module}.{definition.name}" for module, definition in definitions}
+    assert {f"{module}.{name}" for module in public.MODULES for name in public.exported(module)} - found == {
         "atari.ale_py.registration",
         "atari.ale_py.roms",
         "atari.classic.Space",
@@ -64,11 +67,9 @@ def test_every_public_name_is_found(site_module):
     }
 
 
-def test_every_definition_is_on_one_page(site_module):
-    public = site_module("public")
-    on_pages = [found.path for module, found in all_definitions(public) if found.page == module]
-    assert len(on_pages) == len(set(on_pages))
-    assert set(on_pages) == {found.path for _, found in all_definitions(public)}
+def test_every_definition_is_on_one_page(definitions):
+    on_pages = [found.path for module, found in definitions if found.page == module]
+    assert sorted(on_pages) == sorted({found.path for _, found in definitions})
 
 
 def test_the_navigation_has_every_document():

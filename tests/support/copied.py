@@ -537,7 +537,7 @@ def play_there(name: str, data: bytes) -> Any:
     return {**CASES, **OTHERS}[name][1](pickle.loads(data))
 
 
-def in_new_process(jobs: Mapping[str, Any]) -> dict[str, Any]:
-    """The play of copies of objects, by name, in a process that has never seen them."""
+def in_new_process(pickles: Mapping[str, bytes]) -> dict[str, Any]:
+    """The play of pickled objects, by name, in a process that has never seen them."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:
-        return {name: pool.apply(play_there, (name, cloudpickle.dumps(one))) for name, one in jobs.items()}
+        return {name: pool.apply(play_there, (name, data)) for name, data in pickles.items()}
