@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
+from types import ModuleType
 from typing import Any
 
 from interfaces import facts as facts_of
@@ -54,17 +55,24 @@ class Ours:
         """Our object for a path; AttributeError or ImportError if there is none."""
         parts = self.path(path).split(".")
         for size in range(len(parts), 0, -1):
-            name = ".".join(parts[:size])
-            try:
-                found = importlib.import_module(name)
-            except ModuleNotFoundError as error:
-                if error.name is None or not name.startswith(error.name):
-                    raise
+            found = _module(".".join(parts[:size]))
+            if found is None:
                 continue
             for part in parts[size:]:
                 found = _member(found, part)
             return found
         raise ImportError(path)
+
+
+@cache
+def _module(name: str) -> ModuleType | None:
+    """The module of a name; None if there is none."""
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError as error:
+        if error.name is None or not name.startswith(error.name):
+            raise
+        return None
 
 
 def _member(owner: Any, name: str) -> Any:
@@ -124,8 +132,6 @@ def check(fact: Fact, ours: Ours) -> str | None:
         return None if inspect.isclass(found) or callable(found) else f"a {type(found).__name__}, not a class"
     if fact.kind == "base":
         return _check_base(fact, found, ours)
-    if fact.kind == "member":
-        return None if not fact.text or int(found) == int(fact.text) else f"{int(found)}, not {fact.text}"
     if last.startswith("__") and last not in ("__init__", "__call__"):
         return None  # Python calls it, by position
     if fact.kind == "enumeration":
@@ -250,12 +256,13 @@ def _is_self(tree: ast.expr) -> bool:
     return isinstance(tree, ast.Name) and tree.id == "self"
 
 
+def _sources(kind: type) -> list[ast.Module]:
+    return [tree for each in kind.__mro__ if (tree := _source(each))]
+
+
 @cache
-def _sources(kind: type) -> tuple[ast.AST, ...]:
-    trees = []
-    for each in kind.__mro__:
-        try:
-            trees.append(ast.parse(textwrap.dedent(inspect.getsource(each))))
-        except (OSError, TypeError, SyntaxError):  # a class of Python, or of C++
-            continue
-    return tuple(trees)
+def _source(kind: type) -> ast.Module | None:
+    try:
+        return ast.parse(textwrap.dedent(inspect.getsource(kind)))
+    except (OSError, TypeError, SyntaxError):  # a class of Python, or of C++
+        return None

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-Kind = Literal["module", "class", "function", "value", "base", "method", "attribute", "hook", "member", "enumeration"]
+Kind = Literal["module", "class", "function", "value", "base", "method", "attribute", "hook", "enumeration"]
 
 
 @dataclass(frozen=True, order=True)
@@ -21,7 +21,6 @@ class Fact:
     - "function" and "method": `text` is the signature without `self`.
     - "value": another name of the module. "attribute": of a class or of its instances, set in `__init__`.
     - "hook": a method that the methods of the class call on `self`, so that a subclass may replace it.
-    - "member": a member of an enumeration; `text` is its value.
     - "enumeration": `text` is what `enumerations.describe` says about all members.
     """
 

@@ -11,7 +11,6 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from interfaces import imported
 from interfaces.compare import calls_on_self, set_on_self
 from interfaces.enumerations import describe
 from interfaces.facts import UNKNOWN, Fact, Versions, plain
@@ -95,21 +94,27 @@ def attributes_of_source(path: str) -> Iterator[Fact]:
 def _initializer(module: str, name: str, kind: type) -> Iterator[Fact]:
     if kind.__init__ is object.__init__:
         return
-    try:
-        yield Fact(module, f"{name}.__init__", "method", plain(inspect.signature(kind)))
-    except (TypeError, ValueError):
-        for text in documented("__init__", kind.__init__.__doc__):
-            yield Fact(module, f"{name}.__init__", "method", text)
+    text = _signature(kind, without_first=False)
+    for each in [text] if text else documented("__init__", kind.__init__.__doc__):
+        yield Fact(module, f"{name}.__init__", "method", each)
 
 
 def function_facts(module: str, name: str, value: Any, kind: Any) -> Iterator[Fact]:
     """The facts of a function, or of a method as its class holds it; a compiled one may have several signatures."""
     function = value.__func__ if isinstance(value, (staticmethod, classmethod)) else value
     bound = kind == "function" or isinstance(value, staticmethod)
-    text = imported._signature(function, without_first=not bound)
+    text = _signature(function, without_first=not bound)
     texts = [text] if text else documented(name.rpartition(".")[2], getattr(function, "__doc__", None))
     for each in texts or [""]:
         yield Fact(module, name, kind, each)
+
+
+def _signature(function: Any, *, without_first: bool) -> str:
+    """The text of a signature; empty where C++ gives none."""
+    try:
+        return plain(inspect.signature(function), without_first=without_first)
+    except (ValueError, TypeError):
+        return ""
 
 
 def documented(name: str, doc: str | None) -> list[str]:

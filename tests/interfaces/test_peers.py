@@ -47,33 +47,12 @@ def test_a_docstring_has_the_signatures_of_a_compiled_function(doc: str | None, 
     assert live.documented("f", doc) == signatures
 
 
-class Plain(enum.Enum):
-    """Members that are no numbers."""
-
-    A = 0
-    B = 1
-
-
-class Number(enum.IntEnum):
-    """Members that are numbers."""
-
-    A = 0
-    B = 1
-
-
-class More(enum.Enum):
-    """A member more."""
-
-    A = 0
-    B = 1
-    C = 2
-
-
 def test_an_enumeration_is_compared_by_what_is_seen_of_it() -> None:
-    text = describe(Plain)
-    assert compare_enumeration(text, enum.Enum("Plain", {"A": 0, "B": 1})) is None
-    assert compare_enumeration(text, More) == "the members A, B, C, not A, B"
-    assert "of A is" in str(compare_enumeration(text, Number))
+    two = {"A": 0, "B": 1}
+    text = describe(enum.Enum("Plain", two))
+    assert compare_enumeration(text, enum.Enum("Plain", two)) is None
+    assert compare_enumeration(text, enum.Enum("More", {**two, "C": 2})) == "the members A, B, C, not A, B"
+    assert "of A is" in str(compare_enumeration(text, enum.IntEnum("Plain", two)))
     assert compare_enumeration(text, int) == "no enumeration"
 
 
