@@ -59,7 +59,8 @@ class Adapter(Env):
         self._pending_seed: int | None = None
         self._np_random: Any = None
         self._started = False
-        self._viewer: Viewer | None = None
+        self.viewer: Viewer | None = None
+        """The window of `render()`; None before it opens."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__") or name == "modern":
@@ -73,7 +74,7 @@ class Adapter(Env):
             raise AttributeError(f"this {kind} has no attribute {name!r}") from None
 
     def __setattr__(self, name: str, value: Any) -> None:
-        made = "_viewer" in self.__dict__
+        made = "viewer" in self.__dict__
         if not made or name in _OWN or name in self.__dict__ or hasattr(type(self), name):
             super().__setattr__(name, value)
         else:
@@ -95,15 +96,6 @@ class Adapter(Env):
         self._np_random = generator
         if self._draws_as_gym():
             self.modern.unwrapped.np_random = generator
-
-    @property
-    def viewer(self) -> Viewer | None:
-        """The window of `render()`; None before it opens."""
-        return self._viewer
-
-    @viewer.setter
-    def viewer(self, viewer: Viewer | None) -> None:
-        self._viewer = viewer
 
     def seed(self, seed: int | None = None) -> list[int]:
         """Seed `np_random` now, and the environment at the next `reset`; None chooses a seed. Returns the seed.
@@ -221,17 +213,17 @@ class Adapter(Env):
             env.render_mode = made_with
 
     def _show(self, rgb: Any) -> bool:
-        if self._viewer is None:
-            self._viewer = Viewer(
+        if self.viewer is None:
+            self.viewer = Viewer(
                 self.spec.id if self.spec else "atari.classic",
                 self.metadata["video.frames_per_second"],
                 self.metadata["video.pixel_aspect"],
             )
-        self._viewer.imshow(rgb)
-        return self._viewer.isopen
+        self.viewer.imshow(rgb)
+        return self.viewer.isopen
 
     def _close_viewer(self) -> None:
-        viewer, self._viewer = self._viewer, None
+        viewer, self.viewer = self.viewer, None
         if viewer is not None:
             viewer.close()
 

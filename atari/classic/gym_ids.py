@@ -6,9 +6,7 @@ import difflib
 import re
 import sys
 import warnings
-from dataclasses import dataclass, field
 from importlib import import_module, util
-from typing import Any
 
 import gymnasium
 from gymnasium.envs.registration import EnvSpec as ModernSpec
@@ -18,43 +16,27 @@ from atari.classic import logger
 VERSION = "0.21.0"
 """The last version of Gym with this interface, for scripts that check it."""
 
-_ALE_STEPS = 27_000  # the limit of ale-py 0.7: half an hour of play at 4 frames a step
-
-
-@dataclass(frozen=True)
-class Changes:
-    """The fields in which a spec of Gym differs from today's."""
-
-    max_episode_steps: int | None = None
-    nondeterministic: bool = False
-    kwargs: dict[str, Any] = field(default_factory=dict)
-
-
-def atari_changes(modern: ModernSpec) -> Changes:
-    """Gym before 0.21 counted steps of Atari games, with limits by ID; ale-py now counts frames."""
-    if not is_atari(modern):
-        return Changes()
-    return Changes(
-        _atari_steps(modern.id),
-        re.fullmatch(r"ElevatorAction-ram.*-v[04]", modern.id) is not None,
-        {"max_num_frames_per_episode": None},
-    )
-
 
 def is_atari(modern: ModernSpec) -> bool:
     """Whether a spec is of a game of Gym's."""
     return "base" in modern.kwargs and "rom" not in modern.kwargs
 
 
-def _atari_steps(env_id: str) -> int:
+def atari_steps(env_id: str) -> int:
+    """The limit of steps of a game by its ID, as Gym before 0.21 had it; ale-py now counts frames."""
     name, _, version = env_id.rpartition("-v")
     if version == "5":
-        return _ALE_STEPS
+        return 27_000  # the limit of ale-py 0.7: half an hour of play at 4 frames a step
     if name.endswith("NoFrameskip"):
         return 300_000 if name.startswith("SpaceInvaders") else 400_000
     if name.endswith("Deterministic") or version == "4":
         return 100_000
     return 10_000
+
+
+def is_random_game(env_id: str) -> bool:
+    """Whether Gym's spec of a game says that its episodes differ despite equal seeds."""
+    return re.fullmatch(r"ElevatorAction-ram.*-v[04]", env_id) is not None
 
 
 _ROBOTICS = "pip install gymnasium-robotics, and it is there"

@@ -88,6 +88,12 @@ MODULES: dict[str, dict[str, str]] = {
     },
     "utils.reraise_impl_py2": {"utils.reraise": "reraise_impl"},
     "utils.reraise_impl_py3": {"utils.reraise": "reraise_impl"},
+    "utils.step_api_compatibility": {
+        "gymnasium.utils.step_api_compatibility": (
+            "DoneStepType TerminatedTruncatedStepType convert_to_done_step_api "
+            "convert_to_terminated_truncated_step_api step_api_compatibility"
+        ),
+    },
     "vector.utils.misc": {"vector.utils": "CloudpickleWrapper clear_mpi_env_vars"},
     "vector.utils.numpy_utils": {
         "vector.utils": (

@@ -57,7 +57,7 @@ class Monitor(MonitorHooks, Wrapper):
         mode: Literal["training", "evaluation"] | None = None,
     ) -> None:
         Wrapper.__init__(self, env)
-        self._initialise(env)
+        MonitorHooks.__init__(self, env)
         self._start(directory, video_callable, force, resume, write_upon_reset, uid, mode)
 
     def set_monitor_mode(self, mode: Literal["training", "evaluation"]) -> None:

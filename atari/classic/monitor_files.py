@@ -82,19 +82,15 @@ def merge_stats_files(stats_files: Sequence[Folder]) -> tuple[Any, ...]:
         Lists for the episodes' file numbers, for the first reset of each file, and for the episodes' timestamps,
         lengths, rewards and types (None if no file has types), and the time of the first reset (0 without episodes).
     """
-    contents = [(number, _read(path)) for number, path in enumerate(stats_files)]
-    contents = [(number, each) for number, each in contents if each["timestamps"]]
-    order = sorted(
-        ((number, i) for number, each in contents for i in range(len(each["timestamps"]))),
-        key=lambda place: dict(contents)[place[0]]["timestamps"][place[1]],
-    )
-    by_number = dict(contents)
+    contents = {number: each for number, each in enumerate(map(_read, stats_files)) if each["timestamps"]}
+    places = [(number, i) for number, each in contents.items() for i in range(len(each["timestamps"]))]
+    order = sorted(places, key=lambda place: contents[place[0]]["timestamps"][place[1]])
 
     def merged(name: str) -> list[Any]:
-        return [by_number[number][name][i] for number, i in order]
+        return [contents[number][name][i] for number, i in order]
 
-    has_types = bool(contents) and all("episode_types" in each for _, each in contents)
-    starts = [each["initial_reset_timestamp"] for _, each in contents]
+    has_types = bool(contents) and all("episode_types" in each for each in contents.values())
+    starts = [each["initial_reset_timestamp"] for each in contents.values()]
     return (
         [number for number, _ in order],
         starts,

@@ -11,7 +11,7 @@ import os
 import threading
 import weakref
 from collections.abc import Callable
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import atari
 from atari.classic import error
@@ -25,7 +25,7 @@ from atari.classic.monitor_files import (
     json_encode_np,
 )
 from atari.classic.stats_recorder import StatsRecorder
-from atari.classic.video_recorder import Renderable, VideoRecorder
+from atari.classic.video_recorder import VideoRecorder
 
 VideoCallable = Callable[[int], bool]
 
@@ -80,12 +80,6 @@ monitor_closer = Closer()
 """Closes the monitors that are open when the interpreter exits."""
 
 
-class Monitored(Renderable, Protocol):
-    """The part of an environment that a monitor needs."""
-
-    spec: Any
-
-
 class MonitorHooks:
     """The hooks of a monitor before and after a reset and a step.
 
@@ -103,11 +97,8 @@ class MonitorHooks:
 
     env: Any
 
-    def __init__(self, env: Monitored) -> None:
+    def __init__(self, env: Any) -> None:
         self.env = env
-        self._initialise(env)
-
-    def _initialise(self, env: Monitored) -> None:
         self.videos: list[tuple[str, str]] = []
         self.stats_recorder: Any = None
         self.video_recorder: VideoRecorder | None = None
@@ -250,19 +241,6 @@ class MonitorHooks:
         self._finish()
 
 
-class MonitoredByMethods(Monitored, Protocol):
-    """The part of an environment that `EnvMonitor` needs; `atari.classic.Env` has it."""
-
-    def step(self, action: Any) -> tuple[Any, Any, bool, dict[str, Any]]:
-        """Take an action; return observation, reward, done and info."""
-
-    def reset(self) -> Any:
-        """Start an episode and return its first observation."""
-
-    def seed(self, seed: int | None = None) -> list[int]:
-        """Seed the environment."""
-
-
 class EnvMonitor:
     """`env.monitor`, with `start(directory)` and `close()`, as in 2016, before `Monitor` was a wrapper.
 
@@ -270,7 +248,7 @@ class EnvMonitor:
     methods of the environment's class and record.
     """
 
-    def __init__(self, env: MonitoredByMethods) -> None:
+    def __init__(self, env: Any) -> None:
         self._env = env
         self._hooks: MonitorHooks | None = None
 
@@ -287,8 +265,7 @@ class EnvMonitor:
         hooks = MonitorHooks(self._env)
         hooks._start(directory, **options)
         self._hooks = hooks
-        env: Any = self._env
-        kind = type(env)
+        env, kind = self._env, type(self._env)
 
         def step(action: Any) -> tuple[Any, Any, bool, dict[str, Any]]:
             hooks._before_step(action)

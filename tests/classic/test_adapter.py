@@ -8,7 +8,6 @@ import gymnasium
 import numpy as np
 import pytest
 
-import atari
 import atari.classic as gym
 from atari.classic.adapter import Adapter, adapt
 from atari.classic.utils import seeding
@@ -134,19 +133,6 @@ def test_an_atari_game_has_what_scripts_reach_for() -> None:
     assert env.env.ale.getRAM().shape == (128,)  # type: ignore[attr-defined]
     info = env.step(1)[3]
     assert info["ale.lives"] == info["lives"] == 5
-    state = env.unwrapped.clone_state()  # type: ignore[attr-defined]
-    env.unwrapped.restore_state(state)  # type: ignore[attr-defined]
-
-
-def test_the_observations_are_gymnasiums() -> None:
-    env, modern = gym.make("Pong-v4"), atari.make("Pong-v4")
-    env.seed(1)
-    np.testing.assert_array_equal(env.reset(), modern.reset(seed=1)[0])
-    for action in (0, 1, 2, 3, 4, 5):
-        observation, reward, done, _ = env.step(action)
-        expected = modern.step(action)
-        np.testing.assert_array_equal(observation, expected[0])
-        assert (reward, done) == expected[1:3]
 
 
 def test_attributes_are_the_environments_for_reading_and_writing() -> None:
@@ -160,12 +146,18 @@ def test_attributes_are_the_environments_for_reading_and_writing() -> None:
     assert env.unwrapped.modern.unwrapped.gravity == 1.6  # type: ignore[attr-defined]
     with pytest.raises(AttributeError, match=r"^this CartPoleEnv has no attribute 'nothing'$"):
         _ = env.nothing  # type: ignore[attr-defined]
+    env.observation_space, env.unwrapped.observation_space = (gym.spaces.Box(0, 1, (size,)) for size in (2, 3))
+    assert (env.observation_space.shape, env.unwrapped.observation_space.shape) == ((2,), (3,))
 
 
 def test_tables_of_toy_texts() -> None:
-    env = gym.make("FrozenLake-v0")
-    assert (env.nS, env.nA) == (env.env.nS, env.unwrapped.nA) == (16, 4)  # type: ignore[attr-defined, comparison-overlap]
-    assert [len(env.env.P[14][action]) for action in range(4)] == [3] * 4  # type: ignore[attr-defined]
+    cliff: Any = gym.make("CliffWalking-v0")
+    assert (cliff.nS, cliff.nA, cliff.shape) == (48, 4, (4, 12))
+    lake: Any = gym.make("FrozenLake-v0")
+    assert (lake.nS, lake.nA) == (lake.env.nS, lake.unwrapped.nA) == (16, 4)
+    for env in (lake, lake.env, lake.unwrapped):
+        chances = [[p for p, *_ in env.P[14][action]] for action in range(4)]
+        assert ([len(each) for each in chances], sum(chances[2])) == ([3] * 4, pytest.approx(1))
 
 
 def test_names() -> None:
@@ -208,11 +200,13 @@ def test_a_wrong_action_plays_nothing(wrong: Any, kind: type[Exception], text: s
     assert env.state is before  # type: ignore[attr-defined]
 
 
-def test_actions_of_numpy_are_integers_too() -> None:
-    env = gym.make("CartPole-v0")
-    env.reset()
-    for action in (np.int64(1), np.array(1), True, [1], np.array([[1]])):
-        assert env.step(action)[1] == 1.0
+def test_actions_of_numpy_and_in_lists_are_integers_too() -> None:
+    env, twin = gym.make("CartPole-v0"), gym.make("CartPole-v0")
+    for each in (env, twin):
+        each.seed(0)
+        each.reset()
+    for action in (np.int64(1), np.array(1), True, [1], np.array([1]), np.array([[1]]), (1,)):
+        np.testing.assert_array_equal(env.step(action)[0], twin.step(1)[0])
 
 
 def test_actions_of_a_box() -> None:

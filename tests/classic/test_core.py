@@ -102,15 +102,21 @@ def test_a_wrapper_is_transparent() -> None:
     assert (env.reward_range, env.metadata, env.spec) == ((0, 1), Counter.metadata, None)
     assert env.action_space is Counter.action_space
     assert str(env) == "<Wrapper<Counter instance>>"
+    env.reward_range = (-1, 1)
+    assert (env.reward_range, env.env.reward_range) == ((-1, 1), (0, 1))
     for name in ("_private", "missing"):
         with pytest.raises(AttributeError, match=name):
             getattr(env, name)
 
 
 def test_wrappers_of_observation_reward_and_action() -> None:
-    class Tens(gym.ObservationWrapper):
+    class Fives(gym.ObservationWrapper):
         def observation(self, observation: Any) -> Any:
-            return 10 * observation
+            return 5 * observation
+
+    class Twos(gym.ObservationWrapper):
+        def _observation(self, observation: Any) -> Any:  # as before 2018
+            return 2 * observation
 
     class Minus(gym.RewardWrapper):
         def _reward(self, reward: Any) -> Any:  # as before 2018
@@ -120,11 +126,11 @@ def test_wrappers_of_observation_reward_and_action() -> None:
         def action(self, action: Any) -> Any:
             return 1 - action
 
-    env = Opposite(Minus(Tens(Counter())))
+    env = Opposite(Minus(Twos(Fives(Counter()))))
     assert env.reset() == 0
     assert env.step(0) == (10, -1.0, False, {})
     assert env.step(1) == (10, -1.0, False, {})
-    assert str(env) == "<Opposite<Minus<Tens<Counter instance>>>>"
+    assert str(env) == "<Opposite<Minus<Twos<Fives<Counter instance>>>>>"
     with pytest.raises(NotImplementedError, match=r"^ObservationWrapper has no observation\(\); define it$"):
         gym.ObservationWrapper(Counter()).reset()
 
@@ -142,3 +148,21 @@ def test_uploading_says_that_there_is_nowhere_to(capsys: pytest.CaptureFixture[s
     assert capsys.readouterr().err.startswith(
         "atari.classic: gym.upload() does nothing, as the site it went to is closed"
     )
+
+
+def test_wrappers_of_2016_call_the_names_of_2016() -> None:
+    class Around(gym.Wrapper):
+        def _reset(self) -> Any:
+            return self.env.reset() - 1
+
+        def _render(self, mode: str = "human", close: bool = False) -> Any:
+            env: Any = self.env
+            return None if close else env._render(mode, close)
+
+    env: Any = Around(Counter2016())
+    assert (env.reset(), env.render("ansi"), env.render(close=True)) == (-1, "ansi 0", None)
+    cart: Any = gym.make("CartPole-v0")
+    cart.reset()
+    assert cart._render("rgb_array").shape == cart.env._render("rgb_array").shape == (400, 600, 3)
+    cart._close()
+    cart.unwrapped._close()

@@ -1,5 +1,7 @@
 """`DiscreteEnv`, the base of grid worlds."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -56,3 +58,15 @@ def test_frozen_lake_is_drawn_as_its_table_says() -> None:
             expected = env.step(2)
             assert (observation, reward, done) == expected[:3]
             assert info["prob"] == pytest.approx(expected[3]["prob"])
+
+
+def test_methods_of_2016() -> None:
+    class Line(discrete.DiscreteEnv):
+        def _render(self, mode: str = "human", close: bool = False) -> Any:
+            return f"{self.s} of {self.nS}"
+
+        def _reset(self) -> int:
+            return 10 + super()._reset()
+
+    env = Line(3, 2, TABLE, [0.0, 1.0, 0.0])
+    assert (env.reset(), env.step(1), env.render()) == (11, (2, 1.0, True, {"prob": 1.0}), "2 of 3")

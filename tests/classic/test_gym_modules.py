@@ -1,11 +1,10 @@
 """Gym's small modules: they can be imported by their paths, and their functions do what Gym's did."""
 
-import subprocess
-import sys
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 
@@ -29,24 +28,12 @@ def test_every_module_of_the_table_has_its_names() -> None:
         import_module("atari.classic.wrappers.nothing")
 
 
-def test_the_modules_are_those_of_gym_in_a_script(tmp_path: Path) -> None:
-    script = tmp_path / "script.py"
-    script.write_text(
-        "import gym.wrappers.clip_action, gym.vector.utils.spaces as spaces\n"
-        "from gym.utils import closer, colorize\nimport gym.utils.colorize as again, pickle\n"
-        "assert gym.wrappers.clip_action.ClipAction is gym.wrappers.ClipAction and spaces.batch_space\n"
-        "assert closer.Closer and colorize is again and gym.error.Unregistered\n"
-        "try:\n    import gym.wrappers.nothing\nexcept ImportError as error:\n    print(error)"
-    )
-    result = subprocess.run([sys.executable, "-m", "atari.classic", str(script)], capture_output=True, text=True)
-    assert (result.stdout, result.returncode) == ("No module named 'gym.wrappers.nothing'\n", 0), result.stderr
-
-
 def test_elements_of_spaces_as_arrays() -> None:
     space = spaces.Dict(a=spaces.Discrete(3), b=spaces.Box(0, 1, (2,)), c=spaces.MultiBinary(2))
     value = {"a": 2, "b": np.array([0.5, 1], np.float32), "c": np.array([0, 1], np.int8)}
     flat = spaces.flatten(space, value)
     assert (spaces.flatdim(space), flat.tolist()) == (7, [0, 0, 1, 0.5, 1, 0, 1])
+    assert (spaces.utils.flatdim(spaces.Discrete(4)), spaces.flatten_space(space).shape) == (4, (7,))
     back: Any = spaces.unflatten(space, flat)
     assert (int(back["a"]), back["b"].tolist(), back["c"].tolist()) == (2, [0.5, 1], [0, 1])
     assert str(spaces.flatten_space(space)) == "Box(7,)"
@@ -158,3 +145,16 @@ def test_a_game_whose_subclass_sees_something_else() -> None:
     np.testing.assert_array_equal(bright.reset(), 255 - dark.reset())
     np.testing.assert_array_equal(bright.step(2)[0], 255 - dark.step(2)[0])
     np.testing.assert_array_equal(bright.render(mode="rgb_array"), 255 - dark.render(mode="rgb_array"))
+
+
+def test_the_version_the_levels_and_the_benchmarks(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert gym.version.VERSION == gym.__version__ < "0.22"
+    gym.undo_logger_setup()
+    assert gym.logger.DEBUG < gym.logger.INFO < gym.logger.WARN < gym.logger.ERROR
+    monkeypatch.setattr(gymnasium.logger, "min_level", gym.logger.WARN)
+    for name, level in (("set_level", gym.logger.INFO), ("setLevel", gym.logger.ERROR)):
+        getattr(gym.logger, name)(level)
+        assert gym.logger.min_level == gym.logger.MIN_LEVEL == level  # type: ignore[attr-defined]
+    task = gym.benchmark_spec("Atari40M").tasks[3]
+    assert (task.env_id, task.max_timesteps) == ("PongNoFrameskip-v4", 40_000_000)
+    assert gym.make(gym.benchmark_spec("Atari200M").tasks[1].env_id).action_space.n == 4  # type: ignore[attr-defined]

@@ -1,8 +1,7 @@
 """Every ID of OpenAI Gym: the environment it makes today and its limits, or the error."""
 
-import os
-import subprocess
 import sys
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -155,37 +154,28 @@ def test_the_error_for_robotics_names_its_package(monkeypatch: pytest.MonkeyPatc
     ("env_id", "package", "extra"),
     [("Ant-v2", "mujoco", "mujoco"), ("LunarLander-v2", "Box2D", "box2d"), ("phys2d/CartPole-v1", "jax", "jax")],
 )
-def test_the_error_for_a_missing_package_names_its_extra(env_id: str, package: str, extra: str) -> None:
-    program = (
-        f"import sys; sys.modules[{package!r}] = None\n"
-        "import atari.classic as gym\n"
-        "try: gym.make(%r)\n"
-        "except gym.error.DependencyNotInstalled as error: print(error)" % env_id
-    )
-    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
-    assert f'pip install "gymnasium[{extra}]"' in result.stdout.replace("'", '"'), result.stderr
+def test_the_error_for_a_missing_package_names_its_extra(
+    env_id: str, package: str, extra: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    families = (package, *(f"gymnasium.envs.{family}" for family in ("box2d", "functional_jax", "mujoco", "phys2d")))
+    for name in [name for name in sys.modules if name.startswith(families)]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(gym.error.DependencyNotInstalled, match=rf"pip install [\"']gymnasium\[{extra}\][\"']"):
+        gym.make(env_id)
 
 
-def test_the_error_for_rendering_without_pygame_names_the_extra() -> None:
-    program = (
-        "import sys; sys.modules['pygame'] = None\n"
-        "import atari.classic as gym\n"
-        "env = gym.make('Pong-v0'); env.reset()\n"
-        "assert env.render(mode='rgb_array').shape == (210, 160, 3)\n"
-        "try: env.render()\n"
-        "except gym.error.DependencyNotInstalled as error: print(error)"
-    )
-    options = {"env": {**os.environ, "SDL_VIDEODRIVER": "dummy"}, "timeout": 60}
-    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, **options)  # type: ignore[call-overload]
-    assert result.stdout == (
-        "env.render() needs pygame-ce: pip install pygame-ce; env.render(mode='rgb_array') needs nothing\n"
-    ), result.stderr
-
-
-@pytest.mark.parametrize("wrong", [None, 3, b"CartPole-v0"])
-def test_an_id_is_text(wrong: Any) -> None:
-    with pytest.raises(TypeError, match=r"make\(\) takes an ID such as 'CartPole-v0', got "):
-        gym.make(wrong)
+def test_the_error_for_rendering_without_pygame_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.setitem(sys.modules, "pygame", None)
+    env = gym.make("Pong-v0")
+    env.reset()
+    assert env.render(mode="rgb_array").shape == (210, 160, 3)
+    with pytest.raises(
+        gym.error.DependencyNotInstalled,
+        match=r"^env.render\(\) needs pygame-ce: pip install pygame-ce; env.render\(mode='rgb_array'\) needs nothing$",
+    ):
+        env.render()
 
 
 # register()
@@ -249,16 +239,29 @@ def test_a_taken_id_is_refused_until_it_is_deleted() -> None:
     gym.register("Corridor-v0", entry_point="elsewhere:Corridor")
 
 
-@pytest.mark.parametrize("wrong", ["Corridor", "Corridor-v", "Corridor v0", "-v0", "", None])
-def test_a_malformed_id_is_refused(wrong: Any) -> None:
-    with pytest.raises(gym.error.Error, match="an ID is a name, '-v' and a version, such as 'Corridor-v0', got "):
-        gym.register(wrong, entry_point=Corridor)
+ID = "an ID is a name, '-v' and a version, such as 'Corridor-v0', got "
 
 
-@pytest.mark.parametrize("wrong", [None, "Corridor", 3])
-def test_a_malformed_entry_point_is_refused(wrong: Any) -> None:
-    with pytest.raises(gym.error.Error, match="entry_point is a class, or where it is"):
-        gym.register("Corridor-v0", entry_point=wrong)
+@pytest.mark.parametrize(
+    ("call", "kind", "text"),
+    [
+        *(
+            (lambda wrong=wrong: gym.make(wrong), TypeError, r"make\(\) takes an ID such as")
+            for wrong in (None, 3, b"a-v0")
+        ),
+        *(
+            (lambda wrong=wrong: gym.register(wrong, entry_point=Corridor), gym.error.Error, ID)
+            for wrong in ("Corridor", "Corridor-v", "Corridor v0", "-v0", "", None)
+        ),
+        *(
+            (lambda wrong=wrong: gym.register("A-v0", entry_point=wrong), gym.error.Error, "entry_point is a class, or")
+            for wrong in (None, "Corridor", 3)
+        ),
+    ],
+)
+def test_wrong_ids_and_entry_points(call: Callable[[], Any], kind: type[Exception], text: str) -> None:
+    with pytest.raises(kind, match=text):
+        call()
 
 
 def test_an_entry_point_makes_an_environment() -> None:
@@ -313,3 +316,19 @@ def test_environments_that_are_gone_have_a_fate() -> None:
     assert gym_ids.fate("RoboschoolHumanoidFlagrun-v1") == (
         "the package that had it is no longer maintained, and no other has it"
     )
+
+
+def test_kinds_of_environments() -> None:
+    """Baselines finds the kind of an environment by the module of its class."""
+    kinds = {spec.id: str(spec._entry_point).split(":")[0].split(".")[-1] for spec in gym.envs.registry.all()}
+    ids = ("PongNoFrameskip-v4", "Breakout-ram-v0", "CartPole-v0", "Acrobot-v1", "FrozenLake-v1")
+    assert [kinds[env_id] for env_id in ids] == ["atari", "atari", *["classic_control"] * 2, "toy_text"]
+
+
+@pytest.mark.parametrize("env_id", ["PongNoFrameskip-v4", "Pong-ram-v0", "MountainCar-v0", "FrozenLake8x8-v1"])
+def test_the_class_of_a_spec(env_id: str) -> None:
+    spec: Any = gym.envs.registry.env_specs[env_id]
+    env, made = gym.envs.registration.load(spec.entry_point)(**spec._kwargs), gym.make(env_id)
+    assert type(env) is type(made.unwrapped)
+    assert spec.nondeterministic is False
+    assert (env.observation_space, env.action_space) == (made.observation_space, made.action_space)

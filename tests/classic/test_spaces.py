@@ -1,11 +1,13 @@
 """Spaces with Gym's constructors and texts, which are also Gymnasium's spaces."""
 
 import warnings
+from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 
+import atari.classic as gym
 from atari.classic import spaces
 from atari.classic.spaces import from_gymnasium
 
@@ -109,10 +111,30 @@ def test_one_generator_for_all_samples() -> None:
         spaces.prng.np_random = None
 
 
-def test_gyms_functions_of_spaces() -> None:
-    space = spaces.Dict({"a": spaces.Discrete(3), "b": spaces.Box(0, 1, (2,))})
-    assert (spaces.flatdim(space), spaces.utils.flatdim(spaces.Discrete(4))) == (5, 4)
-    flat = spaces.flatten(space, {"a": 1, "b": np.array([0.5, 1], np.float32)})
-    assert flat.tolist() == [0, 1, 0, 0.5, 1]
-    assert spaces.unflatten(space, flat)["a"] == 1
-    assert spaces.flatten_space(space).shape == (5,)
+def test_fields_and_classes_of_spaces() -> None:
+    env = gym.make("Pong-v0")
+    actions: Any = env.action_space
+    images: Any = env.observation_space
+    assert (actions.n, np.zeros(actions.n).shape, actions.contains(5), actions.contains(6)) == (6, (6,), True, False)
+    assert (images.shape, images.dtype, images.low.min(), images.high.max()) == ((210, 160, 3), np.uint8, 0, 255)
+    assert (type(actions), type(images)) == (spaces.Discrete, spaces.Box)
+    blackjack: Any = gym.make("Blackjack-v0").observation_space
+    assert (type(blackjack), [space.n for space in blackjack.spaces]) == (spaces.Tuple, [32, 11, 2])
+    assert spaces.Box(0, 255, [42, 42, 1]).shape == (42, 42, 1)
+    assert spaces.Box(low=0, high=255, shape=(84, 84, 1)).dtype == np.float32
+    assert (spaces.MultiBinary(4).n, spaces.MultiDiscrete([3, 2]).nvec.tolist()) == (4, [3, 2])
+    box = spaces.Box(0, 1, (2,))
+    assert spaces.Dict({"a": box, "b": spaces.Discrete(3)}).spaces["a"] is box
+
+
+def test_a_space_of_a_script() -> None:
+    class Bits(gym.Space):  # type: ignore[type-arg]  # as a script of 2018 has it, without super().__init__()
+        def __init__(self) -> None:
+            self.low, self.dtype = np.zeros(3), np.uint8  # type: ignore[assignment, misc]
+
+        @property
+        def shape(self) -> Any:
+            return self.low.shape
+
+    assert isinstance(Bits(), spaces.Space)
+    assert Bits().shape == (3,)

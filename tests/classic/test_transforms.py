@@ -42,6 +42,8 @@ def test_flatten_observation() -> None:
     assert repr(env.observation_space) == "Box(5,)"
     assert env.reset().tolist() == [0, 1, 0, 0, 0]
     assert env.step([1, 2])[0].tolist() == [0, 0, 1, 1, 2]
+    parts = wrappers.FlattenDictWrapper(Echo(), ["b", "a"])
+    assert (parts.observation_space.shape, parts.reset().tolist()) == ((3,), [0, 0, 1])
 
 
 def test_transform_observation_and_reward() -> None:
@@ -78,3 +80,14 @@ def test_statistics_of_episodes() -> None:
             steps += 1
             assert ("episode" in info) == done
         assert (info["episode"]["r"], info["episode"]["l"]) == (steps, steps)
+
+
+def test_cleanrls_wrappers() -> None:
+    env: gym.Env = gym.make("BreakoutNoFrameskip-v4")
+    assert isinstance(env, wrappers.TimeLimit)
+    env._max_episode_steps = 5
+    env = wrappers.ResizeObservation(wrappers.RecordEpisodeStatistics(env), (84, 84))
+    env = wrappers.FrameStack(wrappers.GrayScaleObservation(env), 4)
+    assert np.array(env.reset()).shape == (4, 84, 84)
+    *_, (_, _, done, info) = [env.step(0) for _ in range(5)]
+    assert (done, info["episode"]["l"]) == (True, 5)

@@ -138,8 +138,3 @@ def test_preprocessed_stacks_are_those_of_the_new_interface() -> None:
     assert ours.unwrapped.ale.lives() == 5  # type: ignore[attr-defined]
     assert ours.render(mode="rgb_array").shape == (210, 160, 3)
     assert str(ours) == "<FrameStack<AtariPreprocessing<TimeLimit<AtariEnv<BreakoutNoFrameskip-v4>>>>>"
-
-
-def test_a_stack_is_of_arrays() -> None:
-    with pytest.raises(TypeError, match="FrameStack stacks the arrays of a Box space"):
-        FrameStack(gym.make("FrozenLake-v1"), 2)

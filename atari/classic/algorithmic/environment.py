@@ -106,7 +106,7 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
     total_reward: float
     solved: bool
 
-    def __init__(self, base: int, min_length: int = 2, render_mode: Literal["human", "ansi"] | None = None) -> None:
+    def __init__(self, base: int = 5, min_length: int = 2, render_mode: Literal["human", "ansi"] | None = None) -> None:
         base = check_integer("base", base, 1, len(self.alphabet))
         min_length = check_integer("min_length", min_length, 1, MAX_LENGTH)
         if render_mode not in (None, *self.metadata["render_modes"]):
@@ -199,7 +199,8 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
 
     def spell(self, characters: list[int]) -> str:
         """Characters as text; `base` is a blank."""
-        return "".join(self.alphabet[: self.base].ljust(self.base + 1)[character] for character in characters)
+        letters = self.alphabet[: self.base].ljust(self.base + 1)
+        return "".join(letters[character] for character in characters)
 
     def render(self) -> str | None:
         """The current state as text with render mode "ansi"; None with "human", which prints it at each step.
@@ -216,6 +217,7 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
     def _begin(self, rows: Rows, target: list[int]) -> None:
         self.rows = rows
         self.target = target
+        self._texts = {"input": "\n".join(map(self.spell, rows)), "target": self.spell(target)}
         self.read_head = 0, 0
         self.write_head = 0
         self.time = 0
@@ -241,8 +243,7 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
 
     def _info(self) -> dict[str, Any]:
         return {
-            "input": "\n".join(self.spell(row) for row in self.rows),
-            "target": self.spell(self.target),
+            **self._texts,
             "read_head": self.read_head,
             "write_head": self.write_head,
             "time": self.time,

@@ -79,9 +79,6 @@ class CopyEnv(TapeEnv):
         1.0
     """
 
-    def __init__(self, base: int = 5, min_length: int = 2, render_mode: RenderMode = None) -> None:
-        super().__init__(base, min_length, render_mode)
-
     def solve_tape(self, tape: list[int]) -> list[int]:
         """The tape itself."""
         return tape
@@ -126,9 +123,6 @@ class RepeatCopyEnv(TapeEnv):
     """
 
     window = 50
-
-    def __init__(self, base: int = 5, min_length: int = 2, render_mode: RenderMode = None) -> None:
-        super().__init__(base, min_length, render_mode)
 
     def solve_tape(self, tape: list[int]) -> list[int]:
         """Forwards, backwards, forwards."""

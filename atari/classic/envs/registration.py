@@ -280,8 +280,9 @@ def make(
     if isinstance(entry_point, EntryPoint):
         env = entry_point.create(**{**quiet_options(entry_point.load()), **chosen.kwargs})
     else:
-        options = modern_options(options) if gym_ids.is_atari(modern) else options
-        modern.kwargs = {**modern.kwargs, **gym_ids.atari_changes(modern).kwargs, **options}
+        if gym_ids.is_atari(modern):
+            options = {"max_num_frames_per_episode": None, **modern_options(options)}
+        modern.kwargs = {**modern.kwargs, **options}
         env = _make_modern(modern)
     if not isinstance(env, Env):
         env = adapt(env)
@@ -349,14 +350,14 @@ def _make_modern(modern: ModernSpec) -> gymnasium.Env[Any, Any]:
 
 
 def _classic_spec(modern: ModernSpec) -> EnvSpec:
-    changes = gym_ids.atari_changes(modern)
+    is_atari = gym_ids.is_atari(modern)
     return EnvSpec(
         modern.id,
         _old_entry_point(modern),
         modern.reward_threshold,
-        changes.nondeterministic or modern.nondeterministic,
-        changes.max_episode_steps or modern.max_episode_steps,
-        kwargs=old_options(modern.kwargs) if gym_ids.is_atari(modern) else dict(modern.kwargs),
+        modern.nondeterministic or (is_atari and gym_ids.is_random_game(modern.id)),
+        gym_ids.atari_steps(modern.id) if is_atari else modern.max_episode_steps,
+        kwargs=old_options(modern.kwargs) if is_atari else dict(modern.kwargs),
     )
 
 

@@ -5,7 +5,6 @@ accept them.
 """
 
 import operator
-from collections.abc import Iterable
 from types import ModuleType
 from typing import Any, Literal
 
@@ -168,9 +167,6 @@ class Graph(gymnasium.spaces.Graph):
 class MultiBinary(Shared, gymnasium.spaces.MultiBinary):
     """Arrays of n numbers, each 0 or 1; `n` may be a shape."""
 
-    def __init__(self, n: Any, seed: Any = None) -> None:
-        super().__init__(n, seed)
-
     def __repr__(self) -> str:
         return f"MultiBinary({self.n})"
 
@@ -178,18 +174,12 @@ class MultiBinary(Shared, gymnasium.spaces.MultiBinary):
 class MultiDiscrete(Shared, gymnasium.spaces.MultiDiscrete):
     """Arrays of integers, number i within 0 to nvec[i] - 1."""
 
-    def __init__(self, nvec: Any, dtype: Any = np.int64, seed: Any = None) -> None:
-        super().__init__(nvec, dtype, seed)
-
     def __repr__(self) -> str:
         return f"MultiDiscrete({self.nvec})"
 
 
 class Tuple(gymnasium.spaces.Tuple):  # type: ignore[type-arg]
     """Tuples of an element of each space."""
-
-    def __init__(self, spaces: Iterable[gymnasium.Space[Any]], seed: Any = None) -> None:
-        super().__init__(spaces, seed)
 
     def __repr__(self) -> str:
         return f"Tuple({', '.join(map(repr, self.spaces))})"

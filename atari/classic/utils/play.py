@@ -44,19 +44,13 @@ def play(
     except gymnasium.error.DependencyNotInstalled:
         raise gymnasium.error.DependencyNotInstalled("playing needs pygame-ce: pip install pygame-ce") from None
 
-    def after_step(
-        before: Any, after: Any, action: Any, reward: Any, terminated: bool, truncated: bool, info: dict[str, Any]
-    ) -> None:
-        if callback is not None:
-            callback(before, after, action, reward, terminated or truncated, info)
-
     keys = dict(keys_to_action or env.get_keys_to_action())  # type: ignore[attr-defined]
     gymnasium_play.play(
         Modern(env, render_mode="rgb_array"),
         transpose=transpose,
         fps=fps,
         zoom=zoom,
-        callback=after_step,
+        callback=None if callback is None else _of_five_values(callback),
         noop=keys.pop((), 0),
         keys_to_action=keys,
     )
@@ -77,20 +71,16 @@ def _play_plot(modern: type[Any]) -> type[Any]:
         """Plots what `callback(obs_t, obs_tp1, action, rew, done, info)` returns at each step of `play`."""
 
         def __init__(self, callback: Callback, horizon_timesteps: int, plot_names: list[str]) -> None:
-            def of_five_values(
-                before: Any,
-                after: Any,
-                action: Any,
-                reward: Any,
-                terminated: bool,
-                truncated: bool,
-                info: dict[str, Any],
-            ) -> Any:
-                return callback(before, after, action, reward, terminated or truncated, info)
-
-            super().__init__(of_five_values, horizon_timesteps, plot_names)
+            super().__init__(_of_five_values(callback), horizon_timesteps, plot_names)
 
         def callback(self, obs_t: Any, obs_tp1: Any, action: Any, rew: Any, done: bool, info: dict[str, Any]) -> None:
             super().callback(obs_t, obs_tp1, action, rew, done, False, info)
 
     return PlayPlot
+
+
+def _of_five_values(callback: Callback) -> Callable[..., Any]:
+    def call(before: Any, after: Any, action: Any, reward: Any, terminated: bool, truncated: bool, info: Any) -> Any:
+        return callback(before, after, action, reward, terminated or truncated, info)
+
+    return call

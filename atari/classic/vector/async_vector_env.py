@@ -20,11 +20,12 @@ from atari.classic.vector.utils import CloudpickleWrapper, create_shared_memory,
 from atari.classic.vector.vector_env import (
     Batches,
     ClosedError,
-    Lane,
     NoCallError,
     PendingCallError,
     Results,
+    call,
     check_env_fns,
+    step_and_reset,
 )
 
 _ENDED = "the vector is closed, or one of its processes has ended; make it again"
@@ -122,7 +123,7 @@ class AsyncVectorEnv(Batches):
         Raises:
             ValueError: the number of actions is not that of the environments.
         """
-        self._begin(AsyncState.WAITING_STEP, "step", self._checked_actions(actions))
+        self._begin(AsyncState.WAITING_STEP, "step", self._one_each(actions, "actions"))
 
     def step_wait(self, timeout: float | None = None, **kwargs: Any) -> Results:
         """The results of a step, after `step_async`.
@@ -271,18 +272,19 @@ def _named_end() -> Iterator[None]:
 def _work(number: int, function: bytes, pipe: Any, *_: Any) -> None:
     """Answer the commands of the vector with pairs of a value and True, or of an exception and False, until "close"."""
     signal.signal(signal.SIGTERM, signal.SIG_DFL)  # the parent ends by it a process that has the parent's handler
-    lane: Any = None
+    env: Any = None
     while True:
         try:
             command, data = pipe.recv()
         except (EOFError, KeyboardInterrupt):
             command, data = "close", None
-        if command == "close" and lane is None:
+        if command == "close" and env is None:
             return
         answer: tuple[Any, bool]
         try:
-            lane = lane or Lane(cloudpickle.loads(function)())
-            answer = _do(lane, command, data), True
+            if env is None:
+                env = cloudpickle.loads(function)()
+            answer = _COMMANDS[command](env, data), True
             pickle.dumps(answer)
         except Exception as failure:
             answer = _sendable(failure), False
@@ -291,16 +293,15 @@ def _work(number: int, function: bytes, pipe: Any, *_: Any) -> None:
         pipe.send(answer)
 
 
-def _do(lane: Lane, command: str, data: Any) -> Any:
-    if command == "_call":
-        return lane.call(*data)
-    if command == "_setattr":
-        return lane.set(*data)
-    if command == "facts":
-        return _facts_of(lane.env)
-    if command == "close":
-        return lane.close()
-    return lane.reset(data) if command == "reset" else lane.step(data) if command == "step" else lane.seed(data)
+_COMMANDS: dict[str, Callable[[Any, Any], Any]] = {
+    "reset": lambda env, options: env.reset(**options or {}),
+    "step": step_and_reset,
+    "seed": lambda env, seed: env.seed(seed),
+    "_call": lambda env, given: call(env, *given),
+    "_setattr": lambda env, given: setattr(env, *given),
+    "facts": lambda env, _: _facts_of(env),
+    "close": lambda env, _: env.close(),
+}
 
 
 def _facts_of(env: Env) -> tuple[Any, ...]:

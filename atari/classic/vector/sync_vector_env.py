@@ -5,7 +5,7 @@ from typing import Any
 
 from atari.classic.core import Env
 from atari.classic.spaces import Space
-from atari.classic.vector.vector_env import Batches, Lane, NoCallError, Results, check_env_fns
+from atari.classic.vector.vector_env import Batches, NoCallError, Results, call, check_env_fns, step_and_reset
 
 
 class SyncVectorEnv(Batches):
@@ -40,7 +40,6 @@ class SyncVectorEnv(Batches):
     ) -> None:
         self.env_fns = check_env_fns(env_fns)
         self.envs = [make() for make in self.env_fns]
-        self._lanes = [Lane(env) for env in self.envs]
         self._options: dict[str, Any] = {}
         self._actions: list[Any] | None = None
         self._called: list[Any] = []
@@ -55,7 +54,7 @@ class SyncVectorEnv(Batches):
 
     def reset_wait(self, **kwargs: Any) -> Any:  # noqa: D102
         options, self._options, self._actions = {**self._options, **kwargs}, {}, None
-        return self._batch([lane.reset(options) for lane in self._lanes])
+        return self._batch([env.reset(**options) for env in self.envs])
 
     def step_async(self, actions: Any) -> None:
         """Take the actions for the next `step_wait`.
@@ -63,7 +62,7 @@ class SyncVectorEnv(Batches):
         Raises:
             ValueError: their number is not that of the environments.
         """
-        self._actions = self._checked_actions(actions)
+        self._actions = self._one_each(actions, "actions")
 
     def step_wait(self, **kwargs: Any) -> Results:
         """Step with the actions of `step_async`.
@@ -76,25 +75,25 @@ class SyncVectorEnv(Batches):
             raise NoCallError(
                 "step_wait() came before step_async(actions); call it first, or step(actions)", "step_async"
             )
-        return self._results([lane.step(action) for lane, action in zip(self._lanes, actions, strict=True)])
+        return self._results([step_and_reset(env, action) for env, action in zip(self.envs, actions, strict=True)])
 
     def call_async(self, name: str, *args: Any, **kwargs: Any) -> None:  # noqa: D102
-        self._called = [lane.call(name, args, kwargs) for lane in self._lanes]
+        self._called = [call(env, name, args, kwargs) for env in self.envs]
 
     def call_wait(self, **kwargs: Any) -> list[Any]:  # noqa: D102
         called, self._called = self._called, []
         return called
 
     def set_attr(self, name: str, values: Any) -> None:  # noqa: D102
-        for lane, value in zip(self._lanes, self._checked_values(values), strict=True):
-            lane.set(name, value)
+        for env, value in zip(self.envs, self._checked_values(values), strict=True):
+            setattr(env, name, value)
 
     def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # type: ignore[override]  # noqa: D102
-        return [lane.seed(own) for lane, own in zip(self._lanes, self._checked_seeds(seeds, seed), strict=True)]
+        return [env.seed(own) for env, own in zip(self.envs, self._checked_seeds(seeds, seed), strict=True)]
 
     def close_extras(self, **kwargs: Any) -> None:  # noqa: D102
-        for lane in self._lanes:
-            lane.close()
+        for env in self.envs:
+            env.close()
 
     def _check_observation_spaces(self) -> bool:
         return self._check_fit(env.observation_space for env in self.envs)

@@ -1,6 +1,7 @@
 """`VectorEnv`: several environments that step together."""
 
 import copy
+import functools
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from typing import Any
@@ -161,28 +162,20 @@ class Batches(VectorEnv):
         observations, rewards, dones, infos = zip(*results, strict=True)
         return self._batch(observations), np.array(rewards, np.float64), np.array(dones, np.bool_), list(infos)
 
-    def _checked_actions(self, actions: Any) -> list[Any]:
-        each: list[Any] = list(actions)
+    def _one_each(self, given: Iterable[Any], what: str) -> list[Any]:
+        each = list(given)
         if len(each) != self.num_envs:
-            raise ValueError(f"there are {self.num_envs} environments, got {len(each)} actions")
+            raise ValueError(f"there are {self.num_envs} environments, got {len(each)} {what}")
         return each
 
     def _checked_values(self, values: Any) -> list[Any]:
-        each: list[Any] = list(values) if isinstance(values, (list, tuple)) else [values] * self.num_envs
-        if len(each) != self.num_envs:
-            raise ValueError(f"there are {self.num_envs} environments, got {len(each)} values")
-        return each
+        return self._one_each(values if isinstance(values, (list, tuple)) else [values] * self.num_envs, "values")
 
     def _checked_seeds(self, seeds: int | Sequence[int | None] | None, seed: Any) -> list[int | None]:
         chosen = seed if seeds is None else seeds
-        each: list[int | None]
         if isinstance(chosen, (int, np.integer)):
-            each = [int(chosen) + i for i in range(self.num_envs)]
-        else:
-            each = [None] * self.num_envs if chosen is None else list(chosen)
-        if len(each) != self.num_envs:
-            raise ValueError(f"there are {self.num_envs} environments, got {len(each)} seeds")
-        return each
+            return [int(chosen) + i for i in range(self.num_envs)]
+        return self._one_each([None] * self.num_envs if chosen is None else chosen, "seeds")
 
     def _check_spaces(self) -> bool:
         """Check that the observations of all environments fit into the batch."""
@@ -223,38 +216,8 @@ class VectorEnvWrapper(VectorEnv, Wrapper):
         Wrapper.__init__(self, env)
         self.env: Any = env
 
-    def reset_async(self, **options: Any) -> None:  # noqa: D102
-        self.env.reset_async(**options)
-
-    def reset_wait(self, **kwargs: Any) -> Any:  # noqa: D102
-        return self.env.reset_wait(**kwargs)
-
-    def step_async(self, actions: Any) -> None:  # noqa: D102
-        self.env.step_async(actions)
-
-    def step_wait(self, **kwargs: Any) -> Any:  # noqa: D102
-        return self.env.step_wait(**kwargs)
-
-    def call(self, name: str, *args: Any, **kwargs: Any) -> list[Any]:  # noqa: D102
-        return self.env.call(name, *args, **kwargs)  # type: ignore[no-any-return]
-
-    def call_async(self, name: str, *args: Any, **kwargs: Any) -> None:  # noqa: D102
-        self.env.call_async(name, *args, **kwargs)
-
-    def call_wait(self, **kwargs: Any) -> list[Any]:  # noqa: D102
-        return self.env.call_wait(**kwargs)  # type: ignore[no-any-return]
-
-    def set_attr(self, name: str, values: Any) -> None:  # noqa: D102
-        self.env.set_attr(name, values)
-
     def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # type: ignore[override]  # noqa: D102
         return self.env.seed(seed if seeds is None else seeds)  # type: ignore[no-any-return]
-
-    def close(self, **kwargs: Any) -> None:  # noqa: D102
-        self.env.close(**kwargs)
-
-    def close_extras(self, **kwargs: Any) -> None:  # noqa: D102
-        self.env.close_extras(**kwargs)
 
     @property
     def unwrapped(self) -> Env:  # noqa: D102
@@ -272,40 +235,36 @@ class VectorEnvWrapper(VectorEnv, Wrapper):
     __repr__ = __str__
 
 
-class Lane:
-    """One environment of a vector, which begins a new episode by itself."""
+def _of_inner(name: str) -> Callable[..., Any]:
+    """The method of a wrapper that calls that of the vector inside."""
 
-    def __init__(self, env: Env) -> None:
-        self.env = env
+    @functools.wraps(getattr(VectorEnv, name))
+    def method(self: VectorEnvWrapper, *arguments: Any, **options: Any) -> Any:
+        return getattr(self.env, name)(*arguments, **options)
 
-    def reset(self, options: dict[str, Any] | None) -> Any:
-        """Begin an episode."""
-        return self.env.reset(**options or {})
+    return method
 
-    def step(self, action: Any) -> tuple[Any, Any, bool, dict[str, Any]]:
-        """Take an action; after the end of an episode, the observation is the first of the next."""
-        observation, reward, done, info = self.env.step(action)
-        if done:
-            info["terminal_observation"] = observation
-            observation = self.env.reset()
-        return observation, reward, done, info
 
-    def call(self, name: str, arguments: Sequence[Any], options: dict[str, Any]) -> Any:
-        """The result of a method, or the value of an attribute."""
-        value = getattr(self.env, name)
-        return value(*arguments, **options) if callable(value) else value
+for _name in ("reset", "step", "call"):
+    for _part in ("_async", "_wait"):
+        setattr(VectorEnvWrapper, _name + _part, _of_inner(_name + _part))
+for _name in ("call", "set_attr", "close", "close_extras"):
+    setattr(VectorEnvWrapper, _name, _of_inner(_name))
 
-    def set(self, name: str, value: Any) -> None:
-        """Set an attribute."""
-        setattr(self.env, name, value)
 
-    def seed(self, seed: int | None) -> list[int]:
-        """Seed the environment."""
-        return self.env.seed(seed)
+def step_and_reset(env: Env, action: Any) -> tuple[Any, Any, bool, dict[str, Any]]:
+    """Take an action; after the end of an episode, the observation is the first of the next."""
+    observation, reward, done, info = env.step(action)
+    if done:
+        info["terminal_observation"] = observation
+        observation = env.reset()
+    return observation, reward, done, info
 
-    def close(self) -> None:
-        """Close the environment."""
-        self.env.close()
+
+def call(env: Env, name: str, arguments: Sequence[Any], options: dict[str, Any]) -> Any:
+    """The result of a method, or the value of an attribute."""
+    value = getattr(env, name)
+    return value(*arguments, **options) if callable(value) else value
 
 
 class NoCallError(error.Error, error.NoAsyncCallError):

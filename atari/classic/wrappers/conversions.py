@@ -3,15 +3,12 @@
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
+from gymnasium.utils.step_api_compatibility import step_api_compatibility
 
 from atari.classic import error
 from atari.classic.checks import Checked
 from atari.classic.core import Env, Step, Wrapper
 from atari.classic.modern import Modern
-from atari.classic.utils.step_api_compatibility import (
-    convert_to_done_step_api,
-    convert_to_terminated_truncated_step_api,
-)
 
 
 class OrderEnforcing(Wrapper):
@@ -83,8 +80,7 @@ class StepAPICompatibility(Wrapper):
         self.is_vector_env = getattr(env, "is_vector_env", False)
 
     def _step(self, action: Any) -> Any:
-        convert = convert_to_terminated_truncated_step_api if self.output_truncation_bool else convert_to_done_step_api
-        return convert(self.env.step(action), self.is_vector_env)
+        return step_api_compatibility(self.env.step(action), self.output_truncation_bool, self.is_vector_env)
 
 
 @runtime_checkable

@@ -8,7 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from atari.classic.algorithmic import CopyEnv, ReversedAdditionEnv
+from atari.classic.algorithmic import CopyEnv, DuplicatedInputEnv, ReversedAdditionEnv
 from atari.registry.registration import ALGORITHMIC
 
 LEFT, RIGHT, UP, DOWN = range(4)
@@ -22,28 +22,20 @@ def env() -> CopyEnv:
     return env
 
 
-def test_a_right_character_is_a_point_and_all_of_them_end_the_episode(env: CopyEnv) -> None:
-    assert env.step((RIGHT, 1, 0))[:4] == (1, 1.0, False, False)
-    observation, reward, terminated, truncated, info = env.step((LEFT, 1, 1))
-    assert (observation, reward, terminated, truncated) == (0, 1.0, True, False)
-    assert info["solved"]
-
-
-def test_a_wrong_character_costs_half_a_point_and_ends_the_episode(env: CopyEnv) -> None:
-    observation, reward, terminated, truncated, info = env.step((RIGHT, 1, 1))
-    assert (observation, reward, terminated, truncated) == (1, -0.5, True, False)
-    assert not info["solved"]
-
-
-def test_a_wrong_last_character_does_not_solve(env: CopyEnv) -> None:
-    env.step((RIGHT, 1, 0))
-    assert env.step((RIGHT, 1, 0))[1:3] == (-0.5, True)
-    assert not env.solved
-
-
-def test_without_writing_the_character_does_not_matter(env: CopyEnv) -> None:
-    assert env.step((RIGHT, 0, 1))[:4] == (1, 0.0, False, False)
-    assert env.write_head == 0
+@pytest.mark.parametrize(
+    ("actions", "results", "solved"),
+    [
+        ([(RIGHT, 1, 0), (LEFT, 1, 1)], [(1, 1.0, False, False), (0, 1.0, True, False)], True),
+        ([(RIGHT, 1, 1)], [(1, -0.5, True, False)], False),
+        ([(RIGHT, 1, 0), (RIGHT, 1, 0)], [(1, 1.0, False, False), (BLANK, -0.5, True, False)], False),
+        ([(RIGHT, 0, 1)], [(1, 0.0, False, False)], False),
+    ],
+    ids=["right", "wrong", "the last wrong", "not written"],
+)
+def test_a_character_is_a_point_or_the_end(env: CopyEnv, actions: list[Any], results: list[Any], solved: bool) -> None:
+    assert [env.step(action)[:4] for action in actions] == results
+    assert (env.solved, env._info()["solved"]) == (solved, solved)
+    assert env.write_head == sum(write for _, write, _ in actions)
 
 
 def test_the_head_walks_off_the_tape_and_back(env: CopyEnv) -> None:
@@ -76,17 +68,8 @@ def test_the_last_character_may_come_too_late(env: CopyEnv) -> None:
 
 
 def test_info_has_the_state(env: CopyEnv) -> None:
-    info = env.step((RIGHT, 1, 0))[4]
-    assert info == {
-        "input": "AB",
-        "target": "AB",
-        "read_head": (1, 0),
-        "write_head": 1,
-        "time": 1,
-        "time_limit": 8,
-        "min_length": 2,
-        "solved": False,
-    }
+    numbers = {"read_head": (1, 0), "write_head": 1, "time": 1, "time_limit": 8, "min_length": 2}
+    assert env.step((RIGHT, 1, 0))[4] == {"input": "AB", "target": "AB", "solved": False, **numbers}
 
 
 def test_an_input_can_be_given_again() -> None:
@@ -156,11 +139,10 @@ def test_actions_may_be_lists_and_arrays(env: CopyEnv, action: Any) -> None:
 
 
 def test_a_step_needs_an_episode(env: CopyEnv) -> None:
-    with pytest.raises(gymnasium.error.ResetNeeded, match=r"call env.reset\(\) before env.step\(\)"):
-        CopyEnv().step((RIGHT, 1, 0))
     env.step((RIGHT, 1, 1))
-    with pytest.raises(gymnasium.error.ResetNeeded, match=r"call env.reset\(\) before env.step\(\)"):
-        env.step((RIGHT, 1, 1))
+    for each in (CopyEnv(), env):
+        with pytest.raises(gymnasium.error.ResetNeeded, match=r"call env.reset\(\) before env.step\(\)"):
+            each.step((RIGHT, 1, 0))
 
 
 @pytest.mark.parametrize("wrong", ["", "C", "a", "A\nB", [0, 1], None, "A "])
@@ -178,17 +160,21 @@ def test_a_grid_needs_rows_of_one_length(wrong: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "text"),
+    ("kind", "options", "text"),
     [
-        ({"base": 0}, r"base must be within 1\.\.26, got 0"),
-        ({"base": 27}, r"base must be within 1\.\.26, got 27"),
-        ({"base": 2.5}, r"base must be an integer within 1\.\.26, got 2\.5"),
-        ({"min_length": 0}, r"min_length must be within 1\.\.30, got 0"),
-        ({"min_length": 31}, r"min_length must be within 1\.\.30, got 31"),
-        ({"min_length": "3"}, r"min_length must be an integer within 1\.\.30, got '3'"),
-        ({"render_mode": "rgb_array"}, "render_mode is 'human', 'ansi' or None, got 'rgb_array'"),
+        (CopyEnv, {"base": 0}, r"base must be within 1\.\.26, got 0"),
+        (CopyEnv, {"base": 27}, r"base must be within 1\.\.26, got 27"),
+        (CopyEnv, {"base": 2.5}, r"base must be an integer within 1\.\.26, got 2\.5"),
+        (CopyEnv, {"min_length": 0}, r"min_length must be within 1\.\.30, got 0"),
+        (CopyEnv, {"min_length": 31}, r"min_length must be within 1\.\.30, got 31"),
+        (CopyEnv, {"min_length": "3"}, r"min_length must be an integer within 1\.\.30, got '3'"),
+        (CopyEnv, {"render_mode": "rgb_array"}, "render_mode is 'human', 'ansi' or None, got 'rgb_array'"),
+        (DuplicatedInputEnv, {"duplication": 0}, r"duplication must be within 1\.\.100, got 0"),
+        (ReversedAdditionEnv, {"rows": 0}, r"rows must be within 1\.\.100, got 0"),
+        (ReversedAdditionEnv, {"steps_per_column": 0}, r"steps_per_column must be within 1\.\.100, got 0"),
+        (ReversedAdditionEnv, {"base": 11}, r"base must be within 1\.\.10, got 11"),
     ],
 )
-def test_wrong_options(options: dict[str, Any], text: str) -> None:
+def test_wrong_options(kind: type[Any], options: dict[str, Any], text: str) -> None:
     with pytest.raises((TypeError, ValueError), match=text):
-        CopyEnv(**options)
+        kind(**options)

@@ -5,20 +5,25 @@ import re
 import gymnasium
 import pytest
 
-from atari.classic.algorithmic import CopyEnv, ReversedAdditionEnv
+from atari.classic.algorithmic import AlgorithmicEnv, CopyEnv, ReversedAdditionEnv
 
 GREEN, RED, END = "\x1b[42m", "\x1b[41m", "\x1b[0m"
 
 
-def plain(text: str | None) -> list[str]:
+def shown(env: AlgorithmicEnv) -> str:
+    text = env.render()
     assert text is not None
+    return text
+
+
+def plain(text: str) -> list[str]:
     return [line.rstrip() for line in re.sub(r"\x1b\[\d+m", "", text).splitlines()]
 
 
 def test_a_tape_before_the_first_step() -> None:
     env = CopyEnv(render_mode="ansi")
     env.reset(options={"input": "CAB"})
-    text = env.render()
+    text = shown(env)
     assert plain(text) == [
         "Total length of input instance: 3, step: 0",
         "==========================================",
@@ -27,7 +32,6 @@ def test_a_tape_before_the_first_step() -> None:
         "Targets             :   CAB",
         "",
     ]
-    assert text is not None
     assert f"  {GREEN}C{END}AB  \n" in text
 
 
@@ -35,12 +39,10 @@ def test_a_tape_after_a_right_and_a_wrong_character() -> None:
     env = CopyEnv(render_mode="ansi")
     env.reset(options={"input": "CAB"})
     env.step((1, 1, 2))
-    text = env.render()
-    assert text is not None
+    text = shown(env)
     assert f"Observation Tape    :   C{GREEN}A{END}B  \nOutput Tape         :   {GREEN}C{END}\n" in text
     env.step((0, 1, 3))
-    text = env.render()
-    assert text is not None
+    text = shown(env)
     assert f"Observation Tape    :   {GREEN}C{END}AB  \nOutput Tape         :   C{RED}D{END}\n" in text
     assert plain(text)[-5:] == [
         "Current reward      : -0.500",
@@ -57,8 +59,7 @@ def test_a_head_far_off_is_not_shown() -> None:
     heads = []
     for _ in range(4):
         env.step((0, 0, 0))
-        text = env.render()
-        assert text is not None
+        text = shown(env)
         heads.append(text.count(GREEN))
     assert heads == [1, 1, 0, 0]
 
@@ -67,8 +68,7 @@ def test_a_grid() -> None:
     env = ReversedAdditionEnv(render_mode="ansi")
     env.reset(options={"input": "122\n002"})
     env.step((2, 0, 1))
-    text = env.render()
-    assert text is not None
+    text = shown(env)
     assert text.splitlines()[2:6] == [
         f"Observation Grid    :   {GREEN} {END}    ",
         "                        122  ",

@@ -21,7 +21,8 @@ def test_a_constructed_environment_plays(kind: type[gym.Env]) -> None:
     env.action_space.seed(0)
     assert env.observation_space.contains(env.reset())
     for _ in range(5):
-        observation, _, done, _ = env.step(env.action_space.sample())
+        observation, reward, done, info = env.step(env.action_space.sample())
+        assert (float(reward), type(done), type(info)) == (reward, bool, dict)
         assert env.observation_space.contains(env.reset() if done else observation)
     assert kind.metadata["render.modes"] == env.metadata["render.modes"]
     assert kind.metadata["video.pixel_aspect"] == env.metadata["video.pixel_aspect"]
@@ -107,12 +108,15 @@ def test_a_copy_of_a_subclass_plays_on(make_copy: Any) -> None:
 
 
 def test_a_toy_text_has_a_state_before_the_first_reset() -> None:
-    env = toy_text.TaxiEnv()
+    env: Any = toy_text.TaxiEnv()
     env.seed(0)
     state = env.s
     assert (env.s, env.reset()) == (state, state)
     env.s = 114
-    assert (env.s, env.lastaction) == (114, None)  # type: ignore[attr-defined]
+    assert (env.s, env.lastaction) == (114, None)
+    assert env.encode(*env.decode(state)) == state
+    env.s = env.encode(0, 0, 1, 2)
+    assert env.step(0)[0] == env.encode(1, 0, 1, 2) == env.s
 
 
 def test_a_map_of_ones_own() -> None:
@@ -130,6 +134,13 @@ def test_a_class_registered_by_its_path_is_made_by_gymnasium_too() -> None:
     env.reset(seed=0)
     assert np.shape(env.render()) == (400, 600, 3)
     assert [env.step(0)[2:4] for _ in range(3)] == [(False, False), (False, False), (False, True)]
+    options = {"map_name": "4x4", "is_slippery": False}
+    path = "gym.envs.toy_text:FrozenLakeEnv"
+    gym.envs.registration.register(id="FirmLake-v0", entry_point=path, kwargs=options, reward_threshold=0.78)
+    lake = gym.make("FirmLake-v0")
+    assert lake.spec is not None
+    assert (lake.reset(), lake.spec.reward_threshold) == (0, 0.78)
+    assert [lake.step(action)[:3] for action in (1, 1, 2, 1, 2, 2)][-1] == (15, 1, True)
 
 
 def test_a_path_of_another_module_of_gym_means_gymnasiums() -> None:

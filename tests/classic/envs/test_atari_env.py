@@ -1,5 +1,6 @@
 """`gym.envs.atari.AtariEnv`: Gym's constructor and attributes."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -59,13 +60,20 @@ def test_a_wrong_frame_skip_changes_nothing(wrong: Any) -> None:
     assert env.frameskip == 4
 
 
-def test_the_emulator_takes_texts_as_bytes() -> None:
-    env = AtariEnv("pong")
+def test_the_emulator_takes_texts_as_bytes(tmp_path: Path) -> None:
+    env: Any = AtariEnv("pong")
     env.reset()
     env.ale.setFloat(b"repeat_action_probability", 0.5)
     assert env.ale.getFloat("repeat_action_probability") == env.ale.getFloat(b"repeat_action_probability") == 0.5
     env.ale.setInt(b"random_seed", 5)
     np.testing.assert_array_equal(env.ale.getScreenRGB2(), env._get_image())
+    env.ale.saveScreenPNG(str(tmp_path / "screen.png").encode())
+    assert (tmp_path / "screen.png").stat().st_size > 100
+    gray, before = np.zeros((210, 160), np.uint8), env.ale.getRAM()
+    env.ale.getScreenGrayscale(gray)
+    assert gray.max() > 0
+    env.ale.act(env._action_set[1])
+    assert (env.ale.getRAM() != before).any()
     with pytest.raises(AttributeError, match="nothing"):
         env.ale.nothing()
 
@@ -73,19 +81,28 @@ def test_the_emulator_takes_texts_as_bytes() -> None:
 def test_options_of_make_have_gyms_names() -> None:
     env: Any = gym.make("Pong-ram-v0", obs_type="image", frameskip=2).unwrapped
     assert (env.reset().shape, env.frameskip) == ((210, 160, 3), 2)
+    assert isinstance(env, AtariEnv)
+    assert (env.step(0)[3]["frame_number"], isinstance(gym.make("CartPole-v1").unwrapped, AtariEnv)) == (2, False)
     with pytest.raises(TypeError):
         gym.make("Pong-v0", framskip=2)
 
 
-def test_a_full_state_repeats_random_frame_skips() -> None:
+def test_keys_and_numbers_of_actions() -> None:
+    env: Any = gym.make("Pong-v0").unwrapped
+    assert env.get_keys_to_action() == {(): 0, (32,): 1, (100,): 2, (97,): 3, (32, 100): 4, (32, 97): 5}
+    assert [int(env._action_set[action]) for action in range(3)] == [0, 1, 3]
+
+
+def test_a_state_brings_the_game_back() -> None:
     env: Any = gym.make("Breakout-v0").unwrapped
     env.reset()
-    state = env.clone_full_state()
-    first = [env.step(2)[0].tobytes() for _ in range(3)]
-    env.restore_full_state(state)
-    env.frameskip = 3
-    second = [env.step(2)[0].tobytes() for _ in range(3)]
-    assert len(first) == len(second) == 3
+    env.step(1)
+    for clone, restore in ((env.clone_full_state, env.restore_full_state), (env.clone_state, env.restore_state)):
+        state, image = clone(), env._get_image()
+        env.step(2)
+        assert (env._get_image() != image).any()
+        restore(state)
+        np.testing.assert_array_equal(env._get_image(), image)
 
 
 @pytest.mark.parametrize("wrong", [{"game": "pnog"}, {"obs_type": "picture"}, {"frameskip": 0}])

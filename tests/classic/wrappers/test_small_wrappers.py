@@ -150,3 +150,12 @@ def test_actions_are_repeated() -> None:
     env.reset()
     assert env.step(0)[1:] == (3.0, False, {"skip.stepcount": 2})
     assert env.step(0)[1:] == (3.0, True, {"skip.stepcount": 3})
+
+
+def test_running_moments() -> None:
+    samples = np.random.default_rng(0).normal(5, 3, (1000, 2))
+    moments = wrappers.normalize.RunningMeanStd(shape=(2,))
+    for batch in np.split(samples, 10):
+        moments.update(batch)
+    np.testing.assert_allclose(moments.mean, samples.mean(axis=0), rtol=1e-5)
+    np.testing.assert_allclose(moments.var, samples.var(axis=0), rtol=1e-4)

@@ -20,9 +20,6 @@ class AcrobotEnv(Adapted):
 
     original = classic_control.AcrobotEnv
 
-    def __init__(self) -> None:
-        super().__init__()
-
 
 class CartPoleEnv(Adapted):
     """Balance a pole on a cart.
@@ -39,9 +36,6 @@ class CartPoleEnv(Adapted):
     """
 
     original = classic_control.CartPoleEnv
-
-    def __init__(self) -> None:
-        super().__init__()
 
     @property
     def steps_beyond_done(self) -> int | None:

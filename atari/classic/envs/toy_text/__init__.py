@@ -115,6 +115,3 @@ class TaxiEnv(ToyText):
 
     original = toy_text.TaxiEnv
     median_horiz = median_vert = None  # Gym's pictures; Gymnasium draws others
-
-    def __init__(self) -> None:
-        super().__init__()
