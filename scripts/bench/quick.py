@@ -9,6 +9,7 @@
 import argparse
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
@@ -39,7 +40,7 @@ def main() -> None:
     game = parser.parse_args().game
     print(f"{'frames a second of ' + game:34} {'atari-envs':>12} {'ale-py':>12}")
     for name, rgb in (("without pictures", False), ("with a picture (RGB) of each", True)):
-        ours, theirs = speeds(game, [core_frames(rgb=rgb), ale_py_frames(rgb=rgb)])
+        ours, theirs = speeds(game, [partial(core_frames, rgb=rgb), partial(ale_py_frames, rgb=rgb)])
         print(f"{name:34} {ours:12,.0f} {theirs:12,.0f}   {ours / theirs:.1f} times as fast")
 
 

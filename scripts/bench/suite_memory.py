@@ -7,6 +7,7 @@ as their own examples give them, and `ReplayMemory` gets single frames.
 import functools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from time import perf_counter, process_time
 from typing import Any
@@ -77,15 +78,11 @@ def timed(sample: Callable[[], Any]) -> Run:
     return run
 
 
-def ours(share: bool = False, **options: Any) -> Callable[[str], Run]:
+def ours(game: str, share: bool = False, **options: Any) -> Run:
     """Uniform sampling from `ReplayMemory`."""
-
-    def prepare(game: str) -> Run:
-        memory = filled_memory(game, **options)
-        batch = memory.make_batch(BATCH, share=share)
-        return timed(lambda: memory.sample(BATCH, out=batch))
-
-    return prepare
+    memory = filled_memory(game, **options)
+    batch = memory.make_batch(BATCH, share=share)
+    return timed(lambda: memory.sample(BATCH, out=batch))
 
 
 def ours_new(game: str) -> Run:
@@ -105,10 +102,9 @@ def drawn_by_priority(memory: ReplayMemory, share: bool = False) -> Run:
     return timed(sample)
 
 
-def ours_by_priority(share: bool = False, **options: Any) -> Callable[[str], Run]:
+def ours_by_priority(game: str, share: bool = False, **options: Any) -> Run:
     """Sampling by priority from `ReplayMemory`, with an update."""
-
-    return lambda game: drawn_by_priority(filled_memory(game, priority_exponent=ALPHA, **options), share)
+    return drawn_by_priority(filled_memory(game, priority_exponent=ALPHA, **options), share)
 
 
 def ours_without_frames(game: str) -> Run:
@@ -149,82 +145,70 @@ def cpprb_drawn_by_priority(buffer: Any) -> Run:
     return timed(sample)
 
 
-def sb3(optimize: bool) -> Callable[[str], Run]:
+def sb3(game: str, optimize: bool) -> Run:
     """Stable-Baselines3's buffer; CleanRL has a copy of it, which it uses with one stack for both observations."""
+    import torch
+    from stable_baselines3.common.buffers import ReplayBuffer
 
-    def prepare(game: str) -> Run:
-        import torch
-        from stable_baselines3.common.buffers import ReplayBuffer
-
-        torch.set_num_threads(1)  # all have one core
-        stream = stream_of(game)
-        space = gymnasium.spaces.Box(0, 255, (4, 84, 84), np.uint8)
-        buffer = ReplayBuffer(
-            STEPS,
-            space,
-            gymnasium.spaces.Discrete(18),
-            "cpu",
-            n_envs=LANES,
-            optimize_memory_usage=optimize,
-            handle_timeout_termination=not optimize,
-        )
-        infos: list[dict[str, Any]] = [{}] * LANES
-        for before, after, action, reward, ended in stream.rows():
-            buffer.add(before, after, action, reward, ended, infos)
-        return timed(lambda: buffer.sample(BATCH))
-
-    return prepare
+    torch.set_num_threads(1)  # all have one core
+    stream = stream_of(game)
+    space = gymnasium.spaces.Box(0, 255, (4, 84, 84), np.uint8)
+    buffer = ReplayBuffer(
+        STEPS,
+        space,
+        gymnasium.spaces.Discrete(18),
+        "cpu",
+        n_envs=LANES,
+        optimize_memory_usage=optimize,
+        handle_timeout_termination=not optimize,
+    )
+    infos: list[dict[str, Any]] = [{}] * LANES
+    for before, after, action, reward, ended in stream.rows():
+        buffer.add(before, after, action, reward, ended, infos)
+    return timed(lambda: buffer.sample(BATCH))
 
 
-def cpprb_buffer(by_priority: bool) -> Callable[[str], Run]:
+def cpprb_buffer(game: str, by_priority: bool) -> Run:
     """The buffer of cpprb with whole stacks."""
+    import cpprb
 
-    def prepare(game: str) -> Run:
-        import cpprb
-
-        names = {"shape": (4, 84, 84), "dtype": np.uint8}
-        fields = {"obs": names, "next_obs": names, "act": {"dtype": np.int64}, "rew": {}, "done": {}}
-        if by_priority:
-            buffer = cpprb.PrioritizedReplayBuffer(STEPS, fields, alpha=ALPHA)
-        else:
-            buffer = cpprb.ReplayBuffer(STEPS, fields)
-        for before, after, action, reward, ended in stream_of(game).rows():
-            buffer.add(obs=before, next_obs=after, act=action, rew=reward, done=ended)
-        return cpprb_drawn_by_priority(buffer) if by_priority else timed(lambda: buffer.sample(BATCH))
-
-    return prepare
+    names = {"shape": (4, 84, 84), "dtype": np.uint8}
+    fields = {"obs": names, "next_obs": names, "act": {"dtype": np.int64}, "rew": {}, "done": {}}
+    if by_priority:
+        buffer = cpprb.PrioritizedReplayBuffer(STEPS, fields, alpha=ALPHA)
+    else:
+        buffer = cpprb.ReplayBuffer(STEPS, fields)
+    for before, after, action, reward, ended in stream_of(game).rows():
+        buffer.add(obs=before, next_obs=after, act=action, rew=reward, done=ended)
+    return cpprb_drawn_by_priority(buffer) if by_priority else timed(lambda: buffer.sample(BATCH))
 
 
-def torchrl_buffer(by_priority: bool) -> Callable[[str], Run]:
+def torchrl_buffer(game: str, by_priority: bool) -> Run:
     """The buffer of TorchRL with whole stacks in tensors."""
+    import torch
+    from tensordict import TensorDict
+    from torchrl.data import LazyTensorStorage, TensorDictPrioritizedReplayBuffer, TensorDictReplayBuffer
 
-    def prepare(game: str) -> Run:
-        import torch
-        from tensordict import TensorDict
-        from torchrl.data import LazyTensorStorage, TensorDictPrioritizedReplayBuffer, TensorDictReplayBuffer
+    torch.set_num_threads(1)
+    storage = LazyTensorStorage(STEPS)
+    if by_priority:
+        buffer = TensorDictPrioritizedReplayBuffer(alpha=ALPHA, beta=BETA, storage=storage, batch_size=BATCH)
+    else:
+        buffer = TensorDictReplayBuffer(storage=storage, batch_size=BATCH)
+    for before, after, action, reward, ended in stream_of(game).rows():
+        parts = {"pixels": before, "next_pixels": after, "action": action, "reward": reward, "done": ended}
+        tensors = {name: torch.from_numpy(np.ascontiguousarray(part)) for name, part in parts.items()}
+        buffer.extend(TensorDict(tensors, batch_size=[LANES]))
+    if not by_priority:
+        return timed(buffer.sample)
+    errors = torch.rand(BATCH)
 
-        torch.set_num_threads(1)
-        storage = LazyTensorStorage(STEPS)
-        if by_priority:
-            buffer = TensorDictPrioritizedReplayBuffer(alpha=ALPHA, beta=BETA, storage=storage, batch_size=BATCH)
-        else:
-            buffer = TensorDictReplayBuffer(storage=storage, batch_size=BATCH)
-        for before, after, action, reward, ended in stream_of(game).rows():
-            parts = {"pixels": before, "next_pixels": after, "action": action, "reward": reward, "done": ended}
-            tensors = {name: torch.from_numpy(np.ascontiguousarray(part)) for name, part in parts.items()}
-            buffer.extend(TensorDict(tensors, batch_size=[LANES]))
-        if not by_priority:
-            return timed(buffer.sample)
-        errors = torch.rand(BATCH)
+    def sample() -> None:
+        batch = buffer.sample()
+        batch.set("td_error", errors)
+        buffer.update_tensordict_priority(batch)
 
-        def sample() -> None:
-            batch = buffer.sample()
-            batch.set("td_error", errors)
-            buffer.update_tensordict_priority(batch)
-
-        return timed(sample)
-
-    return prepare
+    return timed(sample)
 
 
 def torchrl_has_trees() -> bool:
@@ -236,70 +220,62 @@ def torchrl_has_trees() -> bool:
     return SumSegmentTreeFp32 is not None
 
 
-def dopamine_buffer(by_priority: bool) -> Callable[[str], Run]:
+def dopamine_buffer(game: str, by_priority: bool) -> Run:
     """Dopamine's buffer, with its compressed stacks."""
+    from dopamine.jax.replay_memory import accumulator, elements, replay_buffer, samplers
 
-    def prepare(game: str) -> Run:
-        from dopamine.jax.replay_memory import accumulator, elements, replay_buffer, samplers
+    if by_priority:
+        sampler: Any = samplers.PrioritizedSamplingDistribution(0, priority_exponent=ALPHA, max_capacity=STEPS)
+    else:
+        sampler = samplers.UniformSamplingDistribution(seed=0)
+    collect = accumulator.TransitionAccumulator(stack_size=4, update_horizon=1, gamma=0.99)
+    buffer = replay_buffer.ReplayBuffer(collect, sampler, batch_size=BATCH, max_capacity=STEPS)
+    keywords = {"priority": 1.0} if by_priority else {}
+    stream = stream_of(game)
+    for lane in range(LANES):  # one environment after the other, because the buffer serves one
+        for row in range(len(stream.actions)):
+            frame, ended = stream.stacks[row, lane, 3], bool(stream.ended[row, lane])
+            reward = float(stream.rewards[row, lane])
+            element = elements.TransitionElement(frame, int(stream.actions[row, lane]), reward, ended, ended)
+            buffer.add(element, **keywords)
+    if not by_priority:
+        return timed(buffer.sample)
+    errors = np.random.default_rng(0).random(BATCH)
 
-        if by_priority:
-            sampler: Any = samplers.PrioritizedSamplingDistribution(0, priority_exponent=ALPHA, max_capacity=STEPS)
-        else:
-            sampler = samplers.UniformSamplingDistribution(seed=0)
-        collect = accumulator.TransitionAccumulator(stack_size=4, update_horizon=1, gamma=0.99)
-        buffer = replay_buffer.ReplayBuffer(collect, sampler, batch_size=BATCH, max_capacity=STEPS)
-        keywords = {"priority": 1.0} if by_priority else {}
-        stream = stream_of(game)
-        for lane in range(LANES):  # one environment after the other, because the buffer serves one
-            for row in range(len(stream.actions)):
-                frame, ended = stream.stacks[row, lane, 3], bool(stream.ended[row, lane])
-                reward = float(stream.rewards[row, lane])
-                element = elements.TransitionElement(frame, int(stream.actions[row, lane]), reward, ended, ended)
-                buffer.add(element, **keywords)
-        if not by_priority:
-            return timed(buffer.sample)
-        errors = np.random.default_rng(0).random(BATCH)
+    def sample() -> None:
+        _, found = buffer.sample(BATCH, with_sample_metadata=True)
+        buffer.update(found.keys, priorities=errors)
 
-        def sample() -> None:
-            _, found = buffer.sample(BATCH, with_sample_metadata=True)
-            buffer.update(found.keys, priorities=errors)
-
-        return timed(sample)
-
-    return prepare
+    return timed(sample)
 
 
-def environment_steps(options: dict[str, Any] | None) -> Callable[[str], Run]:
+def environment_steps(game: str, options: dict[str, Any] | None) -> Run:
     """Processor time of steps of the environments, with `add` to a full memory of these options, or without one."""
+    envs = atari.AtariVectorEnv(game, LANES, stack_num=1, num_threads=1)
+    actions = np.random.default_rng(0).integers(0, envs.single_action_space.n, (997, LANES))
+    observations, _ = envs.reset(seed=0)
+    memory = None if options is None else ReplayMemory.for_env(envs, STEPS, seed=0, **options)
+    if memory is not None:
+        memory.reset(observations)
+        no = np.zeros(LANES, bool)
+        for _ in range(STEPS // LANES + 100):
+            memory.add(actions[0], np.zeros(LANES), no, no, observations=observations)
+        memory.reset(observations)
 
-    def prepare(game: str) -> Run:
-        envs = atari.AtariVectorEnv(game, LANES, stack_num=1, num_threads=1)
-        actions = np.random.default_rng(0).integers(0, envs.single_action_space.n, (997, LANES))
-        observations, _ = envs.reset(seed=0)
-        memory = None if options is None else ReplayMemory.for_env(envs, STEPS, seed=0, **options)
-        if memory is not None:
-            memory.reset(observations)
-            no = np.zeros(LANES, bool)
-            for _ in range(STEPS // LANES + 100):
-                memory.add(actions[0], np.zeros(LANES), no, no, observations=observations)
-            memory.reset(observations)
+    def run(count: int) -> float:
+        envs.reset(seed=1)
+        rows = -(-count // LANES)
+        start = process_time()
+        for row in range(rows):
+            chosen = actions[row % len(actions)]
+            if memory is None:
+                envs.step(chosen)
+            else:
+                _, *results = envs.step(chosen, out=memory.frames())
+                memory.add(chosen, *results)
+        return (process_time() - start) / rows / LANES * count
 
-        def run(count: int) -> float:
-            envs.reset(seed=1)
-            rows = -(-count // LANES)
-            start = process_time()
-            for row in range(rows):
-                chosen = actions[row % len(actions)]
-                if memory is None:
-                    envs.step(chosen)
-                else:
-                    _, *results = envs.step(chosen, out=memory.frames())
-                    memory.add(chosen, *results)
-            return (process_time() - start) / rows / LANES * count
-
-        return run
-
-    return prepare
+    return run
 
 
 def contestants() -> Iterator[tuple[str, float, list[tuple[str, Callable[[str], Run]]]]]:
@@ -312,17 +288,17 @@ def contestants() -> Iterator[tuple[str, float, list[tuple[str, Callable[[str], 
         "a transition, drawn uniformly",
         1.0,
         [
-            ("ReplayMemory", ours()),
-            ("shared frames", ours(share=True)),
+            ("ReplayMemory", ours),
+            ("shared frames", partial(ours, share=True)),
             ("without out", ours_new),
-            ("compressed", ours(compress=True)),
-            ("compressed, shared", ours(share=True, compress=True)),
+            ("compressed", partial(ours, compress=True)),
+            ("compressed, shared", partial(ours, share=True, compress=True)),
             *present(
-                ("Dopamine", "etils", dopamine_buffer(False)),
-                ("TorchRL", "torchrl", torchrl_buffer(False)),
-                ("CleanRL (SB3 copy)", "stable_baselines3", sb3(True)),
-                ("cpprb", "cpprb", cpprb_buffer(False)),
-                ("SB3", "stable_baselines3", sb3(False)),
+                ("Dopamine", "etils", partial(dopamine_buffer, by_priority=False)),
+                ("TorchRL", "torchrl", partial(torchrl_buffer, by_priority=False)),
+                ("CleanRL (SB3 copy)", "stable_baselines3", partial(sb3, optimize=True)),
+                ("cpprb", "cpprb", partial(cpprb_buffer, by_priority=False)),
+                ("SB3", "stable_baselines3", partial(sb3, optimize=False)),
             ),
         ],
     )
@@ -330,14 +306,14 @@ def contestants() -> Iterator[tuple[str, float, list[tuple[str, Callable[[str], 
         "a transition, drawn by priority, with an update",
         1.0,
         [
-            ("ReplayMemory", ours_by_priority()),
-            ("shared frames", ours_by_priority(share=True)),
-            ("compressed", ours_by_priority(compress=True)),
-            ("compressed, shared", ours_by_priority(share=True, compress=True)),
+            ("ReplayMemory", ours_by_priority),
+            ("shared frames", partial(ours_by_priority, share=True)),
+            ("compressed", partial(ours_by_priority, compress=True)),
+            ("compressed, shared", partial(ours_by_priority, share=True, compress=True)),
             *present(
-                ("Dopamine", "etils", dopamine_buffer(True)),
-                *([("TorchRL", "torchrl", torchrl_buffer(True))] if torchrl_has_trees() else []),
-                ("cpprb", "cpprb", cpprb_buffer(True)),
+                ("Dopamine", "etils", partial(dopamine_buffer, by_priority=True)),
+                *([("TorchRL", "torchrl", partial(torchrl_buffer, by_priority=True))] if torchrl_has_trees() else []),
+                ("cpprb", "cpprb", partial(cpprb_buffer, by_priority=True)),
             ),
         ],
     )
@@ -350,9 +326,9 @@ def contestants() -> Iterator[tuple[str, float, list[tuple[str, Callable[[str], 
         "processor time of a step of 8 environments",
         0.5,
         [
-            ("and add", environment_steps({})),
-            ("and add compressed", environment_steps({"compress": True})),
-            ("without", environment_steps(None)),
+            ("and add", partial(environment_steps, options={})),
+            ("and add compressed", partial(environment_steps, options={"compress": True})),
+            ("without", partial(environment_steps, options=None)),
         ],
     )
 

@@ -3,6 +3,7 @@
 import importlib
 import warnings
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -23,8 +24,8 @@ Prepare = Callable[[str], Callable[[int], float]]
 
 def contestants() -> Iterator[tuple[str, Prepare]]:
     """By name, a function that prepares a game; both have 8 games and one thread."""
-    yield "native", batches_of(native)
-    yield "PettingZoo", batches_of(pettingzoo)
+    yield "native", partial(batches_of, make=native)
+    yield "PettingZoo", partial(batches_of, make=pettingzoo)
 
 
 def native(name: str) -> Any:
@@ -48,23 +49,19 @@ def pettingzoo(name: str) -> Any:
     return supersuit.concat_vec_envs_v1(env, COUNT, num_cpus=0, base_class="gymnasium")
 
 
-def batches_of(make: Callable[[str], Any]) -> Prepare:
+def batches_of(name: str, make: Callable[[str], Any]) -> Callable[[int], float]:
     """Steps of a vector, counted by its games; in each step both players of a game act."""
+    envs = make(name)
+    envs.reset(seed=0)
+    shape = (2 * COUNT,) if envs.num_envs == 2 * COUNT else (COUNT, 2)
+    count = int(np.min(envs.action_space.nvec if shape == (COUNT, 2) else envs.action_space.n))
 
-    def prepare(name: str) -> Callable[[int], float]:
-        envs = make(name)
-        envs.reset(seed=0)
-        shape = (2 * COUNT,) if envs.num_envs == 2 * COUNT else (COUNT, 2)
-        count = int(np.min(envs.action_space.nvec if shape == (COUNT, 2) else envs.action_space.n))
+    def run(steps: int) -> float:
+        batches = -(-steps // COUNT)
+        actions = np.random.default_rng(0).integers(count, size=(batches, *shape))
+        started = perf_counter()
+        for batch in actions:
+            envs.step(batch)
+        return (perf_counter() - started) * steps / (batches * COUNT)
 
-        def run(steps: int) -> float:
-            batches = -(-steps // COUNT)
-            actions = np.random.default_rng(0).integers(count, size=(batches, *shape))
-            started = perf_counter()
-            for batch in actions:
-                envs.step(batch)
-            return (perf_counter() - started) * steps / (batches * COUNT)
-
-        return run
-
-    return prepare
+    return run

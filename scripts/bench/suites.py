@@ -1,10 +1,10 @@
 """The suites of `bench.py`: the contestants of each, and the functions that prepare a game and time it."""
 
 import dataclasses
-import functools
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
+from functools import cache, partial
 from importlib.util import find_spec
 from pathlib import Path
 from time import perf_counter
@@ -48,10 +48,10 @@ class Comparison:
 
 def raw() -> Iterator[Comparison]:
     """One emulated frame of a core, resets not counted."""
-    yield Comparison("act", [Contestant("native", core_frames()), Contestant("ale-py", ale_py_frames())])
+    yield Comparison("act", [Contestant("native", core_frames), Contestant("ale-py", ale_py_frames)])
     yield Comparison(
         "act and screen_rgb into an array",
-        [Contestant("native", core_frames(rgb=True)), Contestant("ale-py", ale_py_frames(rgb=True))],
+        [Contestant("native", partial(core_frames, rgb=True)), Contestant("ale-py", partial(ale_py_frames, rgb=True))],
     )
 
 
@@ -67,7 +67,10 @@ def state() -> Iterator[Comparison]:
         ("clone the state", 1.0, core_clone, ale_py_clone),
         ("restore the state", 1.0, core_restore, ale_py_restore),
     ):  # fmt: skip
-        sides = [Contestant("native", repeated(ours)), Contestant("ale-py", repeated(theirs))]
+        sides = [
+            Contestant("native", partial(repeated, make=ours)),
+            Contestant("ale-py", partial(repeated, make=theirs)),
+        ]
         yield Comparison(name, sides, part)
 
 
@@ -75,10 +78,10 @@ def env() -> Iterator[Comparison]:
     """One step of an environment with RGB observations, resets not counted."""
 
     def ours(core: str) -> Callable[[str], Run]:
-        return steps_of(lambda game: atari.AtariEnv(game, core=core))
+        return partial(steps_of, make=lambda game: atari.AtariEnv(game, core=core))
 
     sides = [Contestant(f"AtariEnv {core}", ours(core)) for core in atari.cores.CORES]
-    yield Comparison("env.step", [*sides, Contestant("ale-py AtariEnv", steps_of(ale_py.AtariEnv))])
+    yield Comparison("env.step", [*sides, Contestant("ale-py AtariEnv", partial(steps_of, make=ale_py.AtariEnv))])
 
 
 def preset() -> Iterator[Comparison]:
@@ -86,19 +89,22 @@ def preset() -> Iterator[Comparison]:
 
     def ours(core: str, preset: str) -> Callable[[str], Run]:
         options = {"core": core, **atari.wrappers.preset_options(preset)}
-        return steps_of(lambda game: atari.wrappers.preset(atari.AtariEnv(game, **options), preset), count_resets=True)
+
+        def wrapped(game: str) -> gymnasium.Env[Any, Any]:
+            return atari.wrappers.preset(atari.AtariEnv(game, **options), preset)
+
+        return partial(steps_of, make=wrapped, count_resets=True)
 
     sides = []
     for core in atari.cores.CORES:
-        sides.append(Contestant(f"4 x act {core}", four_frames(core)))
+        sides.append(Contestant(f"4 x act {core}", partial(four_frames, name=core)))
         sides += [Contestant(f"{name} {core}", ours(core, name)) for name in ("dqn2015", "gymnasium", "ale_vector")]
     if has_envpool():
-        sides.append(Contestant("EnvPool x1", batches_of(lambda game: envpool_envs(game, 1), np.int32)))
+        sides.append(envpool_envs("EnvPool x1", 1))
     if find_spec("stable_baselines3") is not None:
-        sides.append(Contestant("SB3 wrapper", steps_of(sb3_preset, count_resets=True)))
-    sides.append(Contestant("Gymnasium wrappers", steps_of(gymnasium_preset, count_resets=True)))
-    ale_py_vector = batches_of(lambda game: ale_py.AtariVectorEnv(game, 1, num_threads=1), np.int64)
-    yield Comparison("preset.step", [*sides, Contestant("ale-py vector x1", ale_py_vector)])
+        sides.append(Contestant("SB3 wrapper", partial(steps_of, make=sb3_preset, count_resets=True)))
+    sides.append(Contestant("Gymnasium wrappers", partial(steps_of, make=gymnasium_preset, count_resets=True)))
+    yield Comparison("preset.step", [*sides, ale_py_envs("ale-py vector x1", 1, num_threads=1)])
 
 
 def vector() -> Iterator[Comparison]:
@@ -107,8 +113,7 @@ def vector() -> Iterator[Comparison]:
         sides = [native_envs("native", count), native_envs("native dqn2015", count, preset="dqn2015")]
         yield Comparison(f"{count} x 84x84 gray", [*sides, *peer_envs(count)], part)
     rgb = {"grayscale": False, "stack_num": 1, "img_height": 210, "img_width": 160}
-    ale_py_rgb = Contestant("ale-py", batches_of(lambda game: ale_py.AtariVectorEnv(game, 8, **rgb), np.int64))
-    yield Comparison("8 x 210x160 RGB", [native_envs("native", 8, **rgb), ale_py_rgb], 0.5)
+    yield Comparison("8 x 210x160 RGB", [native_envs("native", 8, **rgb), ale_py_envs("ale-py", 8, **rgb)], 0.5)
     ram = native_envs("native RAM", 64, obs_type="ram")
     yield Comparison("64 x RAM and 84x84 gray", [ram, native_envs("native gray", 64)], 3.0)
     cores = os.cpu_count() or 1
@@ -173,70 +178,58 @@ def random_choices(actions: list[Any], steps: int) -> list[Any]:
 # Frames. Both loops do the same work in Python, so the ratio is that of the emulators.
 
 
-def core_frames(name: str = "native", rgb: bool = False) -> Callable[[str], Run]:
+def core_frames(game: str, name: str = "native", rgb: bool = False) -> Run:
     """Frames of a core."""
+    core = atari.cores.CORES[name](game, repeat_action_probability=0.0)
+    core.reset()
+    pixels = core.screen_rgb()
+    actions = [int(action) for action in core.game.minimal_actions]
 
-    def prepare(game: str) -> Run:
-        core = atari.cores.CORES[name](game, repeat_action_probability=0.0)
-        core.reset()
-        pixels = core.screen_rgb()
-        actions = [int(action) for action in core.game.minimal_actions]
+    def run(steps: int) -> float:
+        choices = random_choices(actions, steps)
+        resets = 0.0
+        started = perf_counter()
+        for action in choices:
+            if core.game_over:
+                paused = perf_counter()
+                core.reset()
+                resets += perf_counter() - paused
+            core.act(action)
+            if rgb:
+                core.screen_rgb(pixels)
+        return perf_counter() - started - resets
 
-        def run(steps: int) -> float:
-            choices = random_choices(actions, steps)
-            resets = 0.0
-            started = perf_counter()
-            for action in choices:
-                if core.game_over:
-                    paused = perf_counter()
-                    core.reset()
-                    resets += perf_counter() - paused
-                core.act(action)
-                if rgb:
-                    core.screen_rgb(pixels)
-            return perf_counter() - started - resets
-
-        return run
-
-    return prepare
+    return run
 
 
-def four_frames(name: str) -> Callable[[str], Run]:
+def four_frames(game: str, name: str) -> Run:
     """The emulator's part of a preset's step: four frames of a core, without reading the screen."""
-
-    def prepare(game: str) -> Run:
-        run = core_frames(name)(game)
-        return lambda steps: run(4 * steps)
-
-    return prepare
+    run = core_frames(game, name)
+    return lambda steps: run(4 * steps)
 
 
-def ale_py_frames(rgb: bool = False) -> Callable[[str], Run]:
+def ale_py_frames(game: str, rgb: bool = False) -> Run:
     """Frames of ale-py's raw interface."""
+    ale = loaded_ale(game)
+    ale.reset_game()
+    pixels = ale.getScreenRGB()
+    actions = [int(action.value) for action in ale.getMinimalActionSet()]
 
-    def prepare(game: str) -> Run:
-        ale = loaded_ale(game)
-        ale.reset_game()
-        pixels = ale.getScreenRGB()
-        actions = [int(action.value) for action in ale.getMinimalActionSet()]
+    def run(steps: int) -> float:
+        choices = random_choices(actions, steps)
+        resets = 0.0
+        started = perf_counter()
+        for action in choices:
+            if ale.game_over():
+                paused = perf_counter()
+                ale.reset_game()
+                resets += perf_counter() - paused
+            ale.act(action)
+            if rgb:
+                ale.getScreenRGB(pixels)
+        return perf_counter() - started - resets
 
-        def run(steps: int) -> float:
-            choices = random_choices(actions, steps)
-            resets = 0.0
-            started = perf_counter()
-            for action in choices:
-                if ale.game_over():
-                    paused = perf_counter()
-                    ale.reset_game()
-                    resets += perf_counter() - paused
-                ale.act(action)
-                if rgb:
-                    ale.getScreenRGB(pixels)
-            return perf_counter() - started - resets
-
-        return run
-
-    return prepare
+    return run
 
 
 def native_core(game: str) -> atari.cores.NativeCore:
@@ -262,21 +255,17 @@ def loaded_ale(game: str) -> Any:
 # Starting, saving and restoring: `call = make(game)`, then `call()` is one step.
 
 
-def repeated(make: Callable[[str], Callable[[], object]]) -> Callable[[str], Run]:
+def repeated(game: str, make: Callable[[str], Callable[[], object]]) -> Run:
     """Calls, one after the other."""
+    call = make(game)
 
-    def prepare(game: str) -> Run:
-        call = make(game)
+    def run(steps: int) -> float:
+        started = perf_counter()
+        for _ in range(steps):
+            call()
+        return perf_counter() - started
 
-        def run(steps: int) -> float:
-            started = perf_counter()
-            for _ in range(steps):
-                call()
-            return perf_counter() - started
-
-        return run
-
-    return prepare
+    return run
 
 
 def core_seed(game: str) -> Callable[[], object]:
@@ -336,30 +325,26 @@ def ale_py_restore(game: str) -> Callable[[], object]:
 # Environments.
 
 
-def steps_of(make: Callable[[str], gymnasium.Env[Any, Any]], count_resets: bool = False) -> Callable[[str], Run]:
+def steps_of(game: str, make: Callable[[str], gymnasium.Env[Any, Any]], count_resets: bool = False) -> Run:
     """Steps of a single environment."""
+    env = make(game)
+    env.reset(seed=0)
+    actions = list(range(int(env.action_space.n)))  # type: ignore[attr-defined]
 
-    def prepare(game: str) -> Run:
-        env = make(game)
-        env.reset(seed=0)
-        actions = list(range(int(env.action_space.n)))  # type: ignore[attr-defined]
+    def run(steps: int) -> float:
+        choices = random_choices(actions, steps)
+        resets = 0.0
+        started = perf_counter()
+        for action in choices:
+            _, _, terminated, truncated, _ = env.step(action)
+            if terminated or truncated:
+                paused = perf_counter()
+                env.reset()
+                resets += perf_counter() - paused
+        seconds = perf_counter() - started
+        return seconds if count_resets else seconds - resets
 
-        def run(steps: int) -> float:
-            choices = random_choices(actions, steps)
-            resets = 0.0
-            started = perf_counter()
-            for action in choices:
-                _, _, terminated, truncated, _ = env.step(action)
-                if terminated or truncated:
-                    paused = perf_counter()
-                    env.reset()
-                    resets += perf_counter() - paused
-            seconds = perf_counter() - started
-            return seconds if count_resets else seconds - resets
-
-        return run
-
-    return prepare
+    return run
 
 
 def gymnasium_preset(game: str) -> gymnasium.Env[Any, Any]:
@@ -377,19 +362,32 @@ def sb3_preset(game: str) -> gymnasium.Env[Any, Any]:
 
 def native_envs(name: str, count: int, **options: Any) -> Contestant:
     """Our vector environment."""
-    return Contestant(name, batches_of(lambda game: atari.AtariVectorEnv(game, count, **options), np.int64))
+    return Contestant(name, partial(batches_of, make=lambda game: atari.AtariVectorEnv(game, count, **options)))
+
+
+def ale_py_envs(name: str, count: int, **options: Any) -> Contestant:
+    """ale-py's vector environment."""
+    return Contestant(name, partial(batches_of, make=lambda game: ale_py.AtariVectorEnv(game, count, **options)))
+
+
+def envpool_envs(name: str, count: int) -> Contestant:
+    """EnvPool with as many threads as there are cores, at most one for each environment."""
+
+    def make(game: str) -> Any:
+        import envpool
+
+        threads = min(count, os.cpu_count() or 1)
+        return envpool.make(envpool_task(game), env_type="gymnasium", num_envs=count, num_threads=threads)
+
+    return Contestant(name, partial(batches_of, make=make, dtype=np.int32))
 
 
 def peer_envs(count: int) -> list[Contestant]:
     """EnvPool, if it is installed, and ale-py."""
-    envpool = [Contestant("EnvPool", batches_of(lambda game: envpool_envs(game, count), np.int32))]
-    return [
-        *(envpool if has_envpool() else []),
-        Contestant("ale-py", batches_of(lambda game: ale_py.AtariVectorEnv(game, count), np.int64)),
-    ]
+    return [*([envpool_envs("EnvPool", count)] if has_envpool() else []), ale_py_envs("ale-py", count)]
 
 
-@functools.cache
+@cache
 def has_envpool() -> bool:
     """Whether EnvPool is installed; prints a line if it is not."""
     found = find_spec("envpool") is not None
@@ -423,31 +421,19 @@ def envpool_task(game: str) -> str:
     return atari.task.env_ids.stem(game) + "-v5"
 
 
-def envpool_envs(game: str, count: int) -> Any:
-    """EnvPool with as many threads as there are cores, at most one for each environment."""
-    import envpool
-
-    threads = min(count, os.cpu_count() or 1)
-    return envpool.make(envpool_task(game), env_type="gymnasium", num_envs=count, num_threads=threads)
-
-
-def batches_of(make: Callable[[str], Any], dtype: type[np.integer[Any]]) -> Callable[[str], Run]:
+def batches_of(game: str, make: Callable[[str], Any], dtype: type[np.integer[Any]] = np.int64) -> Run:
     """Steps of a vector environment, counted by its environments."""
+    envs = make(game)
+    envs.reset()
+    size = envs.num_envs if hasattr(envs, "num_envs") else len(envs)
+    count = int(getattr(envs, "single_action_space", envs.action_space).n)
 
-    def prepare(game: str) -> Run:
-        envs = make(game)
-        envs.reset()
-        size = envs.num_envs if hasattr(envs, "num_envs") else len(envs)
-        count = int(getattr(envs, "single_action_space", envs.action_space).n)
+    def run(steps: int) -> float:
+        batches = -(-steps // size)
+        actions = np.random.default_rng(0).integers(count, size=(batches, size)).astype(dtype)
+        started = perf_counter()
+        for batch in actions:
+            envs.step(batch)
+        return (perf_counter() - started) * steps / (batches * size)
 
-        def run(steps: int) -> float:
-            batches = -(-steps // size)
-            actions = np.random.default_rng(0).integers(count, size=(batches, size)).astype(dtype)
-            started = perf_counter()
-            for batch in actions:
-                envs.step(batch)
-            return (perf_counter() - started) * steps / (batches * size)
-
-        return run
-
-    return prepare
+    return run

@@ -120,7 +120,7 @@ def options() -> str:
     from atari.learning.agents import AGENTS, find_agent  # imports PyTorch
     from atari.learning.options import TrainingOptions
 
-    common = {field.name for field in dataclasses.fields(TrainingOptions)} - {"task"}
+    common = {field.name: field.default for field in dataclasses.fields(TrainingOptions) if field.name != "task"}
     texts = descriptions(TrainingOptions)
     lines = ["| option of all agents | meaning |", "|---|---|"]
     lines += [f"| `--{name.replace('_', '-')}`, `{name}` | {texts[name]} |" for name in texts if name in common]
@@ -130,11 +130,11 @@ def options() -> str:
         lines += ["", f"| option of `{name}` | default | `--fast` | meaning |", "|---|---|---|---|"]
         for field in dataclasses.fields(agent.options_class):
             fast = in_text(agent.fast[field.name]) if field.name in agent.fast else ""
-            own = field.name not in common | {"task"}
-            if own or fast or field.default != _default_of(TrainingOptions, field.name):
+            own = field.name not in (*common, "task")
+            if own or fast or field.default != common.get(field.name, field.default):
                 flag = f"`--{field.name.replace('_', '-')}`, `{field.name}`"
-                meaning = texts[field.name] if own else "as above"
-                lines.append(f"| {flag} | {_shown_default(field)} | {fast} | {meaning} |")
+                default = "" if field.default is dataclasses.MISSING else in_text(field.default)
+                lines.append(f"| {flag} | {default} | {fast} | {texts[field.name] if own else 'as above'} |")
     return "\n".join(lines)
 
 
@@ -157,14 +157,6 @@ def fast() -> str:
         ram = in_text(FAST_RAM[name]) if name in FAST_RAM else "as from pixels"
         lines.append(f"| `{name}` | {' | '.join(cells)} | {ram} |")
     return "\n".join(lines)
-
-
-def _default_of(owner: type[Any], name: str) -> object:
-    return next((field.default for field in dataclasses.fields(owner) if field.name == name), None)
-
-
-def _shown_default(field: Any) -> str:
-    return "" if field.default is dataclasses.MISSING else in_text(field.default)
 
 
 TABLES: Mapping[str, Callable[[], str]] = {

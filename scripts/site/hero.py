@@ -20,7 +20,7 @@ FRAMES = 300  # frames of the video: every second frame of the console
 
 def pages() -> Iterator[Page]:
     """A video of the games and its first picture."""
-    frames = [mosaic(list(screens), 6) for screens in zip(*map(_screens, GAMES), strict=True)]
+    frames = [mosaic(screens, 6) for screens in zip(*map(_screens, GAMES), strict=True)]
     yield Page("assets/hero.mp4", mp4(frames, 30, crf=30))
     yield Page("assets/hero.png", png(frames[60]))
 

@@ -31,10 +31,12 @@ def strip(images: Iterable[Image], gap: int = 3, shade: int = 128) -> Image:
     return np.concatenate(columns, axis=1)
 
 
-def mosaic(images: list[Image], columns: int) -> Image:
-    """RGB images of one size in rows of `columns`."""
-    rows = [np.concatenate(images[first : first + columns], axis=1) for first in range(0, len(images), columns)]
-    return np.concatenate(rows)
+def mosaic(images: Sequence[Image], columns: int) -> Image:
+    """RGB images of one size in rows of `columns`, black after the last."""
+    filled = [*images, *[np.zeros_like(images[0])] * (-len(images) % columns)]
+    return np.concatenate(
+        [np.concatenate(filled[row : row + columns], axis=1) for row in range(0, len(filled), columns)]
+    )
 
 
 def mp4(frames: Sequence[Image], rate: int, crf: int = 28) -> bytes:

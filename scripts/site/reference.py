@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 
 from page import Page
-from public import MODULES, Definition, definitions, module_docstring
+from public import MODULES, definitions, module_docstring
 
 # Classes with public methods in a base class that has no page.
 _WITH_METHODS_OF_BASES = {"atari.learning.memory.replay_memory.ReplayMemory"}
@@ -44,16 +44,12 @@ def _page(module: str) -> Iterator[str]:
     yield "| name | |"
     yield "|---|---|"
     for definition in found:
-        yield f"| [`{definition.name}`][{_identifier(definition)}] | {_first_sentence(definition.docstring)} |"
+        yield f"| [`{definition.name}`][{definition.path}] | {_first_sentence(definition.docstring)} |"
     yield ""
     for definition in found:
         if definition.page == module:
             bases = "    options:\n      inherited_members: true\n" if definition.path in _WITH_METHODS_OF_BASES else ""
             yield f"::: {definition.path}\n{bases}"
-
-
-def _identifier(definition: Definition) -> str:
-    return definition.path
 
 
 def _first_sentence(docstring: str) -> str:

@@ -3,8 +3,6 @@
 from collections.abc import Iterable, Sequence
 from html import escape as text
 
-from gamepages.screens import shape
-
 
 def code(content: object) -> str:
     """Content as code."""
@@ -21,6 +19,12 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 def folded(summary: str, content: str) -> str:
     """Content that a click opens."""
     return f"<details><summary>{text(summary)}</summary>\n{content}</details>\n"
+
+
+def shape(cells: int) -> tuple[int, int]:
+    """(columns, rows) of a sheet of n cells."""
+    columns = min(cells, 8)
+    return columns, -(-cells // columns)
 
 
 def pictures(source: str, captions: Sequence[str], *, columns: int | None = None, ratio: str, kind: str) -> str:

@@ -1,12 +1,12 @@
 """The media of one game: `render` writes its video and pictures into a folder."""
 
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from pictures import Image, png, strip
+from pictures import Image, mosaic, png, strip
 
 import atari
 from atari.cores import NativeCore
@@ -16,8 +16,8 @@ from atari.multiplayer import MultiplayerCore
 from atari.recording import Replay, VideoWriter
 from atari.task import PRESETS
 from gamepages.facts import MODES, SCREEN, VIDEO, VIEWS, shown_modes
+from gamepages.markup import shape
 from gamepages.plays import Play, play_of
-from gamepages.screens import busiest, sheet
 
 SECONDS = 18  # seconds of a video
 
@@ -36,15 +36,21 @@ def render(game: Game, folder: Path) -> None:
         screens = (frame.screen for frame in islice(replay.frames(start, stop), 0, None, 15))
     else:
         screens = iter(_write_random(game, folder / VIDEO)[::15])
-    _write(folder / SCREEN, busiest(screens).repeat(2, axis=1))
+    _write(folder / SCREEN, _busiest(screens).repeat(2, axis=1))
     if len(shown_modes(game)) > 1:
-        _write(folder / MODES, sheet([_mode_screen(game, mode) for mode in shown_modes(game)]))
+        modes = [_mode_screen(game, mode) for mode in shown_modes(game)]
+        _write(folder / MODES, mosaic(modes, shape(len(modes))[0]))
     if game.single_player:
         _write(folder / VIEWS, np.concatenate([strip(list(_view(game, name, play))) for name in PRESETS]))
 
 
 def _write(path: Path, image: Image) -> None:
     path.write_bytes(png(image))
+
+
+def _busiest(screens: Iterable[Image]) -> Image:
+    """The screen with the most pixels that differ from the one to their left; the first of equals."""
+    return max(screens, key=lambda screen: int((screen[:, 1:] != screen[:, :-1]).any(axis=2).sum()))
 
 
 def _window(rewards: list[int]) -> tuple[int, int]:
@@ -88,7 +94,7 @@ def _mode_screen(game: Game, mode: int) -> Image:
         if frame >= 60 and frame % 10 == 0:
             screens.append(core.screen_rgb().copy())
     core.close()
-    return busiest(screens)
+    return _busiest(screens)
 
 
 def _write_random(game: Game, path: Path) -> list[Image]:

@@ -21,7 +21,7 @@ from atari.games.game import Game
 from gamepages.plays import ROOT, play_of
 
 CACHE = ROOT / "build" / "site-cache"
-_SOURCES = ("gamepages/media.py", "gamepages/screens.py", "pictures.py")
+_SOURCES = ("gamepages/media.py", "pictures.py")
 
 
 def folder_of(game: Game) -> Path:
