@@ -32,9 +32,30 @@ class KeepsArrays(NativeCore):
         return super().ram(out)
 
 
-class IgnoresOut(NativeCore):
-    def screen(self, out: Any = None) -> Any:
-        return super().screen()
+def faulty(**methods: Callable[..., Any]) -> type[NativeCore]:
+    """The class of cores with other methods: functions of the core, of the method of `NativeCore`, and of the arguments."""
+
+    def method(name: str, call: Callable[..., Any]) -> Callable[..., Any]:
+        own = getattr(NativeCore, name)
+        return lambda self, *arguments, **options: call(self, partial(own, self), *arguments, **options)
+
+    return type("Faulty", (NativeCore,), {name: method(name, call) for name, call in methods.items()})
+
+
+IgnoresOut = faulty(screen=lambda core, own, out=None: own())
+SignedSound = faulty(audio=lambda core, own, out=None: own(out).astype(np.int16))
+SeedsLater = faulty(seed=lambda core, own, seed: own((seed + 1) % 2**32))
+WrapsAddresses = faulty(
+    set_ram=lambda core, own, index, value: own(index % 128 if isinstance(index, int) else index, value)
+)
+WrapsActions = faulty(
+    act=lambda core, own, action, strength=1.0: own(action % 18 if type(action) is int else action, strength)
+)
+PaysAfterTheEnd = faulty(act=lambda core, own, *arguments: 1 if core.truncated else own(*arguments))
+DoublesRewards = faulty(act=lambda core, own, *arguments: own(*arguments) + int(core.episode_frame_number == 40))
+LosesSound = faulty(with_sound=lambda core, own: core if core.sound else NativeCore(core.game, sound=True))
+ClonesWithoutGenerator = faulty(clone_state=lambda core, own, include_rng=False: own())
+StaysOpen = faulty(close=lambda core, own: None)
 
 
 class WidensOut(NativeCore):
@@ -43,11 +64,6 @@ class WidensOut(NativeCore):
             return super().audio()
         np.asarray(out).reshape(-1)[:512] = super().audio()
         return out
-
-
-class SignedSound(NativeCore):
-    def audio(self, out: Any = None) -> Any:
-        return super().audio(out).astype(np.int16)
 
 
 class Noisy(NativeCore):
@@ -75,25 +91,10 @@ class OwnSeed(NativeCore):
         super().__init__(game, seed=OwnSeed.made, **options)
 
 
-class SeedsLater(NativeCore):
-    def seed(self, seed: int) -> None:
-        super().seed((seed + 1) % 2**32)
-
-
-class WrapsAddresses(NativeCore):
-    def set_ram(self, index: int, value: int) -> None:
-        super().set_ram(index % 128 if isinstance(index, int) else index, value)
-
-
 class WritesTwice(NativeCore):
     def set_ram(self, index: int, value: int) -> None:
         super().set_ram(index, value)
         super().set_ram((index + 1) % 128, 1)
-
-
-class WrapsActions(NativeCore):
-    def act(self, action: int, strength: float = 1.0) -> int:
-        return super().act(action % 18 if type(action) is int else action, strength)
 
 
 class PlaysBeforeItChecks(NativeCore):
@@ -105,25 +106,10 @@ class PlaysBeforeItChecks(NativeCore):
             raise
 
 
-class PaysAfterTheEnd(NativeCore):
-    def act(self, action: int, strength: float = 1.0) -> int:
-        return 1 if self.truncated else super().act(action, strength)
-
-
-class DoublesRewards(NativeCore):
-    def act(self, action: int, strength: float = 1.0) -> int:
-        return super().act(action, strength) + int(self.episode_frame_number == 40)
-
-
 class PlaysToRedraw(NativeCore):
     def redraw(self, out: Any = None) -> Any:
         super().act(0)
         return super().redraw(out)
-
-
-class LosesSound(NativeCore):
-    def with_sound(self) -> NativeCore:
-        return self if self.sound else NativeCore(self.game, sound=True)
 
 
 class FixedMode(NativeCore):
@@ -156,16 +142,6 @@ class TakesLongSnapshots(NativeCore):
         except ValueError:
             return False
         return True
-
-
-class ClonesWithoutGenerator(NativeCore):
-    def clone_state(self, include_rng: bool = False) -> Any:
-        return super().clone_state()
-
-
-class StaysOpen(NativeCore):
-    def close(self) -> None:
-        pass
 
 
 class RaisesAtClose(NativeCore):
@@ -203,7 +179,9 @@ FAULTS: dict[type[NativeCore], str] = {
 }
 
 
-@pytest.mark.parametrize("core_type", FAULTS, ids=lambda each: each.__name__)
+@pytest.mark.parametrize(
+    "core_type", FAULTS, ids=lambda each: next(name for name, kind in globals().items() if kind is each)
+)
 def test_a_core_with_a_fault_gets_its_sentence(core_type: Callable[..., Any]) -> None:
     with pytest.raises(ContractError) as caught:
         check_core(partial(core_type, "pong"), reference=partial(NativeCore, "pong"), steps=40)

@@ -47,36 +47,23 @@ class KeepsCounting(Faulty):
         return (*result, {**info, "count": self.count})  # type: ignore[return-value]
 
 
+def changed(change: Callable[..., Any]) -> type[Faulty]:
+    """The class of wrappers with other results of `step`: those of a function of the environment's."""
+    return type("Changed", (Faulty,), {"step": lambda self, action: change(*self.env.step(action))})
+
+
+OtherShape = changed(lambda seen, *rest: (seen[:127], *rest))
+OtherFinalDtype = changed(lambda seen, *rest: (seen.astype(np.int64) if rest[2] else seen, *rest))
+ArrayOfReward = changed(lambda seen, reward, *rest: (seen, np.array([reward]), *rest))
+InfiniteReward = changed(lambda seen, reward, *rest: (seen, float("inf"), *rest))
+HidesTheEnd = changed(lambda seen, reward, terminated, truncated, info: (seen, reward, False, False, info))
+OldLives = changed(lambda *results: (*results[:4], {**results[4], "lives": 7}))
+
+
 class OtherDtype(Faulty):
     def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
         super().__init__(env)
         self.observation_space = spaces.Box(0, 255, (128,), np.float32)
-
-
-class OtherShape(Faulty):
-    def step(self, action: Any) -> Step:
-        observation, *rest = self.env.step(action)
-        return (observation[:127], *rest)  # type: ignore[return-value]
-
-
-class OtherFinalDtype(Faulty):
-    def step(self, action: Any) -> Step:
-        observation, reward, terminated, truncated, info = self.env.step(action)
-        if truncated:
-            observation = observation.astype(np.int64)
-        return observation, reward, terminated, truncated, info
-
-
-class ArrayOfReward(Faulty):
-    def step(self, action: Any) -> Step:
-        observation, reward, *rest = self.env.step(action)
-        return (observation, np.array([reward]), *rest)  # type: ignore[return-value]
-
-
-class InfiniteReward(Faulty):
-    def step(self, action: Any) -> Step:
-        observation, _, *rest = self.env.step(action)
-        return (observation, float("inf"), *rest)  # type: ignore[return-value]
 
 
 class ReusesArray(Faulty):
@@ -115,18 +102,6 @@ class ResetsItself(Faulty):
         if not vars(self).get("begun"):
             self.reset()
         return self.env.step(action)
-
-
-class HidesTheEnd(Faulty):
-    def step(self, action: Any) -> Step:
-        observation, reward, _, _, info = self.env.step(action)
-        return observation, reward, False, False, info
-
-
-class OldLives(Faulty):
-    def step(self, action: Any) -> Step:
-        *result, info = self.env.step(action)
-        return (*result, {**info, "lives": 7})  # type: ignore[return-value]
 
 
 class HasLambda(Faulty):
@@ -203,7 +178,7 @@ OTHER_IN_GYMNASIUM_0 = (KeepsCounting, NoArguments)
 @pytest.mark.parametrize(
     "env_type",
     [pytest.param(each, marks=needs_gymnasium_1) if each in OTHER_IN_GYMNASIUM_0 else each for each in FAULTS],
-    ids=lambda each: each.__name__,
+    ids=lambda each: next(name for name, kind in globals().items() if kind is each),
 )
 @pytest.mark.filterwarnings("ignore:.*WARN")
 def test_an_environment_with_a_fault_gets_its_sentence(env_type: type[Any]) -> None:

@@ -1,5 +1,6 @@
 """`check_vector`: vectors with one fault each, and the sentence that each gets. `tests/vector/test_contract.py` has ours."""
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -27,14 +28,24 @@ class Faulty(VectorWrapper):
     """The base of wrappers of vectors with a fault; without one it passes."""
 
 
-class ShowsResetsObservation(Faulty):
-    """The final observation in `info` is the one of the next episode."""
+def changed(change: Callable[..., Any]) -> type[Faulty]:
+    """The class of wrappers with other results of `step`: those of a function of the vector's."""
+    return type("Changed", (Faulty,), {"step": lambda self, actions: change(*self.env.step(actions))})
 
-    def step(self, actions: Any) -> Any:
-        *results, info = self.env.step(actions)
-        if "final_obs" in info:
-            info = {**info, "final_obs": results[0].copy()}
-        return (*results, info)
+
+def with_info(change: Callable[[Any, dict[str, Any]], dict[str, Any]]) -> type[Faulty]:
+    """The class of wrappers with another info at ends: that of a function of the observations and the info."""
+    return changed(lambda *each: (*each[:4], change(each[0], each[4]) if "final_obs" in each[4] else each[4]))
+
+
+ShowsResetsObservation = with_info(lambda seen, info: {**info, "final_obs": seen.copy()})
+NoFinalObservation = with_info(lambda _, info: {name: value for name, value in info.items() if "final" not in name})
+HidesFinalMask = with_info(lambda _, info: {**info, "_final_obs": np.zeros(N, bool)})
+FinalOfOtherDtype = with_info(lambda _, info: {**info, "final_obs": info["final_obs"].astype(np.float32)})
+ListOfRewards = changed(lambda seen, reward, *rest: (seen, reward.tolist(), *rest))
+NumbersForEnds = changed(lambda seen, reward, ends, *rest: (seen, reward, ends.astype(np.uint8), *rest))
+NoMask = changed(lambda *each: (*each[:4], {name: part for name, part in each[4].items() if name != "_lives"}))
+OtherDtype = changed(lambda seen, *rest: (seen.astype(np.int32), *rest))
 
 
 class ShowsResetTwice(Faulty):
@@ -50,28 +61,6 @@ class ShowsResetTwice(Faulty):
                 observation[lane] = self.env.unwrapped.ram()[lane]  # type: ignore[attr-defined]
                 self.env.unwrapped.restore(None, state)  # type: ignore[attr-defined]
         return observation, reward, terminated, truncated, info
-
-
-class NoFinalObservation(Faulty):
-    def step(self, actions: Any) -> Any:
-        *results, info = self.env.step(actions)
-        return (*results, {name: value for name, value in info.items() if "final" not in name})
-
-
-class HidesFinalMask(Faulty):
-    def step(self, actions: Any) -> Any:
-        *results, info = self.env.step(actions)
-        if "_final_obs" in info:
-            info = {**info, "_final_obs": np.zeros(N, bool)}
-        return (*results, info)
-
-
-class FinalOfOtherDtype(Faulty):
-    def step(self, actions: Any) -> Any:
-        *results, info = self.env.step(actions)
-        if "final_obs" in info:
-            info = {**info, "final_obs": info["final_obs"].astype(np.float32)}
-        return (*results, info)
 
 
 class PaysForResets(Faulty):
@@ -99,30 +88,6 @@ class OneSeed(Faulty):
 class NoSeed(Faulty):
     def reset(self, *, seed: Any = None, options: Any = None) -> Any:
         return self.env.reset(options=options)
-
-
-class ListOfRewards(Faulty):
-    def step(self, actions: Any) -> Any:
-        observation, reward, *rest = self.env.step(actions)
-        return (observation, reward.tolist(), *rest)
-
-
-class NumbersForEnds(Faulty):
-    def step(self, actions: Any) -> Any:
-        observation, reward, terminated, *rest = self.env.step(actions)
-        return (observation, reward, terminated.astype(np.uint8), *rest)
-
-
-class NoMask(Faulty):
-    def step(self, actions: Any) -> Any:
-        *results, info = self.env.step(actions)
-        return (*results, {name: value for name, value in info.items() if name != "_lives"})
-
-
-class OtherDtype(Faulty):
-    def step(self, actions: Any) -> Any:
-        observation, *rest = self.env.step(actions)
-        return (observation.astype(np.int32), *rest)
 
 
 class ReusesArray(Faulty):
@@ -229,7 +194,9 @@ def make(envs_type: Any, mode: str) -> Any:
     return envs_type(vector(mode, **options))
 
 
-@pytest.mark.parametrize("envs_type", FAULTS, ids=lambda each: each.__name__)
+@pytest.mark.parametrize(
+    "envs_type", FAULTS, ids=lambda each: next(name for name, kind in globals().items() if kind is each)
+)
 @needs_gymnasium_1
 def test_a_vector_with_a_fault_gets_its_sentence(envs_type: Any) -> None:
     mode, sentence = FAULTS[envs_type]
