@@ -46,7 +46,8 @@ import atari.multiplayer
 sys.path.insert(0, str(Path(__file__).parent / "bench"))
 import suite_memory
 import suite_multiplayer
-from suites import SUITES, Comparison, without_envpool
+from comparison import Comparison
+from suites import SUITES, without_envpool
 
 Times = dict[str, list[float]]
 """Microseconds a step by contestant, one value a round."""
@@ -66,10 +67,10 @@ def measure(comparisons: list[Comparison], game: str, steps: int, rounds: int) -
     runs = []
     for comparison in comparisons:
         count = max(1, round(steps * comparison.part))
-        for side in comparison.contestants:
-            run = side.prepare(game)
+        for name, prepare in comparison.contestants:
+            run = prepare(game)
             run(max(1, count // 5))  # warm up
-            runs.append((run, count, times[comparison.name].setdefault(side.name, [])))
+            runs.append((run, count, times[comparison.name].setdefault(name, [])))
     for _ in range(rounds):
         for run, count, values in runs:
             values.append(run(count) / count * 1e6)

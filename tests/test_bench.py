@@ -102,11 +102,11 @@ def test_envpool_is_left_out_where_it_lacks_a_game(
     bench: dict[str, Any], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "envpool", SimpleNamespace(list_all_envs=lambda: ["Pong-v5"]))
-    sides = [SimpleNamespace(name=name) for name in ("native", "EnvPool", "ale-py")]
+    sides = [(name, None) for name in ("native", "EnvPool", "ale-py")]
     comparisons = [bench["Comparison"]("step", sides)]
     assert bench["without_envpool"](comparisons, ["pong"]) == comparisons
     (comparison,) = bench["without_envpool"](comparisons, ["pong", "tic_tac_toe_3d"])
-    assert [side.name for side in comparison.contestants] == ["native", "ale-py"]
+    assert [name for name, _ in comparison.contestants] == ["native", "ale-py"]
     assert capsys.readouterr().err == "EnvPool lacks tic_tac_toe_3d and is left out.\n"
 
 

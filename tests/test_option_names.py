@@ -79,17 +79,7 @@ OWN = {
     "task": ["preset"],
     "make": ["preset", "render_mode", "core", "rom", "disable_env_checker"],
     "single": ["render_mode", "core", "rom"],
-    "vector": [
-        "num_envs",
-        "preset",
-        "batch_size",
-        "num_threads",
-        "noop_max",
-        "use_fire_reset",
-        "grayscale",
-        "dtype",
-        "rom",
-    ],
+    "vector": "num_envs preset batch_size num_threads noop_max use_fire_reset grayscale dtype rom".split(),
 }
 """By door, options that it has beside those of a task."""
 

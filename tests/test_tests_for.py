@@ -1,17 +1,13 @@
 """`scripts/tests_for.py` finds tests for every file of the product, and the nearest ones first."""
 
-import importlib.util
 import sys
 from pathlib import Path
 
 import pytest
+import site_modules
 
 TOP = Path(__file__).parent.parent
-SPEC = importlib.util.spec_from_file_location("tests_for", TOP / "scripts" / "tests_for.py")
-assert SPEC is not None
-assert SPEC.loader is not None
-tests_for = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(tests_for)
+tests_for = site_modules.load("tests_for", "")
 
 
 @pytest.mark.parametrize(

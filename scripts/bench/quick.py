@@ -13,7 +13,8 @@ from functools import partial
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))  # PYTHONSAFEPATH leaves it out
-from suites import Run, ale_py_frames, core_frames
+from comparison import Run
+from suites import ale_py_frames, core_frames
 
 SECONDS = 1.2
 """Seconds of each of four measurements, in turns of a tenth."""

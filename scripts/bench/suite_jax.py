@@ -7,22 +7,24 @@ from typing import Any
 
 import ale_py.vector_env
 import numpy as np
+from comparison import Comparison, Run
 
 import atari
 from atari.integrations.jax import xla
 
 COUNT = 8
 
-Run = Callable[[int], float]
 
-
-def contestants() -> Iterator[tuple[str, Callable[[str], Run]]]:
-    """By name, a function that prepares a game; all have 8 environments of 84x84 and one thread for each core."""
-    yield "xla() in a scan", partial(scan, native, partial(xla, callback=False))
-    yield "callback in a scan", partial(scan, native, partial(xla, callback=True))
-    yield "loop", partial(loop, native)
-    yield "ale-py's xla()", partial(scan, ale, lambda envs: envs.xla())
-    yield "ale-py's loop", partial(loop, ale)
+def comparisons() -> Iterator[Comparison]:
+    """One step of one environment in compiled functions and in loops; all have one thread for each core."""
+    sides = {
+        "xla() in a scan": partial(scan, native, partial(xla, callback=False)),
+        "callback in a scan": partial(scan, native, partial(xla, callback=True)),
+        "loop": partial(loop, native),
+        "ale-py's xla()": partial(scan, ale, lambda envs: envs.xla()),
+        "ale-py's loop": partial(loop, ale),
+    }
+    yield Comparison(f"{COUNT} x 84x84 gray in JAX", [*sides.items()])
 
 
 def native(game: str) -> Any:

@@ -14,11 +14,11 @@ from typing import Any
 
 import gymnasium
 import numpy as np
+from comparison import Comparison, Contestant, Run
 
 import atari
 from atari.learning import ReplayMemory
 
-Run = Callable[[int], float]
 LANES, BATCH = 8, 32
 STEPS = 20_000
 ALPHA, BETA = 0.6, 0.4
@@ -278,15 +278,14 @@ def environment_steps(game: str, options: dict[str, Any] | None) -> Run:
     return run
 
 
-def contestants() -> Iterator[tuple[str, float, list[tuple[str, Callable[[str], Run]]]]]:
-    """By comparison: its name, its share of the steps, and its contestants, the fastest peer last where it is known."""
+def comparisons() -> Iterator[Comparison]:
+    """Sampling from a replay memory, and adding to it; the fastest peer is the last where it is known."""
 
-    def present(*peers: tuple[str, str, Callable[[str], Run]]) -> list[tuple[str, Callable[[str], Run]]]:
+    def present(*peers: tuple[str, str, Callable[[str], Run]]) -> list[Contestant]:
         return [(name, prepare) for name, package, prepare in peers if find_spec(package)]
 
-    yield (
+    yield Comparison(
         "a transition, drawn uniformly",
-        1.0,
         [
             ("ReplayMemory", ours),
             ("shared frames", partial(ours, share=True)),
@@ -302,9 +301,8 @@ def contestants() -> Iterator[tuple[str, float, list[tuple[str, Callable[[str], 
             ),
         ],
     )
-    yield (
+    yield Comparison(
         "a transition, drawn by priority, with an update",
-        1.0,
         [
             ("ReplayMemory", ours_by_priority),
             ("shared frames", partial(ours_by_priority, share=True)),
@@ -317,19 +315,19 @@ def contestants() -> Iterator[tuple[str, float, list[tuple[str, Callable[[str], 
             ),
         ],
     )
-    yield (
+    yield Comparison(
         "a draw by priority of a million steps, with an update, without frames",
-        10.0,
         [("ReplayMemory", ours_without_frames), *present(("cpprb", "cpprb", cpprb_without_frames))],
+        10.0,
     )
-    yield (
+    yield Comparison(
         "processor time of a step of 8 environments",
-        0.5,
         [
             ("and add", partial(environment_steps, options={})),
             ("and add compressed", partial(environment_steps, options={"compress": True})),
             ("without", partial(environment_steps, options=None)),
         ],
+        0.5,
     )
 
 

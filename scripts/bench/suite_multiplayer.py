@@ -10,6 +10,7 @@ from typing import Any
 
 import ale_py.roms
 import numpy as np
+from comparison import Comparison, Run
 
 import atari
 from atari.multiplayer import ENVIRONMENTS
@@ -19,13 +20,11 @@ GAMES = ["pong", "boxing", "joust", "space_invaders", "tennis", "combat_tank"]
 
 COUNT = 8
 
-Prepare = Callable[[str], Callable[[int], float]]
 
-
-def contestants() -> Iterator[tuple[str, Prepare]]:
-    """By name, a function that prepares a game; both have 8 games and one thread."""
-    yield "native", partial(batches_of, make=native)
-    yield "PettingZoo", partial(batches_of, make=pettingzoo)
+def comparisons() -> Iterator[Comparison]:
+    """One step of a game of two players, 4 frames, resets counted; both sides have 8 games and one thread."""
+    sides = [("native", partial(batches_of, make=native)), ("PettingZoo", partial(batches_of, make=pettingzoo))]
+    yield Comparison(f"{COUNT} x 84x84 gray, two players, one thread", sides)
 
 
 def native(name: str) -> Any:
@@ -49,7 +48,7 @@ def pettingzoo(name: str) -> Any:
     return supersuit.concat_vec_envs_v1(env, COUNT, num_cpus=0, base_class="gymnasium")
 
 
-def batches_of(name: str, make: Callable[[str], Any]) -> Callable[[int], float]:
+def batches_of(name: str, make: Callable[[str], Any]) -> Run:
     """Steps of a vector, counted by its games; in each step both players of a game act."""
     envs = make(name)
     envs.reset(seed=0)

@@ -14,7 +14,8 @@ from pathlib import Path
 from time import process_time, thread_time
 from typing import Any
 
-Run = Callable[[int], float]
+from comparison import Comparison, Run
+
 COUNT = 8
 FILTERS = [[16, 4, 2], [32, 4, 2], [64, 4, 2], [128, 4, 2]]  # the values of RLlib's examples for Atari
 PARTS = {
@@ -27,10 +28,11 @@ PARTS = {
 }
 
 
-def contestants() -> Iterator[tuple[str, list[tuple[str, Callable[[str], Run]]]]]:
-    """The title of each comparison, and its sides: names, and functions that prepare them for a game."""
+def comparisons() -> Iterator[Comparison]:
+    """One step of one environment of RLlib's env runner, by parts; needs the extra `ray`."""
     for part, title in PARTS.items():
-        yield f"{title}, {COUNT} environments", [(side, partial(prepare, side, part)) for side in ("native", "RLlib's")]
+        sides = [(side, partial(prepare, side, part)) for side in ("native", "RLlib's")]
+        yield Comparison(f"{title}, {COUNT} environments", sides)
 
 
 def prepare(side: str, part: str, game: str) -> Run:

@@ -21,37 +21,15 @@ import suite_jax
 import suite_memory
 import suite_multiplayer
 import suite_ray
-
-Run = Callable[[int], float]
-"""Takes a number of steps and returns the seconds they took."""
-
-
-@dataclasses.dataclass(frozen=True)
-class Contestant:
-    """One side of a comparison: a name, and a function that prepares it for a game."""
-
-    name: str
-    prepare: Callable[[str], Run]
-
-
-@dataclasses.dataclass(frozen=True)
-class Comparison:
-    """Contestants that do the same work; ratios refer to the last one.
-
-    `part` is the share of the requested steps that is taken; it is below 1 where a step takes long.
-    """
-
-    name: str
-    contestants: list[Contestant]
-    part: float = 1.0
+from comparison import Comparison, Contestant, Run
 
 
 def raw() -> Iterator[Comparison]:
     """One emulated frame of a core, resets not counted."""
-    yield Comparison("act", [Contestant("native", core_frames), Contestant("ale-py", ale_py_frames)])
+    yield Comparison("act", [("native", core_frames), ("ale-py", ale_py_frames)])
     yield Comparison(
         "act and screen_rgb into an array",
-        [Contestant("native", partial(core_frames, rgb=True)), Contestant("ale-py", partial(ale_py_frames, rgb=True))],
+        [("native", partial(core_frames, rgb=True)), ("ale-py", partial(ale_py_frames, rgb=True))],
     )
 
 
@@ -68,8 +46,8 @@ def state() -> Iterator[Comparison]:
         ("restore the state", 1.0, core_restore, ale_py_restore),
     ):  # fmt: skip
         sides = [
-            Contestant("native", partial(repeated, make=ours)),
-            Contestant("ale-py", partial(repeated, make=theirs)),
+            ("native", partial(repeated, make=ours)),
+            ("ale-py", partial(repeated, make=theirs)),
         ]
         yield Comparison(name, sides, part)
 
@@ -80,8 +58,8 @@ def env() -> Iterator[Comparison]:
     def ours(core: str) -> Callable[[str], Run]:
         return partial(steps_of, make=lambda game: atari.AtariEnv(game, core=core))
 
-    sides = [Contestant(f"AtariEnv {core}", ours(core)) for core in atari.cores.CORES]
-    yield Comparison("env.step", [*sides, Contestant("ale-py AtariEnv", partial(steps_of, make=ale_py.AtariEnv))])
+    sides = [(f"AtariEnv {core}", ours(core)) for core in atari.cores.CORES]
+    yield Comparison("env.step", [*sides, ("ale-py AtariEnv", partial(steps_of, make=ale_py.AtariEnv))])
 
 
 def preset() -> Iterator[Comparison]:
@@ -97,13 +75,13 @@ def preset() -> Iterator[Comparison]:
 
     sides = []
     for core in atari.cores.CORES:
-        sides.append(Contestant(f"4 x act {core}", partial(four_frames, name=core)))
-        sides += [Contestant(f"{name} {core}", ours(core, name)) for name in ("dqn2015", "gymnasium", "ale_vector")]
+        sides.append((f"4 x act {core}", partial(four_frames, name=core)))
+        sides += [(f"{name} {core}", ours(core, name)) for name in ("dqn2015", "gymnasium", "ale_vector")]
     if has_envpool():
         sides.append(envpool_envs("EnvPool x1", 1))
     if find_spec("stable_baselines3") is not None:
-        sides.append(Contestant("SB3 wrapper", partial(steps_of, make=sb3_preset, count_resets=True)))
-    sides.append(Contestant("Gymnasium wrappers", partial(steps_of, make=gymnasium_preset, count_resets=True)))
+        sides.append(("SB3 wrapper", partial(steps_of, make=sb3_preset, count_resets=True)))
+    sides.append(("Gymnasium wrappers", partial(steps_of, make=gymnasium_preset, count_resets=True)))
     yield Comparison("preset.step", [*sides, ale_py_envs("ale-py vector x1", 1, num_threads=1)])
 
 
@@ -131,30 +109,6 @@ def sizes(counts: Iterable[int]) -> Iterator[Comparison]:
         yield Comparison(f"{count} x 84x84 gray", sides, min(4.0, max(0.5, count / 16)))
 
 
-def memory() -> Iterator[Comparison]:
-    """Sampling from a replay memory, and adding to it."""
-    for name, part, sides in suite_memory.contestants():
-        yield Comparison(name, [Contestant(*side) for side in sides], part)
-
-
-def multiplayer() -> Iterator[Comparison]:
-    """One step of a game of two players, 4 frames, resets counted."""
-    sides = [Contestant(*side) for side in suite_multiplayer.contestants()]
-    yield Comparison(f"{suite_multiplayer.COUNT} x 84x84 gray, two players, one thread", sides)
-
-
-def ray() -> Iterator[Comparison]:
-    """One step of one environment of RLlib's env runner; needs the extra `ray`."""
-    for name, sides in suite_ray.contestants():
-        yield Comparison(name, [Contestant(*side) for side in sides])
-
-
-def jax() -> Iterator[Comparison]:
-    """One step of one environment in compiled functions and in loops; needs the extra `jax`."""
-    sides = [Contestant(*side) for side in suite_jax.contestants()]
-    yield Comparison(f"{suite_jax.COUNT} x 84x84 gray in JAX", sides)
-
-
 SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
     "raw": raw,
     "state": state,
@@ -162,10 +116,10 @@ SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
     "preset": preset,
     "vector": vector,
     "sizes": sizes,
-    "memory": memory,
-    "multiplayer": multiplayer,
-    "ray": ray,
-    "jax": jax,
+    "memory": suite_memory.comparisons,
+    "multiplayer": suite_multiplayer.comparisons,
+    "ray": suite_ray.comparisons,
+    "jax": suite_jax.comparisons,
 }
 
 
@@ -362,12 +316,12 @@ def sb3_preset(game: str) -> gymnasium.Env[Any, Any]:
 
 def native_envs(name: str, count: int, **options: Any) -> Contestant:
     """Our vector environment."""
-    return Contestant(name, partial(batches_of, make=lambda game: atari.AtariVectorEnv(game, count, **options)))
+    return name, partial(batches_of, make=lambda game: atari.AtariVectorEnv(game, count, **options))
 
 
 def ale_py_envs(name: str, count: int, **options: Any) -> Contestant:
     """ale-py's vector environment."""
-    return Contestant(name, partial(batches_of, make=lambda game: ale_py.AtariVectorEnv(game, count, **options)))
+    return name, partial(batches_of, make=lambda game: ale_py.AtariVectorEnv(game, count, **options))
 
 
 def envpool_envs(name: str, count: int) -> Contestant:
@@ -379,7 +333,7 @@ def envpool_envs(name: str, count: int) -> Contestant:
         threads = min(count, os.cpu_count() or 1)
         return envpool.make(envpool_task(game), env_type="gymnasium", num_envs=count, num_threads=threads)
 
-    return Contestant(name, partial(batches_of, make=make, dtype=np.int32))
+    return name, partial(batches_of, make=make, dtype=np.int32)
 
 
 def peer_envs(count: int) -> list[Contestant]:
@@ -398,7 +352,7 @@ def has_envpool() -> bool:
 
 def without_envpool(comparisons: list[Comparison], games: list[str]) -> list[Comparison]:
     """The comparisons; without EnvPool, and with a printed line, if EnvPool does not have all these games."""
-    beside = any(side.name.startswith("EnvPool") for comparison in comparisons for side in comparison.contestants)
+    beside = any(side[0].startswith("EnvPool") for comparison in comparisons for side in comparison.contestants)
     if not beside:
         return comparisons
     import envpool
@@ -410,7 +364,7 @@ def without_envpool(comparisons: list[Comparison], games: list[str]) -> list[Com
     print(f"EnvPool lacks {', '.join(lacking)} and is left out.", file=sys.stderr)
     return [
         dataclasses.replace(
-            comparison, contestants=[side for side in comparison.contestants if not side.name.startswith("EnvPool")]
+            comparison, contestants=[side for side in comparison.contestants if not side[0].startswith("EnvPool")]
         )
         for comparison in comparisons
     ]

@@ -79,6 +79,11 @@ def class_facts(path: str, instance: Any = None) -> Iterator[Fact]:
             yield Fact(module, f"{name}.{each}", "attribute")
 
 
+def facts_of_classes(paths: Iterable[str]) -> set[Fact]:
+    """The facts of classes of Python, with the attributes that they set on `self`."""
+    return {fact for path in paths for fact in (*class_facts(path), *attributes_of_source(path))}
+
+
 def attributes_of_source(path: str) -> Iterator[Fact]:
     """The attributes that a class of Python sets on `self`, and the public methods that it calls there."""
     module, _, name = path.rpartition(".")

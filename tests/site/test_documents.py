@@ -1,13 +1,12 @@
 """The documents as files of a checkout: tables made from data are up to date, and every link has a place."""
 
-import importlib.util
 import re
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 
 import pytest
+import site_modules
 
 TOP = Path(__file__).resolve().parents[2]
 LISTED = subprocess.run(
@@ -18,16 +17,7 @@ DOCUMENTS = LISTED or [
 ]
 
 
-def load_tables() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("tables", TOP / "scripts" / "generate" / "tables.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-TABLES = load_tables()
+TABLES = site_modules.load("tables", "generate")
 
 
 @pytest.mark.parametrize("name", TABLES.DOCUMENTS)

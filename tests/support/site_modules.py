@@ -1,18 +1,18 @@
-"""The modules of scripts/site, which is no package."""
+"""Modules of the folders of `scripts`, which are no packages."""
 
 import importlib.util
 import sys
 from pathlib import Path
 from types import ModuleType
 
-FOLDER = Path(__file__).parents[2] / "scripts" / "site"
+SCRIPTS = Path(__file__).parents[2] / "scripts"
 
 
-def load(name: str) -> ModuleType:
-    """A module of scripts/site by the name of its file; only one that imports no other of them."""
-    full = f"site_{name}"
+def load(name: str, folder: str = "site") -> ModuleType:
+    """A module of a folder of `scripts` by the name of its file; only one that imports no other of them."""
+    full = f"{folder or 'scripts'}_{name}"
     if full not in sys.modules:
-        spec = importlib.util.spec_from_file_location(full, FOLDER / f"{name}.py")
+        spec = importlib.util.spec_from_file_location(full, SCRIPTS / folder / f"{name}.py")
         assert spec is not None
         assert spec.loader is not None
         sys.modules[full] = importlib.util.module_from_spec(spec)

@@ -18,10 +18,6 @@ OURS = Ours(_CLASSES)
 
 def facts() -> Versions:
     """The facts of the installed version."""
-    found = set()
-    for path in _CLASSES:
-        found |= {
-            fact for fact in live.class_facts(path) if fact.name.rpartition(".")[2] != "__init__" or "wrappers" in path
-        }
-        found |= set(live.attributes_of_source(path))
-    return live.versions(found, importlib.metadata.version("gymnasium"))
+    found = live.facts_of_classes(_CLASSES)
+    kept = (fact for fact in found if not fact.name.endswith(".__init__") or "wrappers" in fact.module)
+    return live.versions(kept, importlib.metadata.version("gymnasium"))

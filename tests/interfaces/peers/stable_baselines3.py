@@ -16,10 +16,6 @@ OURS = Ours(_CLASSES)
 def facts() -> Versions:
     """The facts of the installed version."""
     live.require("stable_baselines3", "stable-baselines3")
-    found = set()
-    for path in _CLASSES:
-        found |= {
-            fact for fact in live.class_facts(path) if fact.path != "stable_baselines3.common.vec_env.VecEnv.__init__"
-        }
-        found |= set(live.attributes_of_source(path))
-    return live.versions(found, importlib.metadata.version("stable-baselines3"))
+    found = live.facts_of_classes(_CLASSES)
+    kept = (fact for fact in found if fact.path != "stable_baselines3.common.vec_env.VecEnv.__init__")
+    return live.versions(kept, importlib.metadata.version("stable-baselines3"))
