@@ -1,29 +1,21 @@
 """The algorithmic tasks: copy, reverse and add the content of a tape (see `atari.classic.algorithmic`)."""
 
-from typing import Any
-
 from atari.classic import algorithmic
 from atari.classic.envs.adapted import Adapted
 
 __all__ = ["CopyEnv", "DuplicatedInputEnv", "RepeatCopyEnv", "ReverseEnv", "ReversedAdditionEnv"]
 
 
-class _Task(Adapted):
-    def __init__(self, **options: Any) -> None:
-        options.pop("chars", None)  # whether digits or letters are printed, which the task decides
-        super().__init__(**options)
-
-
-class CopyEnv(_Task):
+class CopyEnv(Adapted):
     """Write the letters of the tape."""
 
     original = algorithmic.CopyEnv
 
     def __init__(self, base: int = 5, chars: bool = True) -> None:
-        super().__init__(base=base, chars=chars)
+        super().__init__(base=base)  # the task decides whether digits or letters (`chars`) are printed
 
 
-class DuplicatedInputEnv(_Task):
+class DuplicatedInputEnv(Adapted):
     """Each letter occurs `duplication` times in a row; write it once."""
 
     original = algorithmic.DuplicatedInputEnv
@@ -32,7 +24,7 @@ class DuplicatedInputEnv(_Task):
         super().__init__(duplication=duplication, base=base)
 
 
-class RepeatCopyEnv(_Task):
+class RepeatCopyEnv(Adapted):
     """Write the tape forwards, then backwards, then forwards again."""
 
     original = algorithmic.RepeatCopyEnv
@@ -41,7 +33,7 @@ class RepeatCopyEnv(_Task):
         super().__init__(base=base)
 
 
-class ReverseEnv(_Task):
+class ReverseEnv(Adapted):
     """Write the tape backwards."""
 
     original = algorithmic.ReverseEnv
@@ -50,7 +42,7 @@ class ReverseEnv(_Task):
         super().__init__(base=base)
 
 
-class ReversedAdditionEnv(_Task):
+class ReversedAdditionEnv(Adapted):
     """Add the numbers of `rows` rows, whose least digit comes first."""
 
     original = algorithmic.ReversedAdditionEnv
