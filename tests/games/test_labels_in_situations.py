@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from label_situations import points, pure, situations, to_the_end, undrawn_at_end, undrawn_at_reset
+from label_situations import Recorder, points, pure, situations, undrawn, undrawn_at_reset
 
 import atari
+from atari.cores import NativeCore
 from atari.games.game import Game, RamLabel
 from atari.lab import Poke, Ram
 from atari.lab.labels import Labels
@@ -47,7 +48,7 @@ def disagreements(game: Game) -> Counter[tuple[str, str, int, int]]:
     """The wrong values by label, situation, value and right value; places on the screen have its size."""
     found: Counter[tuple[str, str, int, int]] = Counter()
     labels = Labels(game, confirmed(game))
-    for played in situations(game.id, FRAMES):
+    for played in situations(game, FRAMES):
         score = points(game, played.ram) if pure(game, "points") else None
         # Without an end, rules that remember lives go on counting.
         lives = (played.situation != "demo") | pure(game, "lives")
@@ -77,43 +78,40 @@ def test_confirmed_labels_agree_in_all_situations(game: Game) -> None:
 LIVING = [game.id for game in atari.games.playable() if "lives" in confirmed(game) and game.id not in ENDLESS]
 
 
-@pytest.mark.parametrize("game", LIVING)
-def test_a_game_that_is_over_has_no_lives(game: str) -> None:
-    played = to_the_end(game, 15_000)
-    ends = played.situation == "end"
-    (value,), (visible,) = Labels(atari.games[game], ["lives"]).evaluate(played.ram[ends])
-    assert (value.tolist(), visible.tolist()) == ([0], [True])
+@pytest.mark.parametrize("game", [game.id for game in atari.games.playable() if game.id not in FLICKERING - {*LIVING}])
+def test_the_last_frame_has_no_lives_and_draws_its_objects(game: str) -> None:
+    recorder = Recorder(atari.games[game])
+    over = recorder.play_out(2000, 13_000 if game in LIVING else 4000)
+    if game in LIVING:
+        assert over
+        assert Labels(atari.games[game], ["lives"]).values(recorder.core.ram()) == {"lives": 0}
+    assert not over or game in FLICKERING or not undrawn(recorder)
 
 
 @pytest.mark.parametrize("game", sorted({*LIVING, *ENDLESS} - RESERVES - REMEMBERED))
 def test_lives_that_someone_has_written_are_counted_as_the_rules_do(game: str) -> None:
     """A rule may read only some bits of the byte; the others are no lives."""
-    env = atari.AtariEnv(game, frameskip=1)
-    env.reset(seed=0)
-    start, ram = env.snapshot(), Ram(env)
+    core = NativeCore(game, seed=0)
+    core.reset()
+    start, ram = core.clone_state(include_rng=True), Ram(core)
     for byte in range(256):
-        env.restore(start)
-        poke = Poke(env, {ram.byte("lives"): byte})
-        info = env.step(0)[4]
+        core.restore_state(start)
+        poke = Poke(core, {ram.byte("lives"): byte})
+        core.act(0)
         poke.release()
-        assert ram["lives"] == info["lives"], byte
+        assert ram["lives"] == core.lives, byte
 
 
 @pytest.mark.parametrize("game", [game.id for game in atari.games.playable() if game.id != "tic_tac_toe_3d"])
 def test_visible_objects_of_a_reset_are_drawn(game: str) -> None:
     """The cursor of 3-D Tic-Tac-Toe blinks more slowly than in four frames."""
-    assert not undrawn_at_reset(game)
-
-
-@pytest.mark.parametrize("game", [game.id for game in atari.games.playable() if game.id not in FLICKERING])
-def test_visible_objects_of_a_last_frame_are_drawn(game: str) -> None:
-    assert not undrawn_at_end(game, 6000)
+    assert not undrawn_at_reset(atari.games[game])
 
 
 @pytest.mark.parametrize("game", ["boxing", "ice_hockey", "othello", "pong", "surround"])
 def test_the_scores_of_two_sides_give_the_score_of_the_rules(game: str) -> None:
     labels = Labels(atari.games[game], ["score_player", "score_enemy"])
-    for played in situations(game, FRAMES):
+    for played in situations(atari.games[game], FRAMES):
         (mine, theirs), visible = labels.evaluate(played.ram)
         assert visible.all()
         assert (mine - theirs).tolist() == points(atari.games[game], played.ram).tolist()

@@ -29,21 +29,15 @@ def runs(lines: Any) -> list[tuple[int, int]]:
     return found
 
 
-def moved(core: Any, ram: Ram, thing: GameObject, x: int) -> tuple[int, int] | None:
+def moved(core: Any, state: Any, unchanged: Any, thing: GameObject, x: int) -> tuple[int, int] | None:
     """Width and height of what the next frame draws elsewhere if x is another; None if other things differ too."""
-    label = f"{thing.name}_x"
-    state = core.snapshot()
+    core.restore_state(state)
     try:
-        core.act(Action.NOOP)
-        unchanged = core.screen()
-        core.restore(state)
-        ram[label] = x
-        core.act(Action.NOOP)
-        differs = core.screen() != unchanged
+        Ram(core)[f"{thing.name}_x"] = x
     except ValueError:  # no byte has this value
         return None
-    finally:
-        core.restore(state)
+    core.act(Action.NOOP)
+    differs = core.screen() != unchanged
     columns, rows = runs(differs.any(axis=0)), runs(differs.any(axis=1))
     starts = sorted((int(thing.x or 0), x))
     if len(columns) != 2 or len(rows) != 1:
@@ -61,14 +55,18 @@ def test_sizes_are_those_on_the_screen(game: str) -> None:
     core, ram = env.core, Ram(env)
     cases: dict[str, list[bool]] = {}
     for _ in range(60):
-        for thing in ram.objects():
+        things, state = ram.objects(), core.clone_state(include_rng=True)
+        core.act(Action.NOOP)
+        unchanged = core.screen()
+        for thing in things:
             if thing.width is None or thing.x is None or f"{thing.name}_x" not in core.game.ram_labels:
                 continue
             for shift in SHIFTS:
-                size = moved(core, ram, thing, thing.x + shift) if 0 <= thing.x + shift < 130 else None
+                size = moved(core, state, unchanged, thing, thing.x + shift) if 0 <= thing.x + shift < 130 else None
                 if size is not None:
                     fits = abs(size[0] - thing.width) <= 2 and abs(size[1] - (thing.height or size[1])) <= 2
                     cases.setdefault(thing.name, []).append(fits)
+        core.restore_state(state)
         action = env.action_space.sample()
         for _ in range(12):
             *_, terminated, truncated, _ = env.step(action)

@@ -53,7 +53,7 @@ def serve(use: Use, game: str = "breakout") -> Any:
             async with aiohttp.ClientSession() as client:
                 await asyncio.wait_for(use(inspector, client), 60)
         finally:
-            await inspector.stop()
+            await asyncio.wait_for(inspector.stop(), 60)
 
     asyncio.run(run())
     return inspector

@@ -17,7 +17,8 @@ import numpy as np
 from rules_interpreter import evaluate
 
 import atari
-from atari.games.game import Game
+from atari.cores import NativeCore
+from atari.games.game import Game, load_game
 from atari.lab import Ram
 from atari.lab.labels import Labels
 
@@ -36,13 +37,16 @@ class Played:
 class Recorder:
     """Plays frames with random actions and records them."""
 
-    def __init__(self, game: str | Path, seed: int = 0, **options: Any) -> None:
-        rom = {} if isinstance(game, str) else {"rom": atari.roms.find(game.stem)}
-        self.env = atari.AtariEnv(game, frameskip=1, repeat_action_probability=0.0, **rom, **options)
-        self.env.reset(seed=seed)
-        self._random = np.random.default_rng(seed)
+    def __init__(self, game: Game, rom: Path | None = None) -> None:
+        self.core = NativeCore(game, repeat_action_probability=0.0, rom=rom)
         self._rows: list[tuple[Any, int, str]] = []
-        self.core = self.env.core
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin the same game again."""
+        self.core.seed(0)
+        self.core.reset()
+        self._random = np.random.default_rng(0)
 
     def record(self, situation: str) -> None:
         """Record the frame that the console shows."""
@@ -61,12 +65,12 @@ class Recorder:
                 return True
         return False
 
-    def play_out(self, frames: int) -> bool:
-        """Play until the game is over, with one life from a third of the frames on, and return whether it is over."""
-        if self.play(frames // 3, "play"):
+    def play_out(self, frames: int, hurried: int, situation: str = "play") -> bool:
+        """Play until the game is over, after some frames with one life, and return whether it is over."""
+        if self.play(frames, situation):
             return True
         self.hurry()
-        return self.play(2 * frames // 3, "play")
+        return self.play(hurried, situation)
 
     def hurry(self) -> None:
         """Take all lives but the last, where a byte holds them and the rules follow it at once."""
@@ -88,42 +92,37 @@ class Recorder:
                 self.core.set_ram(label.index, int(self.core.ram()[label.index]) & (255 ^ mask) | 0x99 & mask)
 
     def played(self) -> Played:
-        """All frames, after closing the environment."""
-        self.env.close()
+        """All frames, after closing the core."""
+        self.core.close()
         ram, lives, situation = zip(*self._rows, strict=True)
         return Played(np.stack(ram), np.array(lives), np.array(situation))
 
 
-def situations(game: str, frames: int) -> Iterator[Played]:
+def situations(game: Game, frames: int) -> Iterator[Played]:
     """Plays of a game, with about this number of frames each, resets with fewer."""
-    known = atari.games[game]
-    for mode in known.modes:
-        for difficulty in known.difficulties if mode == known.default_mode else known.difficulties[:1]:
-            recorder = Recorder(game, mode=mode, difficulty=difficulty)
+    recorder = Recorder(game)
+    for mode in game.modes:
+        for difficulty in game.difficulties if mode == game.default_mode else game.difficulties[:1]:
+            recorder.core.set_mode(mode)
+            recorder.core.set_difficulty(difficulty)
+            recorder.begin()
             recorder.record("reset")
             recorder.play(30, "reset")
-            yield recorder.played()
-    yield to_the_end(game, frames)
+    yield recorder.played()
+    recorder = Recorder(game)
+    if recorder.play_out(frames // 3, 2 * frames // 3):
+        recorder.core.reset()
+        recorder.record("reset")
+    yield recorder.played()
     recorder = Recorder(game)
     recorder.play(60, "play")
     recorder.full_score()
     recorder.play(frames // 3, "wrap")
     yield recorder.played()
     with tempfile.TemporaryDirectory() as folder:
-        recorder = Recorder(endless(known, Path(folder)))
-        recorder.play(frames // 3, "demo")
-        recorder.hurry()
-        recorder.play(2 * frames // 3, "demo")
-        yield recorder.played()
-
-
-def to_the_end(game: str, frames: int, seed: int = 0) -> Played:
-    """A game until its end, and the reset after it; or as many frames."""
-    recorder = Recorder(game, seed)
-    if recorder.play_out(frames):
-        recorder.env.reset()
-        recorder.record("reset")
-    return recorder.played()
+        recorder = Recorder(load_game(endless(game, Path(folder))), atari.roms.find(game))
+    recorder.play_out(frames // 3, 2 * frames // 3, "demo")
+    yield recorder.played()
 
 
 def endless(game: Game, folder: Path) -> Path:
@@ -175,30 +174,20 @@ def names_of(name: str, lines: dict[str, str]) -> set[str]:
     return found
 
 
-def undrawn_at_reset(game: str) -> set[str]:
+def undrawn_at_reset(game: Game) -> set[str]:
     """The visible objects that none of the first four frames shows: many games draw an object in each second frame."""
     recorder = Recorder(game)
     frames = []
     for _ in range(4):
         frames.append(undrawn(recorder))
         recorder.core.act(0)
-    recorder.env.close()
     return set.intersection(*frames)
-
-
-def undrawn_at_end(game: str, frames: int) -> set[str]:
-    """The visible objects that the last frame does not show; none if the game is not over within the frames."""
-    recorder = Recorder(game)
-    over = recorder.play_out(frames)
-    found = undrawn(recorder) if over else set()
-    recorder.env.close()
-    return found
 
 
 def undrawn(recorder: Recorder) -> set[str]:
     """The objects whose box on the screen has one colour; those with two confirmed places."""
     screen, found = recorder.core.screen(), set()
-    for each in Ram(recorder.env).objects():
+    for each in Ram(recorder.core).objects():
         places = [recorder.core.game.ram_labels.get(f"{each.name}_{axis}") for axis in "xy"]
         if all(place is not None and place.evidence.startswith("confirmed") for place in places):
             left, top, width, height = each.x, each.y, each.width or 8, each.height or 8

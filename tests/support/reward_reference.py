@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 import atari
-from atari.lab.labels import Labels
+from atari.lab.labels import labels_of
 
 LARGEST = float(np.finfo(np.float32).max)
 
@@ -37,7 +37,7 @@ def value(game: str, text: str, now: Moment, before: Moment) -> float:
 class _Reader:
     def __init__(self, game: str, now: Moment, before: Moment) -> None:
         self.times = {"now": now, "before": before}
-        self.labels = {name: Labels(atari.games[game]).values(one.ram) for name, one in self.times.items()}
+        self.labels = {name: labels_of(atari.games[game]).values(one.ram) for name, one in self.times.items()}
 
     def value(self, node: Any) -> float:
         return limited(self._value(node))

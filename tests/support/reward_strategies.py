@@ -1,5 +1,7 @@
 """Random expressions of rewards for Hypothesis."""
 
+from functools import cache
+
 from hypothesis import strategies as st
 
 import atari
@@ -22,6 +24,7 @@ def names(game: str) -> st.SearchStrategy[str]:
     )
 
 
+@cache
 def expressions(game: str) -> st.SearchStrategy[str]:
     """An expression of the whole language, with parentheses around each part."""
     name = names(game)

@@ -4,6 +4,8 @@ The language is a subset of Python, so Python evaluates it; the interpreter prov
 """
 
 from collections.abc import Callable, Mapping
+from functools import cache
+from types import CodeType
 from typing import Any
 
 from atari.cores import ByteArray
@@ -40,7 +42,12 @@ def vocabulary(ram: Memory, base: int = 0x80) -> dict[str, Any]:
 
 def evaluate(source: str, ram: Memory, variables: Mapping[str, int], base: int = 0x80) -> int:
     """The value of one expression."""
-    return int(eval(source, {**vocabulary(ram, base), **variables}))
+    return int(eval(_code(source), {**vocabulary(ram, base), **variables}))
+
+
+@cache
+def _code(source: str) -> CodeType:
+    return compile(source, "rule", "eval")
 
 
 class Interpreter:
@@ -48,7 +55,7 @@ class Interpreter:
 
     def __init__(self, rules: Rules) -> None:
         self._rules = rules
-        self._lines = [(name, compile(source, name, "eval")) for name, source in rules.step]
+        self._lines = [(name, _code(source)) for name, source in rules.step]
         self._state = dict(rules.state)
 
     def reset(self, ram: Memory, mode: int, xram: Memory = bytes(128)) -> dict[str, int]:
