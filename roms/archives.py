@@ -81,7 +81,8 @@ class Unpacker:
             for info in archive:
                 if not info.isdir():
                     fault = "" if info.isreg() and not info.issparse() else "is a link or a device, not a file"
-                    yield info.name, fault, partial(_extract, archive, info)
+                    opened: Any = partial(archive.extractfile, info)  # a regular file has content
+                    yield info.name, fault, opened
 
     def _pay(self, count: int) -> None:
         """Subtract bytes that were unpacked from those that may be."""
@@ -150,12 +151,6 @@ def _in_zip(stream: IO[bytes]) -> Iterator[_Member]:
             if not info.filename.endswith("/"):
                 fault = "" if info.compress_type in METHODS else "is packed in another way than by Deflate"
                 yield info.filename, fault, partial(archive.open, info)
-
-
-def _extract(archive: tarfile.TarFile, info: tarfile.TarInfo) -> IO[bytes]:
-    stream = archive.extractfile(info)
-    assert stream is not None, "a regular file has content"
-    return stream
 
 
 def _names_a_file(name: str) -> bool:

@@ -51,18 +51,15 @@ def read_start(file: Path) -> bytes:
         ValueError: the file is no regular file, or is one of the kernel that would block.
     """
     check_file(file, "give the ROM file in it, or set ATARI_ROMS to the folder")
+    no_wait = getattr(os, "O_NONBLOCK", 0)
     try:
-        with open(file, "rb", opener=_open_without_waiting) as stream:
+        with open(file, "rb", opener=lambda path, flags: os.open(path, flags | no_wait)) as stream:
             data: bytes | None = stream.read(LIMIT + 1)
     except PermissionError:
         raise PermissionError(f"{file} may not be read; give yourself the permission, or another file") from None
     if data is None:
         raise ValueError(f"{file} has no content yet, as files of the kernel can; give a regular file")
     return data
-
-
-def _open_without_waiting(path: str, flags: int) -> int:
-    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def archive_kind(data: bytes) -> str | None:

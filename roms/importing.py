@@ -84,7 +84,6 @@ def import_from(source: str | os.PathLike[str]) -> ImportReport:
 
 
 def _files(source: Path) -> Iterator[Found]:
-    """The files in `source`, and in its archives."""
     unpacker = Unpacker()
     if not source.is_dir():
         yield from _in_file(source, unpacker)

@@ -43,11 +43,6 @@ def _ale_py_folders() -> Iterator[Path]:
         yield Path(place, "roms")
 
 
-def lookup(game: Game) -> Path | None:
-    """The first file in `folders()` with the ROM of this game, or None."""
-    return lookup_each([game])[0]
-
-
 def lookup_each(wanted: Sequence[Game]) -> list[Path | None]:
     """The first file in `folders()` with the ROM of each game, or None. Each folder is read once for all of them."""
     found: list[Path | None] = [None] * len(wanted)
@@ -150,7 +145,6 @@ def _own_files(game: Game) -> tuple[Path, Path]:
 
 
 def _create(target: Path, image: bytes) -> None:
-    """Write a new file."""
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_name(f".{target.stem}.{uuid.uuid4().hex}")
     try:

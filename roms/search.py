@@ -15,7 +15,7 @@ from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms.identification import identify, known_images, recognise
 from atari.roms.image import md5, read_image
-from atari.roms.locations import folders, holds, lookup, lookup_each, misleads, path, store, stored, unread, usual_files
+from atari.roms.locations import folders, holds, lookup_each, misleads, path, store, stored, unread, usual_files
 
 ENDINGS = (".bin", ".a26")
 """The usual endings of ROM files."""
@@ -51,7 +51,7 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
         >>> atari.roms.find("breakout").is_file()
         True
     """
-    known = game if isinstance(game, Game) else _game(game)
+    known = games.resolve(game)
     if path is None:
         beside = _registered.get(known.file) or _beside(known)
         if beside is not None:
@@ -61,17 +61,23 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
                 f"the game {known.id!r} names no hash to search for; say where its file is with rom=, or put it beside "
                 f"the definition, as {known.id}.bin"
             )
-        file = lookup(known)
-        if file is None:
+        (found,) = lookup_each([known])
+        if found is None:
             places = ", ".join(map(str, folders()))
             raise FileNotFoundError(
                 f"no ROM file of {known.title} (MD5 {known.rom.md5}) in {places}; "
                 f"set ATARI_ROMS to a folder that has it, or run `atari roms import` on that folder"
                 + "".join(f"; {clause}" for clause in filter(None, [unread()]))
             )
+        file = found
     else:
         file = Path(path).absolute()
-        _check(known, file)
+        image = read_image(file)
+        if known.rom.md5 and md5(image) != known.rom.md5:
+            fault = recognise(str(file), image, known_images())
+            raise ValueError(
+                f"the ROM of {known.title} is needed, but {fault}; without a path, the file is searched for"
+            )
     return _rightly_named(known, file) if _is_ours(known) and misleads(file, known) else file
 
 
@@ -117,7 +123,7 @@ def verify(game: str | Game | None = None) -> dict[str, Check]:
         >>> atari.roms.verify("breakout")["breakout"].status
         'ok'
     """
-    wanted = [*games.values()] if game is None else [game if isinstance(game, Game) else _game(game)]
+    wanted = [*games.values()] if game is None else [games.resolve(game)]
     return {known.id: _verify(known, file) for known, file in zip(wanted, lookup_each(wanted), strict=True)}
 
 
@@ -148,21 +154,6 @@ def _passed_over(game: Game, used: Path | None) -> str:
         if used and used.parent == folder:
             break
     return ""
-
-
-def _game(game: str) -> Game:
-    if not isinstance(game, str):
-        raise TypeError(f"a game is named by a string such as 'breakout', got {game!r}")
-    if game not in games:
-        raise ValueError(games.unknown(game))
-    return games[game]
-
-
-def _check(game: Game, file: Path) -> None:
-    image = read_image(file)
-    if game.rom.md5 and md5(image) != game.rom.md5:
-        fault = recognise(str(file), image, known_images())
-        raise ValueError(f"the ROM of {game.title} is needed, but {fault}; without a path, the file is searched for")
 
 
 def _beside(game: Game) -> Path | None:

@@ -11,7 +11,7 @@ from atari.cli.arguments import GAME_HELP, Commands, add_command
 from atari.cli.policies import NOT_RECORDED, UNCLIPPED, find_played, games_of, replay_of
 from atari.cli.printing import print_json
 from atari.cores.options import SEED_LIMIT
-from atari.lab.collect import check_output, write_dataset
+from atari.lab.dataset import check_output, write_dataset
 from atari.lab.labels import Labels, UnknownLabelError
 from atari.learning import load_policy
 from atari.learning.evaluation.played import EvaluatedGame

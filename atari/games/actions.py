@@ -124,8 +124,8 @@ def joystick_action(radius: Any, angle: Any, fire: Any, threshold: np.float32) -
 
 def parse_actions(names: "Literal['all'] | list[str]") -> tuple[Action, ...]:
     """The actions with these names; "all" means all eighteen."""
-    if names != "all" and isinstance(names, list) and not _SWITCHES.keys().isdisjoint(map(str, names)):
-        raise ValueError(f"[actions] {', '.join(_SWITCHES)} can only be in starting")
+    if names != "all" and isinstance(names, list) and not Switch.__members__.keys().isdisjoint(map(str, names)):
+        raise ValueError(f"[actions] {', '.join(Switch.__members__)} can only be in starting")
     return tuple(Action(action) for action in parse_starting_actions(names))
 
 
@@ -134,11 +134,8 @@ def parse_starting_actions(names: "Literal['all'] | list[str]") -> tuple[Action 
     if names == "all":
         return PLAYER_ACTIONS
     check_type(names, "[actions] a list of actions", tuple[str, ...])
-    known: dict[str, Action | Switch] = {**Action.__members__, **_SWITCHES}
+    known: dict[str, Action | Switch] = {**Action.__members__, **Switch.__members__}
     unknown = [name for name in names if name not in known]
     if unknown:
         raise ValueError(f"[actions] unknown action {unknown[0]!r}")
     return tuple(known[name] for name in names)
-
-
-_SWITCHES = dict(Switch.__members__)

@@ -21,15 +21,17 @@ OPERATIONS = (
 """Names of the operations; an operation's index is its number."""
 
 _NUMBER = {name: number for number, name in enumerate(OPERATIONS)}
-_BINARY: dict[type[ast.operator], str] = {
+BINARY: dict[type[ast.operator], str] = {
     ast.Add: "add", ast.Sub: "subtract", ast.Mult: "multiply", ast.FloorDiv: "divide", ast.Mod: "modulo",
     ast.BitAnd: "and", ast.BitOr: "or", ast.BitXor: "xor", ast.LShift: "shift_left", ast.RShift: "shift_right",
 }  # fmt: skip
-_COMPARE: dict[type[ast.cmpop], str] = {
+COMPARE: dict[type[ast.cmpop], str] = {
     ast.Eq: "equal", ast.NotEq: "not_equal", ast.Lt: "less", ast.LtE: "less_equal", ast.Gt: "greater",
     ast.GtE: "greater_equal",
 }  # fmt: skip
-_UNARY: dict[type[ast.unaryop], str] = {ast.USub: "negate", ast.Invert: "invert", ast.Not: "not"}
+UNARY: dict[type[ast.unaryop], str] = {ast.USub: "negate", ast.Invert: "invert", ast.Not: "not"}
+"""The operations of the syntax tree's operators, also those of rewards."""
+
 _CALLS = {"s8": "signed8", "same": "same", "pos_sum": "positive_sum", "neg_sum": "negative_sum", "rng": "random",
           "random": "random_between"}  # fmt: skip
 
@@ -122,14 +124,14 @@ class _Assembler:
             case ast.BinOp(left=left, op=op, right=right):
                 self.node(left)
                 self.node(right)
-                self.emit(_BINARY[type(op)])
+                self.emit(BINARY[type(op)])
             case ast.UnaryOp(op=op, operand=operand):
                 self.node(operand)
-                self.emit(_UNARY[type(op)])
+                self.emit(UNARY[type(op)])
             case ast.Compare(left=left, ops=[op], comparators=[right]):
                 self.node(left)
                 self.node(right)
-                self.emit(_COMPARE[type(op)])
+                self.emit(COMPARE[type(op)])
             case ast.Compare(left=left, ops=ops, comparators=rights):
                 pairs = zip([left, *rights], ops, rights, strict=False)
                 self._bool(True, [ast.Compare(a, [op], [b]) for a, op, b in pairs])
@@ -164,7 +166,6 @@ class _Assembler:
             jump[1] = self._here()
 
     def _until(self, condition: str, body: Callable[[], object]) -> None:
-        """Repeat the body until the condition holds."""
         start = self._here()
         self.expression(condition)
         self.emit("not")
@@ -174,7 +175,6 @@ class _Assembler:
         done[1] = self._here()
 
     def _times(self, count: str, body: Callable[[], object]) -> None:
-        """Repeat the body `count` times."""
         counter = self._count_from(count)
         start = self._here()
         done = self._jump_if_counted_down(counter)
@@ -192,16 +192,13 @@ class _Assembler:
         return counter
 
     def _jump_if_counted_down(self, counter: int) -> list[int]:
-        self.emit("load", counter)
-        self.emit("push", 0)
-        self.emit("greater")
+        for name, argument in (("load", counter), ("push", 0), ("greater", 0)):
+            self.emit(name, argument)
         return self.emit("jump_if_zero")
 
     def _count_down(self, counter: int) -> None:
-        self.emit("load", counter)
-        self.emit("push", 1)
-        self.emit("subtract")
-        self.emit("store", counter)
+        for name, argument in (("load", counter), ("push", 1), ("subtract", 0), ("store", counter)):
+            self.emit(name, argument)
 
     def _operation(self, operation: Operation) -> None:
         """Append one operation; `atari.games.rules` has checked its keys."""

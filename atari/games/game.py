@@ -17,7 +17,7 @@ from atari.games.actions import Action, Switch, parse_actions, parse_starting_ac
 from atari.games.manual import Manual, load_manual
 from atari.games.multiplayer import Multiplayer, parse_multiplayer
 from atari.games.rules import LABEL_ADDRESSES, Rules, check_label_expression, parse_rules
-from atari.games.toml_file import check_numbers, read_toml
+from atari.games.toml_file import check_numbers, check_paddle_range, read_toml
 
 _FOLDER = Path(__file__).parent
 
@@ -166,7 +166,6 @@ class Game:
         )
 
     def _repr_html_(self) -> str:
-        """The facts of the game, for a notebook."""
         manual = self.manual
         makers = (manual.maker, manual.year) if manual else ()
         rows = (
@@ -186,7 +185,6 @@ class Game:
 
 
 def _numbered(values: tuple[int, ...], meanings: Mapping[int, str]) -> str:
-    """Numbers with their known meanings."""
     return "; ".join(f"{value}: {meanings[value]}" if value in meanings else str(value) for value in values)
 
 
@@ -261,13 +259,8 @@ def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
 
 # The fields from [actions], [settings] and [rules], for a game without single-player rules.
 _NO_PLAY: Mapping[str, Any] = {
-    "minimal_actions": (),
-    "legal_actions": (),
-    "starting_actions": (),
-    "modes": (),
-    "default_mode": 0,
-    "difficulties": (),
-    "rules": None,
+    **dict.fromkeys(("minimal_actions", "legal_actions", "starting_actions", "modes", "difficulties"), ()),
+    **{"default_mode": 0, "rules": None},
 }
 
 
@@ -318,9 +311,7 @@ def _screen(table: Mapping[str, Any]) -> Screen:
 
 def _controllers(table: Mapping[str, Any]) -> Controllers:
     controllers = build(Controllers, table, "[controllers]")
-    low, high = controllers.paddle_range or (0, 0)
-    if not 0 <= low <= high <= 2**24:
-        raise ValueError(f"[controllers] paddle_range must be two integers within 0..{2**24}, got {low}, {high}")
+    check_paddle_range("[controllers]", controllers.paddle_range)
     return controllers
 
 

@@ -22,6 +22,20 @@ def value_source(label: RamLabel) -> str:
     return value if label.weight in (None, 1) else f"({value}) * {label.weight}"
 
 
+def over_ram(source: str, index: int) -> ast.expr:
+    """An expression of a label, with `v` replaced by the label's byte."""
+    expression: ast.expr = _Byte(index).visit(ast.parse(source.strip(), mode="eval")).body
+    return expression
+
+
+class _Byte(ast.NodeTransformer):
+    def __init__(self, index: int) -> None:
+        self._byte = ast.Subscript(ast.Name("ram", ast.Load()), ast.Constant(index), ast.Load())
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        return self._byte if node.id == "v" else node
+
+
 def compile_label(label: RamLabel) -> tuple[int, int, bool, list[int], list[int]]:
     """A label for `_emulator.Labels`: index, mask, whether it is decimal, two programs."""
     programs = [

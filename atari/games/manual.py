@@ -89,21 +89,9 @@ def parse_manual(table: Mapping[str, Any], numbers: Mapping[str, Collection[int]
         if not table.get(key, key).strip():
             raise ValueError(f"{key} is empty; leave it out")
     texts = {key: " ".join(table[key].split()) for key in _TEXTS if key in table}
-    meanings = {key: _meanings(f"[{key}]", table.get(key, {}), numbers[key]) for key in _NUMBERED}
-    return Manual(
-        title=texts["title"],
-        year=table.get("year"),
-        maker=texts.get("maker"),
-        description=texts["description"],
-        modes=meanings["modes"],
-        difficulties=meanings["difficulties"],
-        multiplayer_modes=meanings["multiplayer_modes"],
-        reward=texts.get("reward"),
-        lives=texts.get("lives"),
-        end=texts.get("end"),
-        sources=_sources(table),
-        notes=tuple(table.get("notes", [])),
-    )
+    given: dict[str, Any] = {key: texts.get(key) for key in _TEXTS}
+    given |= {key: _meanings(f"[{key}]", table.get(key, {}), numbers[key]) for key in _NUMBERED}
+    return Manual(**given, year=table.get("year"), sources=_sources(table), notes=tuple(table.get("notes", [])))
 
 
 def _meanings(where: str, table: Any, allowed: Collection[int]) -> FrozenDict[int, str]:

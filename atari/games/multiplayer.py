@@ -8,6 +8,7 @@ from atari.base.frozen import FrozenDict
 from atari.base.typed_table import check_table
 from atari.games.actions import Action, Switch, parse_actions, parse_starting_actions
 from atari.games.rules import Rules, parse_rules
+from atari.games.toml_file import check_paddle_range
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def parse_multiplayer(table: Mapping[str, Any]) -> Multiplayer:
         difficulties=tuple(table["difficulties"]),
         rules=_rules(table, most, "step"),
         corrected=_rules(table, most, "corrected_step") if "corrected_step" in table["rules"] else None,
-        paddle_range=_paddle_range(table.get("paddle_range")),
+        paddle_range=check_paddle_range("[multiplayer]", table.get("paddle_range")),
         parameters=FrozenDict(table.get("parameters", {})),
         mode_offset=table.get("mode_offset", 0),
         mirrored_modes=tuple(mirrored),
@@ -116,12 +117,3 @@ def _rules(table: Mapping[str, Any], players: int, step: str) -> Rules:
         return parse_rules(rules, tuple(outputs))
     except ValueError as error:
         raise ValueError(f"[multiplayer]: {error}") from None
-
-
-def _paddle_range(value: Any) -> tuple[int, int] | None:
-    if value is None:
-        return None
-    low, high = value
-    if not 0 <= low <= high <= 2**24:
-        raise ValueError(f"[multiplayer] paddle_range must be two integers within 0..{2**24}, got {low}, {high}")
-    return low, high

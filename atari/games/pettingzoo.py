@@ -99,15 +99,20 @@ def _maze_craze(game_version: str, visibilty_level: int) -> int:
     return 4 * (_one_of("game_version", game_version, _MAZE_CRAZE) - 1) + visibilty_level
 
 
-def _space_invaders(
-    alternating_control: bool, moving_shields: bool, zigzaging_bombs: bool, fast_bomb: bool, invisible_invaders: bool
-) -> int:
-    return 33 + 16 * alternating_control + moving_shields + 2 * zigzaging_bombs + 4 * fast_bomb + 8 * invisible_invaders
+_SPACE_INVADERS = {  # what each parameter adds to the mode, and its default
+    "alternating_control": (16, False), "moving_shields": (1, True), "zigzaging_bombs": (2, False),
+    "fast_bomb": (4, False), "invisible_invaders": (8, False),
+}  # fmt: skip
 
 
-def _variation(name: str, version: int, two: int, four: int, default: int) -> Environment:
+def _space_invaders(**parameters: bool) -> int:
+    return 33 + sum(_SPACE_INVADERS[name][0] * chosen for name, chosen in parameters.items())
+
+
+def _variation(name: str, version: int, game_version: str, default: int) -> Environment:
     """A game of the cartridge Video Olympics."""
-    return Environment(name, version, "pong", {"num_players": default}, partial(_by_players, {2: two, 4: four}))
+    modes = {players: versions[game_version] for players, versions in _PONG.items()}
+    return Environment(name, version, "pong", {"num_players": default}, partial(_by_players, modes))
 
 
 def _by_players(modes: Mapping[int, int], num_players: int) -> int:
@@ -121,7 +126,7 @@ def _plain(name: str, version: int, mode: int, game: str | None = None) -> Envir
 ENVIRONMENTS: Mapping[str, Environment] = {
     environment.name: environment
     for environment in (
-        _variation("basketball_pong", 3, 45, 49, default=2),
+        _variation("basketball_pong", 3, "basketball", default=2),
         _plain("boxing", 2, 2),
         Environment("combat_plane", 2, "combat", {"game_version": "bi-plane", "guided_missile": True}, _combat_plane),
         Environment(
@@ -131,7 +136,7 @@ ENVIRONMENTS: Mapping[str, Environment] = {
         _plain("entombed_competitive", 3, 2, "entombed"),
         _plain("entombed_cooperative", 3, 3, "entombed"),
         _plain("flag_capture", 2, 1),
-        _variation("foozpong", 3, 19, 21, default=4),
+        _variation("foozpong", 3, "foozpong", default=4),
         _plain("ice_hockey", 2, 1),
         _plain("joust", 3, 1),
         _plain("mario_bros", 3, 2),
@@ -143,20 +148,14 @@ ENVIRONMENTS: Mapping[str, Environment] = {
             "space_invaders",
             2,
             "space_invaders",
-            {
-                "alternating_control": False,
-                "moving_shields": True,
-                "zigzaging_bombs": False,
-                "fast_bomb": False,
-                "invisible_invaders": False,
-            },
+            {key: on for key, (_, on) in _SPACE_INVADERS.items()},
             _space_invaders,
         ),
         _plain("space_war", 2, 1),
         _plain("surround", 2, 1),
         _plain("tennis", 3, 2),
         _plain("video_checkers", 4, 10),
-        _variation("volleyball_pong", 3, 39, 41, default=4),
+        _variation("volleyball_pong", 3, "volleyball", default=4),
         _plain("warlords", 3, 1),
         _plain("wizard_of_wor", 3, 1),
     )

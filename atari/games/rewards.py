@@ -10,9 +10,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import NoReturn
 
-from atari.games.compiler import compile_expressions
+from atari.games.compiler import BINARY, COMPARE, UNARY, compile_expressions
 from atari.games.game import Game
-from atari.games.labels import value_source
+from atari.games.labels import over_ram, value_source
 from atari.games.rules import ANY_ADDRESSES, HELPERS, MEMORIES, parse_expression, problems
 
 OWN_NAMES = ("reward", "lives", "lives_lost")
@@ -32,16 +32,7 @@ _FORMULA = (
 ).split()
 """Names of the operations; an operation's index is its number in `FormulaOp`."""
 
-_BINARY: Mapping[type[ast.operator], str] = {
-    ast.Add: "add", ast.Sub: "subtract", ast.Mult: "multiply", ast.Div: "divide", ast.FloorDiv: "floor_divide",
-    ast.Mod: "modulo", ast.BitAnd: "and", ast.BitOr: "or", ast.BitXor: "xor", ast.LShift: "shift_left",
-    ast.RShift: "shift_right",
-}  # fmt: skip
-_COMPARE: Mapping[type[ast.cmpop], str] = {
-    ast.Eq: "equal", ast.NotEq: "not_equal", ast.Lt: "less", ast.LtE: "less_equal", ast.Gt: "greater",
-    ast.GtE: "greater_equal",
-}  # fmt: skip
-_UNARY: Mapping[type[ast.unaryop], str] = {ast.USub: "negate", ast.Invert: "invert", ast.Not: "not"}
+_BINARY: Mapping[type[ast.operator], str] = {**BINARY, ast.Div: "divide", ast.FloorDiv: "floor_divide"}
 _FUNCTIONS: Mapping[str, tuple[str, int, int]] = {
     "abs": ("absolute", 1, 1),
     "min": ("minimum", 2, 8),
@@ -143,12 +134,12 @@ class _Compiler:
                 self._number(node, value)
             case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
                 self._fold(_BINARY[type(op)], (left, right))
-            case ast.UnaryOp(op=op, operand=operand) if type(op) in _UNARY:
+            case ast.UnaryOp(op=op, operand=operand) if type(op) in UNARY:
                 self._node(operand)
-                self._emit(_UNARY[type(op)])
-            case ast.Compare(left=left, ops=ops, comparators=rights) if all(type(op) in _COMPARE for op in ops):
+                self._emit(UNARY[type(op)])
+            case ast.Compare(left=left, ops=ops, comparators=rights) if all(type(op) in COMPARE for op in ops):
                 for number, (a, comparison, b) in enumerate(zip([left, *rights], ops, rights, strict=False)):
-                    self._fold(_COMPARE[type(comparison)], (a, b))
+                    self._fold(COMPARE[type(comparison)], (a, b))
                     if number:
                         self._emit("both")
             case ast.BoolOp(op=op, values=values):
@@ -177,12 +168,9 @@ class _Compiler:
 
     def _input(self, node: ast.expr) -> None:
         """A name, or a number of RAM, after the step or before it."""
-        now = _without_before(node)
-        time, plain = ("now", node) if now is None else (BEFORE, now)
-        if isinstance(plain, ast.Name):
-            self._emit("load", (time, self._name(node, plain.id)))
-        else:
-            self._emit("load", (time, self._term(node, plain)))
+        time, plain = _timed(node)
+        read = self._name(node, plain.id) if isinstance(plain, ast.Name) else self._term(node, plain)
+        self._emit("load", (time, read))
 
     def _name(self, node: ast.AST, name: str) -> str:
         if name in OWN_NAMES:
@@ -190,20 +178,19 @@ class _Compiler:
         label = self._game.ram_labels.get(name)
         if label is None:
             self._refuse_name(node, name)
-        self._terms.setdefault(name, _of_byte(value_source(label), label.index))
+        self._terms.setdefault(name, over_ram(value_source(label), label.index))
         if label.visible is not None:
             self._visibility[name] = self._visibility_term(name, label.visible, label.index)
         return name
 
     def _visibility_term(self, name: str, source: str, index: int) -> str:
         term = f"visible({name})"
-        self._terms.setdefault(term, _of_byte(source, index))
+        self._terms.setdefault(term, over_ram(source, index))
         return term
 
     def _visible(self, node: ast.expr) -> None:
         """1 if a label is visible, else 0."""
-        now = _without_before(node)
-        time, plain = ("now", node) if now is None else (BEFORE, now)
+        time, plain = _timed(node)
         label = self._game.ram_labels.get(plain.id) if isinstance(plain, ast.Name) else None
         if not isinstance(plain, ast.Name) or label is None or plain.id in OWN_NAMES:
             self._refuse(node, f"visible() takes a RAM label of {self._game.id}, or before. and such a label")
@@ -211,8 +198,8 @@ class _Compiler:
             self._number(node, 1)
         else:
             self._emit("load", (time, self._visibility_term(plain.id, label.visible, label.index)))
-            for op in ("not", "not"):
-                self._emit(op)
+            self._emit("not")
+            self._emit("not")
 
     def _term(self, node: ast.AST, plain: ast.expr) -> str:
         """A number that the rules' language reads from RAM: ram[a], or a helper."""
@@ -255,6 +242,12 @@ class _Compiler:
         raise ValueError(f"reward: in {self._text!r}, column {offset + 1}, at {stands!r}: {why}")
 
 
+def _timed(node: ast.expr) -> tuple[str, ast.expr]:
+    """The time of what a node names, and the node without `before`."""
+    plain = _without_before(node)
+    return ("now", node) if plain is None else (BEFORE, plain)
+
+
 def _without_before(node: ast.expr) -> ast.expr | None:
     """`x` of `before.x`, `before.ram[a]` or `before.bcd(a)`; None without `before`."""
     match node:
@@ -267,14 +260,3 @@ def _without_before(node: ast.expr) -> ast.expr | None:
             plain = _without_before(inner)
             return None if plain is None else ast.copy_location(ast.Call(plain, arguments, keywords), node)
     return None
-
-
-def _of_byte(source: str, index: int) -> ast.expr:
-    """An expression of a label over RAM, with `v` replaced by the label's byte."""
-
-    class Byte(ast.NodeTransformer):
-        def visit_Name(self, node: ast.Name) -> ast.expr:
-            return ast.parse(f"ram[{index}]", mode="eval").body if node.id == "v" else node
-
-    expression: ast.expr = Byte().visit(ast.parse(source.strip(), mode="eval")).body
-    return expression

@@ -66,6 +66,16 @@ def check_numbers(value: Any, where: str) -> None:
         check_numbers(item, f"{where}.{key}" if where else str(key))
 
 
+def check_paddle_range(table: str, value: Any) -> tuple[int, int] | None:
+    """The key `paddle_range` of a table, a pair of whole numbers, or None."""
+    if value is None:
+        return None
+    low, high = value
+    if not 0 <= low <= high <= 2**24:
+        raise ValueError(f"{table} paddle_range must be two integers within 0..{2**24}, got {low}, {high}")
+    return low, high
+
+
 def _check_keys(text: str) -> None:
     """Refuse keys of too many parts. A key is in one line, so a count of dots suffices for most files."""
     if all(line.count(".") < MOST_PARTS for line in text.split("\n")):

@@ -2,7 +2,7 @@
 
 from atari.lab.causal.explore import causes
 from atari.lab.causal.files import shipped_causes
-from atari.lab.collect import check_dataset, write_dataset
+from atari.lab.dataset import check_dataset, write_dataset
 from atari.lab.ram import Ram
 from atari.lab.ram_labels import RamLabels
 from atari.lab.search import Search

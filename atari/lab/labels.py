@@ -15,12 +15,12 @@ import numpy.typing as npt
 
 import atari._emulator as _emulator
 from atari.base.validation import check_integer
+from atari.cores import ByteArray
 from atari.games.game import Game, RamLabel
 from atari.games.labels import compile_label
 
 IntArray = npt.NDArray[np.int32]
 BoolArray = npt.NDArray[np.bool_]
-ByteArray = npt.NDArray[np.uint8]
 
 _MOST_LISTED = 16
 
@@ -170,9 +170,9 @@ class Labels:
 
 
 @lru_cache(maxsize=4096)
-def label_of(game: Game, name: str) -> Labels:
-    """One label, compiled once for a game."""
-    return Labels(game, (name,))
+def labels_of(game: Game, name: str | None = None) -> Labels:
+    """One label of a game, or all, compiled once."""
+    return Labels(game, None if name is None else (name,))
 
 
 def evaluate_label(name: str, lanes: Mapping[Game, slice | list[int]], rams: ByteArray) -> tuple[IntArray, BoolArray]:
@@ -186,15 +186,9 @@ def evaluate_label(name: str, lanes: Mapping[Game, slice | list[int]], rams: Byt
     values, visible = np.zeros(len(rams), np.int32), np.zeros(len(rams), np.bool_)
     for game, rows in lanes.items():
         if name in game.ram_labels:
-            found, seen = label_of(game, name).evaluate(rams[rows])
+            found, seen = labels_of(game, name).evaluate(rams[rows])
             values[rows], visible[rows] = found[0], seen[0]
     return values, visible
-
-
-@lru_cache(maxsize=128)
-def labels_of(game: Game) -> Labels:
-    """All labels of a game, compiled once."""
-    return Labels(game)
 
 
 def _compile(game: Game, label: RamLabel) -> tuple[int, int, bool, list[int], list[int]]:

@@ -12,16 +12,7 @@ from atari.base.validation import check_integer
 from atari.cores import Core
 from atari.env import AtariEnv
 from atari.games.game import Game, RamLabel
-from atari.lab.labels import (
-    BoolArray,
-    ByteArray,
-    IntArray,
-    byte_index,
-    evaluate_label,
-    label_of,
-    labels_of,
-    unknown_label,
-)
+from atari.lab.labels import BoolArray, ByteArray, IntArray, byte_index, evaluate_label, labels_of, unknown_label
 from atari.lab.objects import positions, visible_objects
 from atari.vector import AtariVectorEnv
 
@@ -104,13 +95,10 @@ class Ram:
             place = byte_index(place)
         values = self._values(value)
         rams = self._access.read()
-        writes = [
-            (lane, *self._byte(place, lane, rams[lane], wanted))
-            for lane, wanted in enumerate(values)
-            if wanted is not np.ma.masked
-        ]
-        for lane, index, byte in writes:
-            self._access.write(lane, index, byte)
+        lanes = [lane for lane, wanted in enumerate(values) if wanted is not np.ma.masked]
+        writes = [(lane, *self._byte(place, lane, rams[lane], values[lane])) for lane in lanes]
+        for write in writes:
+            self._access.write(*write)
 
     def __contains__(self, place: object) -> bool:
         """Whether there is a label of this name, or a byte at this place."""
@@ -200,9 +188,8 @@ class Ram:
         return (*place, *_first(rams[:, label.index]), *shown, label.kind, label.evidence, label.note)
 
     def _titles(self, title: str) -> list[str]:
-        if self._access.single:
-            return [title]
-        return [f"{title} {lane}" for lane in range(min(len(self._games), _MOST_COLUMNS))]
+        lanes = range(min(len(self._games), _MOST_COLUMNS))
+        return [title] if self._access.single else [f"{title} {lane}" for lane in lanes]
 
     def _known(self, name: str) -> str:
         if name not in self._labels:
@@ -233,8 +220,7 @@ class Ram:
             return place, check_integer("a byte", value, 0, 255)
         if place not in game.ram_labels:
             raise unknown_label(place, (game,))
-        label = label_of(game, place)
-        return game.ram_labels[place].index, label.byte_of(place, ram, value)
+        return game.ram_labels[place].index, labels_of(game, place).byte_of(place, ram, value)
 
 
 def _first(column: Any) -> list[int]:
@@ -286,12 +272,10 @@ class _Single:
         self.games: tuple[Game, ...] = (target.game,)
 
     def _core(self) -> Core:
-        if not isinstance(self._target, AtariEnv):
-            core: Core = self._target
-            return core
-        if self._target.driver.closed:
+        if isinstance(self._target, AtariEnv) and self._target.driver.closed:
             raise gymnasium.error.ClosedEnvironmentError("this environment is closed; call reset() to go on")
-        return self._target.core
+        core: Core = self._target.core if isinstance(self._target, AtariEnv) else self._target
+        return core
 
     def read(self) -> ByteArray:
         return self._core().ram()[None]

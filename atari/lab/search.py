@@ -104,7 +104,10 @@ class Search:
             if not len(self._states):
                 raise ValueError("a recorded history needs at least one state")
             if index is not None:
-                self._states = self._states[:, [check_index(index, self._states.shape[1])]]
+                count = self._states.shape[1]
+                if not isinstance(index, (int, np.integer)) or not 0 <= index < count:
+                    raise IndexError(f"there is no game {index!r} in this history; it has 0..{count - 1}")
+                self._states = self._states[:, [index]]
             self._read = self._read_recorded
         self._places = Places.all_bytes()
         self._ram = self._read().copy()
@@ -367,17 +370,6 @@ def recorded(source: Any) -> ByteArray | None:
     if isinstance(source, (np.ndarray, list, tuple)):
         return _checked(np.asarray(source))
     return None
-
-
-def check_index(index: Any, count: int) -> int:
-    """The index of one of `count` recorded games.
-
-    Raises:
-        IndexError: there is no such game.
-    """
-    if isinstance(index, (int, np.integer)) and 0 <= index < count:
-        return int(index)
-    raise IndexError(f"there is no game {index!r} in this history; it has 0..{count - 1}")
 
 
 def _replayed(replay: Replay) -> ByteArray:

@@ -109,7 +109,6 @@ def bundle() -> str:
 
 
 def _widget_class() -> "Callable[[Inspection], Any] | None":
-    """The class of the widget, or None without anywidget."""
     try:
         import anywidget
     except ImportError:

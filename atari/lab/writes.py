@@ -34,8 +34,7 @@ class _Single:
 
     @property
     def slots(self) -> Sequence[_emulator.Write | None]:
-        slots: list[_emulator.Write | None] = self._core.writes
-        return slots
+        return list(self._core.writes)
 
     def add_write(self, write: _emulator.Write, now: bool) -> int:
         slot = first_free(self.slots)
@@ -96,10 +95,9 @@ class _Held:
         self._targets = _targets(self._env, self._index)
         self._held = []
         for lane, slot in state["held"]:
-            target = self._targets[lane]
-            write = target.slots[slot]
+            write = self._targets[lane].slots[slot]
             assert write is not None
-            self._held.append((target, write, slot))
+            self._held.append((self._targets[lane], write, slot))
 
 
 class Freeze(_Held):
@@ -196,7 +194,6 @@ class Poke(_Held):
 
 
 def _joined(name: str, values: Any, labels: Mapping[str, Any]) -> dict[Any, Any]:
-    """The values by label or by place."""
     if values is not None and not isinstance(values, Mapping):
         raise TypeError(
             f"{name} needs values by label or by place, such as ball_x=80 or {{49: 80}}, got {values!r:.80}"
@@ -207,10 +204,7 @@ def _joined(name: str, values: Any, labels: Mapping[str, Any]) -> dict[Any, Any]
 def _targets(env: Any, index: int | None) -> list[_Target]:
     """The native core, or the lanes of a vector, to write to."""
     if isinstance(env, AtariVectorEnv):
-        lanes = env.lanes
-        if index is None:
-            return list(lanes)
-        return [lanes[check_integer("index", index, 0, len(lanes) - 1)]]
+        return list(env.lanes) if index is None else [env.lanes[check_integer("index", index, 0, env.num_envs - 1)]]
     if index is not None:
         raise ValueError("index is for an AtariVectorEnv; leave it out")
     if isinstance(env, Lane):
@@ -225,7 +219,6 @@ def _targets(env: Any, index: int | None) -> list[_Target]:
 
 
 def _spread(value: Any, count: int, place: Any) -> list[int | str]:
-    """The value for each target."""
     if isinstance(value, (np.ndarray, list, tuple)):
         array = np.asarray(value)
         if array.shape != (count,):

@@ -12,8 +12,7 @@ from atari.cores.compiled import reward_formula
 from atari.cores.options import CoreOptions
 from atari.cores.writes import make_writes
 from atari.games.actions import PLAYER_ACTIONS, Action
-from atari.games.catalog import games
-from atari.games.fingerprint import fingerprint
+from atari.games.catalog import fingerprint, games
 from atari.games.game import Game
 from atari.games.interventions import resolve
 from atari.games.players import choose_mode, rules_of

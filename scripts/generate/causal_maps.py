@@ -22,7 +22,7 @@ from atari.lab import causes
 from atari.lab.causal.files import DATA, save
 from atari.lab.causal.fit import samples, table
 from atari.lab.causal.map import POSITIONS, CausalMap, Suggestion
-from atari.lab.labels import Labels, label_of
+from atari.lab.labels import Labels, labels_of
 
 NEAR = 4
 """Pixels by which a label and a suggestion may differ: labels may be of another edge, or of the frame before."""
@@ -52,7 +52,7 @@ def compare(causal_map: CausalMap, game: Game, label: RamLabel, suggestion: Sugg
     """Whether a suggestion gives the position that the label gives, in the states of the map."""
     ram = causal_map.ram
     assert ram is not None
-    visible = label_of(game, label.name).evaluate(ram)[1][:, 0]
+    visible = labels_of(game, label.name).evaluate(ram)[1][:, 0]
     theirs, ours = values(game, label.index, label.transform, ram), values(game, label.index, suggestion.transform, ram)
     rest = (ours - theirs)[visible if visible.any() else slice(None)]
     if label.kind == "position_x":

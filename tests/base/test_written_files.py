@@ -100,7 +100,7 @@ BY_ANOTHER = {
     "atari.integrations.ray.collection": "Parquet",
     "atari.lab.causal.files": "causal map",
     "atari.lab.causal.picture": "picture of a causal map",
-    "atari.lab.collect": "HDF5",
+    "atari.lab.dataset": "HDF5",
     "atari.lab.inspector.export": "labels of the lab",
     "atari.learning.evaluation.compare": "comparison",
     "atari.learning.evaluation.plot": "plot",

@@ -26,6 +26,8 @@ TABLE = {
     "rom": {"md5": "", "sha256": "", "size": 4096, "cartridge": ""},
 }
 TABLE["controllers"]["paddle_range"] = [100, 200]
+TABLE["ram"] = {"ball_x": TABLE["ram"]["ball_x"]}
+TABLE["notes"] = ["A note."]
 TABLE["rules"] |= {
     "kept_over_reset": [],
     "selection_frames": 0,
@@ -120,6 +122,11 @@ def test_any_value_of_a_game_file_is_good_or_a_value_error(tmp_path: Path) -> No
         ("bcd(0x80)", "-" * 1900 + "1", "is nested too deeply"),
         ("bcd(0x80)", "1" * 2001, "[rules] step, line 1: an expression is a text of at most 2,000 characters"),
         ('["NOOP", "RIGHT", "LEFT"]', "[]", "[actions] minimal needs an action"),
+        (TEXT, "title = 3", "the file needs the key"),
+        (TEXT, "not toml at all", "Expected '='"),
+        ("bcd(0x80)", "bcd(0x80, ", "is not an expression"),
+        ("bcd(0x80)", "__import__('os')", "not one of the helpers"),
+        ("reward   =", "rewards  =", "never assigns 'reward'"),
     ],
 )
 def test_the_fault_is_named(tmp_path: Path, old: str, new: str, fault: str) -> None:

@@ -14,37 +14,25 @@ import pytest
 from rules_interpreter import evaluate
 
 import atari
-from atari import Action, AtariEnv
-from atari.games.game import RamLabel
+from atari import Action
+from atari.cores import NativeCore
+from atari.games.game import RamLabel, load_game
 
 OPENINGS = {
-    "backgammon": "",
-    "basic_math": "NOOP*60",
-    "blackjack": "",
-    "casino": "",
-    "crossbow": "",
-    "darkchambers": "",
+    **dict.fromkeys(
+        "backgammon blackjack casino crossbow darkchambers flag_capture hangman human_cannonball miniature_golf othello "
+        "pitfall2 space_war superman tetris".split(),
+        "",
+    ),
+    **dict.fromkeys("basic_math tic_tac_toe_3d video_checkers video_chess video_cube".split(), "NOOP*60"),
     "earthworld": "FIRE*5 NOOP*60",
     "elevator_action": "NOOP*20",
     "et": "FIRE*20 NOOP*300",
-    "flag_capture": "",
-    "hangman": "",
-    "human_cannonball": "",
     "journey_escape": "NOOP*30",
     "klax": "NOOP*420",
     "koolaid": "NOOP*700",
-    "miniature_golf": "",
-    "othello": "",
-    "pitfall2": "",
     "solaris": "FIRE*60 NOOP*120 FIRE*10 NOOP*120",
-    "space_war": "",
-    "superman": "",
     "surround": "UP*20",
-    "tetris": "",
-    "tic_tac_toe_3d": "NOOP*60",
-    "video_checkers": "NOOP*60",
-    "video_chess": "NOOP*60",
-    "video_cube": "NOOP*60",
     "word_zapper": "FIRE*20 NOOP*300",
 }
 """What is played before a check: actions and for how many frames."""
@@ -119,23 +107,23 @@ def play(core: Any, script: str) -> None:
             core.act(Action[name])
 
 
-def make(game: str, folder: Path) -> AtariEnv:
-    """The environment of a game, also of a cartridge for two players."""
-    options: dict[str, Any] = {"frameskip": 1, "repeat_action_probability": 0.0}
+def make(game: str, folder: Path) -> NativeCore:
+    """The core of a game, also of a cartridge for two players."""
+    options: dict[str, Any] = {"seed": 1, "repeat_action_probability": 0.0}
     if game not in TWO_PLAYERS:
-        return AtariEnv(game, **options)
+        return NativeCore(game, **options)
     text = (Path(atari.__file__).parent / "games" / "data" / f"{game}.toml").read_text(encoding="utf-8")
     file = folder / f"{game}.toml"
     file.write_text(re.sub(r"players = \d", "players = 1", text).replace("[ram]", NO_RULES, 1), encoding="utf-8")
-    return AtariEnv(file, rom=atari.roms.find(game), **options)
+    return NativeCore(load_game(file), rom=atari.roms.find(game), **options)
 
 
 @pytest.fixture
 def core(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Any]:
-    env = make(request.param, tmp_path)
-    env.reset(seed=1)
-    yield env.core
-    env.close()
+    found = make(request.param, tmp_path)
+    found.reset()
+    yield found
+    found.close()
 
 
 ALL = pytest.mark.parametrize("core", sorted(OPENINGS), indirect=True)
@@ -186,7 +174,7 @@ def test_score_and_lives_are_those_of_the_rules(core: Any) -> None:
             assert value(lives, core.ram()) == core.lives
     core.reset()
     play(core, "NOOP*30")
-    state = core.snapshot()
+    state = core.clone_state(include_rng=True)
     for name, label in labels(core).items():
         if label.weight is not None:
             assert paid(core, state, label) == (-label.weight if name == "score_enemy" else label.weight), name
@@ -202,16 +190,16 @@ BY_REWARD = {
 @pytest.mark.parametrize("core", [game for game, found in BY_REWARD.items() if found], indirect=True)
 def test_digits_that_play_does_not_reach_are_paid(core: Any) -> None:
     play(core, "NOOP*30")
-    state = core.snapshot()
+    state = core.clone_state(include_rng=True)
     for label in BY_REWARD[core.game.id]:
         assert paid(core, state, label) == label.weight, label.name
 
 
-def paid(core: Any, state: bytes, label: RamLabel) -> int:
+def paid(core: Any, state: Any, label: RamLabel) -> int:
     """How much more reward the next frame pays if the byte is larger by one."""
     rewards = []
     for more in (0, 1):
-        core.restore(state)
+        core.restore_state(state)
         core.set_ram(label.index, int(core.ram()[label.index]) + more)
         rewards.append(core.act(Action.NOOP))
     return rewards[1] - rewards[0]
@@ -223,15 +211,15 @@ def extent(mask: Any, axis: int) -> tuple[int, int]:
     return int(where[0]), int(where[-1])
 
 
-def difference(core: Any, state: bytes, writes: dict[int, int], frames: int, top: int) -> Any:
+def difference(core: Any, state: Any, writes: dict[int, int], frames: int, top: int) -> Any:
     """The pixels that differ after these writes: in the first frame with such pixels, of 10 and more frames in all."""
     found = np.zeros(core.screen().shape, bool)
-    core.restore(state)
+    core.restore_state(state)
     base = []
     for _ in range(frames):
         core.act(Action.NOOP)
         base.append(core.screen())
-    core.restore(state)
+    core.restore_state(state)
     for index, byte in writes.items():
         core.set_ram(index, byte)
     for screen in base:
@@ -260,7 +248,7 @@ def test_positions_are_places_on_the_screen(core: Any) -> None:
     opening = OPENINGS.get(game, "NOOP*60")
     play(core, opening)
     for _ in range(16):
-        state, ram = core.snapshot(), core.ram()
+        state, ram = core.clone_state(include_rng=True), core.ram()
         for name, label in checked.items():
             axis = 1 if label.kind == "position_x" else 0
             byte = int(ram[label.index])
@@ -277,7 +265,7 @@ def test_positions_are_places_on_the_screen(core: Any) -> None:
                     first, last = extent(mask, axis)
                     cases[name] += 1
                     agree[name] += abs(first - low) <= 3 and last >= high - 3
-        core.restore(state)
+        core.restore_state(state)
         action = core.game.minimal_actions[rng.integers(len(core.game.minimal_actions))]
         for _ in range(12):
             core.act(action)
@@ -289,18 +277,16 @@ def test_positions_are_places_on_the_screen(core: Any) -> None:
         assert agree[name] >= 0.4 * cases[name], (name, agree[name], cases[name])
 
 
-@pytest.mark.parametrize("game", sorted(MOVES))
-def test_the_player_moves_where_the_action_points(game: str) -> None:
-    env = AtariEnv(game, frameskip=1, repeat_action_probability=0.0)
-    env.reset(seed=1)
-    core = env.core
+@pytest.mark.parametrize("core", sorted(MOVES), indirect=True)
+def test_the_player_moves_where_the_action_points(core: Any) -> None:
+    game = core.game.id
     play(core, OPENINGS[game])
-    state = core.snapshot()
+    state = core.clone_state(include_rng=True)
     for name, action in MOVES[game].items():
         label = atari.games[game].ram_labels[name]
         places = []
         for held in ("NOOP", action):
-            core.restore(state)
+            core.restore_state(state)
             play(core, f"{held}*{HELD.get(game, 34)}")
             ram = core.ram()
             for _ in range(8):  # a byte that several objects share shows the player in some of the frames
@@ -309,24 +295,20 @@ def test_the_player_moves_where_the_action_points(game: str) -> None:
                 core.act(Action.NOOP)
                 ram = core.ram()
             places.append(value(label, ram))
-        if label.kind == "position_x":
-            assert (places[1] > places[0]) == ("RIGHT" in action), (name, places)
-        else:
-            assert (places[1] > places[0]) == ("DOWN" in action), (name, places)
+        assert (places[1] > places[0]) == (("RIGHT" if label.kind == "position_x" else "DOWN") in action), (
+            name,
+            places,
+        )
         assert places[0] != places[1], name
-    env.close()
 
 
-@pytest.mark.parametrize("game", ["othello", "tic_tac_toe_3d", "video_checkers", "video_chess"])
-def test_squares_are_where_their_names_say(game: str) -> None:
+@pytest.mark.parametrize("core", ["othello", "tic_tac_toe_3d", "video_checkers", "video_chess"], indirect=True)
+def test_squares_are_where_their_names_say(core: Any) -> None:
     """A change of a square's byte changes only pixels of that square; rows and columns are in the order of the screen."""
-    env = AtariEnv(game, frameskip=1, repeat_action_probability=0.0)
-    env.reset(seed=1)
-    core = env.core
     play(core, "NOOP*60")
-    state = core.snapshot()
+    state = core.clone_state(include_rng=True)
     corners: dict[tuple[int, ...], tuple[int, int]] = {}
-    for name, label in atari.games[game].ram_labels.items():
+    for name, label in core.game.ram_labels.items():
         match = re.fullmatch(r"square((?:_\d)+)", name)
         if not match:
             continue
@@ -341,10 +323,9 @@ def test_squares_are_where_their_names_say(game: str) -> None:
         assert bottom - top < 18, name
         place = tuple(int(part) for part in match[1].split("_")[1:])
         corners[place] = (left, top)
-    assert len(corners) >= (30 if game == "video_checkers" else 62)
+    assert len(corners) >= (30 if core.game.id == "video_checkers" else 62)
     for place, (left, top) in corners.items():
         for other, (right, bottom) in corners.items():
             if place[:-2] == other[:-2]:
                 assert place[-2] >= other[-2] or top + 4 < bottom, (place, other)
                 assert place[-2] != other[-2] or place[-1] >= other[-1] or left < right, (place, other)
-    env.close()

@@ -42,20 +42,14 @@ def test_every_game_has_a_manual(game_id: str) -> None:
     assert {source for sources in manual.sources.values() for source in sources} <= set(SOURCES)
 
 
-def test_every_manual_is_of_a_game() -> None:
-    assert sorted(path.stem for path in FOLDER.glob("*.toml")) == list(atari.games)
-
-
 def test_most_modes_have_a_meaning() -> None:
     """The numbers only rise: raise them with each meaning that becomes known."""
+    assert sorted(path.stem for path in FOLDER.glob("*.toml")) == list(atari.games)
     several = [game for game in atari.games.values() if len(game.modes) > 1]
     assert sum(len(game.modes) for game in several) == 520
     assert sum(len(game.manual.modes) for game in several if game.manual) == 431
     shared = [game.manual.multiplayer_modes for game in atari.games.values() if game.manual]
     assert sum(map(len, shared)) == 261
-
-
-def test_meanings_by_number() -> None:
     manual = atari.games["breakout"].manual
     assert manual is not None
     assert list(manual.modes) == [0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44]
@@ -123,10 +117,7 @@ def test_a_table_is_a_manual() -> None:
         ({"sources": {}}, r"\[sources\] needs the key 'title'"),
         ({"sources": "play"}, "the file: 'sources' must be a table, got 'play'"),
         ({"sources": TABLE["sources"] | {"maker": ["play"]}}, r"\[sources\] has no key 'maker'"),
-        (
-            {"sources": TABLE["sources"] | {"title": "play"}},
-            r"\[sources\]: 'title' must be a list of texts, got 'play'",
-        ),
+        ({"sources": TABLE["sources"] | {"title": "play"}}, r"\[sources\]: 'title' must be a list of texts, got 'pla"),
         ({"sources": TABLE["sources"] | {"title": ["rumour"]}}, r"\[sources\] title: 'rumour' is not one of 'manual'"),
         ({"sources": TABLE["sources"] | {"title": []}}, r"\[sources\] title is empty"),
     ],

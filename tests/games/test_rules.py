@@ -25,13 +25,8 @@ def test_every_expression_of_every_game_is_in_the_language() -> None:
             check_expression(source, scope, game.id)
             scope.add(name)
             count += 1
-    assert count > 500
-
-
-def test_all_outputs_are_assigned_in_every_game() -> None:
-    for game in atari.games.playable():
-        assert game.rules is not None
         assert {"reward", "terminal", "lives"} <= {name for name, _ in game.rules.step}, game.id
+    assert count > 500
 
 
 @pytest.mark.parametrize(
@@ -121,10 +116,7 @@ def test_labels_count_addresses_from_zero() -> None:
     check_expression("v + ram[127]", {"v"}, "here", LABEL_ADDRESSES)
     with pytest.raises(ValueError, match=r"an address is a number within 0x0\.\.0x7f, not 128"):
         check_expression("ram[128]", {"v"}, "here", LABEL_ADDRESSES)
-
-
-def test_the_helpers_are_those_of_the_interpreter() -> None:
-    assert set(HELPERS) == {"bcd", "s8", "count", "same", "pos_sum", "neg_sum", "rng"}
+    assert set(HELPERS) == {"bcd", "s8", "count", "same", "pos_sum", "neg_sum", "rng"}  # the interpreter's
 
 
 @pytest.mark.parametrize(
@@ -143,42 +135,29 @@ def test_the_helpers_are_those_of_the_interpreter() -> None:
         ({"step": "bcd = 1"}, "[rules] step, line 1: 'bcd' has a meaning in the language and cannot be assigned"),
         ({"step": "reward = later\nlater = 1"}, "line 1: in 'later', the name 'later' is not defined before this line"),
         ({"kept_over_reset": ["timer"]}, "[rules] kept_over_reset names 'timer', which is not in state"),
-        (
-            {"mode_select": [{"op": "wait"}]},
-            "[rules] mode_select, op must be one of set, press_select, press_select_until, soft_reset, act, ",
+        *(
+            ({"mode_select": [operation]}, text)
+            for operation, text in (
+                ({"op": "wait"}, "op must be one of set, press_select, press_select_until, soft_reset, act, "),
+                ({"frames": 2}, "repeat_until, repeat, got None"),
+                ({"op": "soft_reset", "times": 2}, "soft_reset has no key 'times'; it can have none"),
+                ({"op": "press_select"}, "press_select needs the key 'frames'"),
+                ({"op": "act", "action": "RESET", "times": 1}, "act: 'action' must be one of NOOP, FIRE, UP, "),
+                (
+                    {"op": "press_select_until", "frames": 2, "until": "ram[0x80] == mood"},
+                    "press_select_until until: in 'ram[0x80] == mood', the name 'mood' is not defined",
+                ),
+                ({"op": "repeat", "times": 2, "do": [{"op": "jump"}]}, "repeat_until, repeat, got 'jump'"),
+            )
         ),
-        ({"mode_select": [{"frames": 2}]}, "repeat_until, repeat, got None"),
-        (
-            {"mode_select": [{"op": "soft_reset", "times": 2}]},
-            "[rules] mode_select, soft_reset has no key 'times'; it can have none",
-        ),
-        ({"mode_select": [{"op": "press_select"}]}, "[rules] mode_select, press_select needs the key 'frames'"),
-        (
-            {"mode_select": [{"op": "act", "action": "RESET", "times": 1}]},
-            "[rules] mode_select, act: 'action' must be one of NOOP, FIRE, UP, ",
-        ),
-        (
-            {"mode_select": [{"op": "press_select_until", "frames": 2, "until": "ram[0x80] == mood"}]},
-            "[rules] mode_select, press_select_until until: in 'ram[0x80] == mood', the name 'mood' is not defined",
-        ),
-        (
-            {"mode_select": [{"op": "repeat", "times": 2, "do": [{"op": "jump"}]}]},
-            "repeat_until, repeat, got 'jump'",
-        ),
+        *(({key: None}, f"[rules] needs the key '{key}'") for key in ("lives_initial", "state", "step")),
     ],
 )
 def test_a_broken_table_is_refused(changes: dict[str, Any], text: str) -> None:
-    with pytest.raises(ValueError, match=r"^\[rules\]") as error:
-        parse_rules(rules_table(**changes))
-    assert text in str(error.value)
-
-
-@pytest.mark.parametrize("key", ["lives_initial", "state", "step"])
-def test_a_missing_key_is_named(key: str) -> None:
-    table = rules_table()
-    del table[key]
-    with pytest.raises(ValueError, match=rf"\[rules\] needs the key '{key}'"):
+    table = {key: value for key, value in rules_table(**changes).items() if value is not None}
+    with pytest.raises(ValueError, match=r"^\[rules\]( mode_select,)?") as error:
         parse_rules(table)
+    assert text in str(error.value)
 
 
 def test_operations_are_kept_in_order_with_what_they_contain() -> None:

@@ -37,6 +37,11 @@ def playing(**options: Any) -> atari.AtariEnv:
     return env
 
 
+@pytest.fixture
+def env() -> atari.AtariEnv:
+    return playing()
+
+
 @pytest.mark.parametrize("core", ["native", "plain"])
 def test_a_frozen_byte_stays_at_every_frame_of_a_skip_and_in_the_observation(core: str) -> None:
     env = playing(obs_type="ram", core=core)
@@ -51,15 +56,13 @@ def test_a_frozen_byte_stays_at_every_frame_of_a_skip_and_in_the_observation(cor
     assert env.core.ram()[BALL_X] != 120
 
 
-def test_set_ram_alone_would_not_hold_it() -> None:
-    env = playing()
+def test_set_ram_alone_would_not_hold_it(env: atari.AtariEnv) -> None:
     env.core.set_ram(BALL_X, 120)
     env.step(RIGHT)
     assert env.core.ram()[BALL_X] == 124
 
 
-def test_a_label_is_held_by_its_value_and_an_address_is_a_place() -> None:
-    env = playing()
+def test_a_label_is_held_by_its_value_and_an_address_is_a_place(env: atari.AtariEnv) -> None:
     with Freeze(env, ball_x=71), Freeze(env, {0x80 + PLAYER_Y: 90}):
         env.step(RIGHT)
         assert env.core.ram()[BALL_X] == 71 + 49
@@ -86,8 +89,7 @@ def test_a_mask_keeps_the_other_bits() -> None:
         assert core.ram()[found.index] == 0xA9
 
 
-def test_a_reset_keeps_a_freeze() -> None:
-    env = playing()
+def test_a_reset_keeps_a_freeze(env: atari.AtariEnv) -> None:
     with Freeze(env, {BALL_X: 99}):
         env.reset()
         assert env.core.ram()[BALL_X] == 99
@@ -97,8 +99,7 @@ def test_a_reset_keeps_a_freeze() -> None:
         assert env.core.ram()[BALL_X] == 99
 
 
-def test_old_holds_what_is_there() -> None:
-    env = playing()
+def test_old_holds_what_is_there(env: atari.AtariEnv) -> None:
     here = env.core.ram()[PLAYER_Y]
     with Freeze(env, {PLAYER_Y: "old"}):
         for action in [2, 3] * 5:
@@ -179,8 +180,7 @@ def test_a_vector_that_is_closed_inside_is_not_frozen_later() -> None:
     other.release()
 
 
-def test_a_snapshot_does_not_end_it_and_a_restore_does_not_begin_it() -> None:
-    env = playing()
+def test_a_snapshot_does_not_end_it_and_a_restore_does_not_begin_it(env: atari.AtariEnv) -> None:
     before = env.snapshot()
     freeze = Freeze(env, {BALL_X: 120})
     frozen = env.snapshot()
@@ -194,8 +194,7 @@ def test_a_snapshot_does_not_end_it_and_a_restore_does_not_begin_it() -> None:
     assert env.core.ram()[BALL_X] != 120
 
 
-def test_sound_keeps_it() -> None:
-    env = playing()
+def test_sound_keeps_it(env: atari.AtariEnv) -> None:
     freeze = Freeze(env, {BALL_X: 120})
     env.driver.make_sound()
     env.step(RIGHT)
@@ -203,8 +202,7 @@ def test_sound_keeps_it() -> None:
     assert freeze is not None
 
 
-def test_it_ends_with_the_environment() -> None:
-    env = playing()
+def test_it_ends_with_the_environment(env: atari.AtariEnv) -> None:
     freeze = Freeze(env, {BALL_X: 120})
     env.close()
     freeze.release()
@@ -213,8 +211,7 @@ def test_it_ends_with_the_environment() -> None:
     assert env.core.ram()[BALL_X] != 120
 
 
-def test_at_most_64() -> None:
-    env = playing()
+def test_at_most_64(env: atari.AtariEnv) -> None:
     for index in range(64):
         Freeze(env, {index: "old"})
     with pytest.raises(ValueError, match="at most 64 writes"):
@@ -240,6 +237,20 @@ def test_at_most_64() -> None:
         (lambda env: Freeze(env, {3: 1}, index=0), ValueError, "index is for an AtariVectorEnv"),
         (lambda env: Freeze(gymnasium.make("CartPole-v1"), {3: 1}), TypeError, "an AtariEnv, a core"),
         (lambda env: Freeze(AleCore("pong"), {3: 1}), ValueError, "use core='native'"),
+        (
+            lambda env: Freeze(env, {3: "1" + "+ (1" * 40 + ")" * 40}),
+            ValueError,
+            "an expression is too large to compile",
+        ),
+        (
+            lambda env: Poke(env, {3: 1}, when="ball_q > 3"),
+            ValueError,
+            "pong has no label 'ball_q'; did you mean 'ball_y'",
+        ),
+        (lambda env: Poke(env, {3: 1}, when="("), ValueError, "is not an expression"),
+        (lambda env: Poke(env, {3: 1}, when=3), TypeError, "when must be a condition"),
+        (lambda env: Poke(env, {3: 1}, frame=0), ValueError, "frame must be within 1.."),
+        (lambda env: Poke(env, {3: 1}, frame="x"), TypeError, "frame must be an integer"),
     ],
 )
 def test_wrong_arguments(freeze: Callable[[atari.AtariEnv], Any], error: type[Exception], text: str) -> None:
@@ -272,9 +283,3 @@ def test_no_digit_above_nine_is_written() -> None:
     with Freeze(env, temperature="-1"):
         env.step(0)
     assert Ram(env)["temperature"] == 45
-
-
-def test_an_expression_that_needs_too_deep_a_stack() -> None:
-    deep = "1" + "+ (1" * 40 + ")" * 40
-    with pytest.raises(ValueError, match="an expression is too large to compile"):
-        Freeze(playing(), {3: deep})

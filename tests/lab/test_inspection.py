@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from inspector_tools import LIVES, PADDLE, SCORE, Sweeper, new_inspection, play
+from inspector_tools import LIVES, PADDLE, SCORE, Sweeper, new_inspection, play, ram_at
 from numpy.testing import assert_array_equal
 
 import atari._emulator as _emulator
@@ -12,8 +12,12 @@ from atari.lab.inspector import timeline
 from atari.lab.inspector.inspection import Inspection
 
 
-def test_time_plays_frames_at_the_speed_of_the_console() -> None:
-    inspection = new_inspection()
+@pytest.fixture
+def inspection() -> Inspection:
+    return new_inspection()
+
+
+def test_time_plays_frames_at_the_speed_of_the_console(inspection: Inspection) -> None:
     inspection.tick(1.0)
     assert inspection.at == 0  # paused
     inspection.play()
@@ -24,12 +28,9 @@ def test_time_plays_frames_at_the_speed_of_the_console() -> None:
     assert inspection.at == 30
     inspection.tick(100)  # the page slept; the lost time is dropped
     assert inspection.at == 90
-    with pytest.raises(ValueError, match="speed is one of"):
-        inspection.set_speed(3.0)
 
 
-def test_going_back_gives_the_same_bytes() -> None:
-    inspection = new_inspection()
+def test_going_back_gives_the_same_bytes(inspection: Inspection) -> None:
     seen = []
     for _ in range(200):
         play(inspection, 1)
@@ -42,7 +43,7 @@ def test_going_back_gives_the_same_bytes() -> None:
         assert_array_equal(inspection.ram(), ram)
         assert_array_equal(inspection.main.core.screen(), screen)
         assert inspection.main.score == score
-        assert_array_equal(inspection.main.ram_at(frame), ram)
+        assert_array_equal(ram_at(inspection, frame), ram)
     inspection.seek(10**6)
     assert inspection.at == 200
     inspection.seek(100)
@@ -50,8 +51,7 @@ def test_going_back_gives_the_same_bytes() -> None:
     assert_array_equal(inspection.ram(), seen[104][0])
 
 
-def test_a_key_takes_over_what_was_recorded() -> None:
-    inspection = new_inspection()
+def test_a_key_takes_over_what_was_recorded(inspection: Inspection) -> None:
     play(inspection, 100)
     inspection.seek(50)
     inspection.hold(0, 0, False)
@@ -67,8 +67,7 @@ def test_a_key_takes_over_what_was_recorded() -> None:
     assert inspection.ram()[PADDLE] > before
 
 
-def test_a_press_while_paused_says_so() -> None:
-    inspection = new_inspection()
+def test_a_press_while_paused_says_so(inspection: Inspection) -> None:
     inspection.hold(0, 0, False)
     assert inspection.notice == ""
     inspection.hold(0, 0, True)
@@ -98,8 +97,7 @@ def test_the_oldest_frames_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:
     assert inspection.at == 600
 
 
-def test_a_poke_is_seen_before_a_frame_is_played_and_can_be_undone() -> None:
-    inspection = new_inspection()
+def test_a_poke_is_seen_before_a_frame_is_played_and_can_be_undone(inspection: Inspection) -> None:
     play(inspection, 60)
     before, screen = inspection.ram(), inspection.screen(inspection.main)[0]
     inspection.poke(PADDLE, 60)
@@ -117,12 +115,9 @@ def test_a_poke_is_seen_before_a_frame_is_played_and_can_be_undone() -> None:
     inspection.undo()
     assert inspection.ram()[LIVES] == before[LIVES]
     assert "was written back" in inspection.notice
-    with pytest.raises(ValueError, match="no change of RAM to undo"):
-        inspection.undo()
 
 
-def test_a_poke_in_the_past_drops_the_future_and_is_part_of_it() -> None:
-    inspection = new_inspection()
+def test_a_poke_in_the_past_drops_the_future_and_is_part_of_it(inspection: Inspection) -> None:
     play(inspection, 90)
     inspection.seek(40)
     inspection.poke(LIVES, 2)
@@ -134,13 +129,12 @@ def test_a_poke_in_the_past_drops_the_future_and_is_part_of_it() -> None:
     assert after[LIVES] == 2
 
 
-def test_frozen_bytes_hold_at_every_frame() -> None:
-    inspection = new_inspection()
+def test_frozen_bytes_hold_at_every_frame(inspection: Inspection) -> None:
     inspection.freeze(LIVES, 5)
     inspection.freeze(PADDLE)
     held = inspection.ram()[PADDLE]
     play(inspection, 400)
-    rams = np.stack([inspection.main.ram_at(frame) for frame in range(1, 401)])
+    rams = np.stack([ram_at(inspection, frame) for frame in range(1, 401)])
     assert (rams[:, LIVES] == 5).all()
     assert (rams[:, PADDLE] == held).all()
     inspection.release(LIVES)
@@ -151,8 +145,7 @@ def test_frozen_bytes_hold_at_every_frame() -> None:
     assert inspection.frozen == {PADDLE: held}
 
 
-def test_frozen_lives_are_never_seen_lost_by_the_rules() -> None:
-    inspection = new_inspection()
+def test_frozen_lives_are_never_seen_lost_by_the_rules(inspection: Inspection) -> None:
     inspection.freeze(LIVES, 1)
     play(inspection, 900)
     assert inspection.main.core.lives == 1
@@ -167,8 +160,7 @@ def test_frozen_lives_are_never_seen_lost_by_the_rules() -> None:
     assert loser.main.core.lives == 0
 
 
-def test_a_freeze_of_the_game_and_one_of_its_fork_are_apart() -> None:
-    inspection = new_inspection()
+def test_a_freeze_of_the_game_and_one_of_its_fork_are_apart(inspection: Inspection) -> None:
     inspection.freeze(LIVES, 3)
     play(inspection, 20)
     inspection.open_fork()
@@ -192,8 +184,7 @@ def test_a_freeze_of_the_game_and_one_of_its_fork_are_apart() -> None:
     assert inspection.ram()[PADDLE] == 60
 
 
-def test_a_release_ends_it_on_the_core_at_once() -> None:
-    inspection = new_inspection()
+def test_a_release_ends_it_on_the_core_at_once(inspection: Inspection) -> None:
     inspection.freeze(PADDLE, 60)
     inspection.step(3)
     inspection.release(PADDLE)
@@ -203,8 +194,7 @@ def test_a_release_ends_it_on_the_core_at_once() -> None:
     assert env.core.ram()[PADDLE] != 60
 
 
-def test_at_most_64_bytes_are_held() -> None:
-    inspection = new_inspection()
+def test_at_most_64_bytes_are_held(inspection: Inspection) -> None:
     for index in range(64):
         inspection.freeze(index)
     with pytest.raises(ValueError, match="at most 64 writes"):
@@ -224,8 +214,7 @@ def test_a_preview_is_what_redraw_draws() -> None:
         assert_array_equal(colours, inspection.main.core.redraw())
 
 
-def test_a_fork_plays_beside_the_game() -> None:
-    inspection = new_inspection()
+def test_a_fork_plays_beside_the_game(inspection: Inspection) -> None:
     play(inspection, 80)
     inspection.open_fork()
     assert inspection.fork is not None
@@ -249,8 +238,7 @@ def test_a_fork_plays_beside_the_game() -> None:
     assert_array_equal(inspection.ram(), kept)
 
 
-def test_the_fork_left_alone_changes_nothing() -> None:
-    inspection = new_inspection()
+def test_the_fork_left_alone_changes_nothing(inspection: Inspection) -> None:
     play(inspection, 50)
     inspection.open_fork()
     play(inspection, 100)
@@ -259,8 +247,7 @@ def test_the_fork_left_alone_changes_nothing() -> None:
     assert inspection.at == 150
 
 
-def test_search_finds_the_lives() -> None:
-    inspection = new_inspection()
+def test_search_finds_the_lives(inspection: Inspection) -> None:
     inspection.new_search()
     inspection.filter("equals", 5)
     while inspection.main.core.lives == 5:
@@ -271,15 +258,10 @@ def test_search_finds_the_lives() -> None:
     inspection.undo_filter()
     inspection.undo_filter()
     assert len(inspection.search.candidates) > 1
-    with pytest.raises(ValueError, match="filter must be one of 'changed'"):
-        inspection.filter("chnged")
 
 
-def test_search_finds_what_follows_the_score() -> None:
-    inspection = new_inspection()
+def test_search_finds_what_follows_the_score(inspection: Inspection) -> None:
     inspection.new_search()
-    with pytest.raises(ValueError, match="the score has not changed since the search began"):
-        inspection.filter("correlates")
     for points in (3, 1, 4):
         inspection.poke(SCORE, inspection.main.score + points)  # a written score is rewarded
         play(inspection, 5)
@@ -293,8 +275,7 @@ def test_search_finds_what_follows_the_score() -> None:
     assert SCORE in inspection.search.candidates
 
 
-def test_causes_in_a_state() -> None:
-    inspection = new_inspection()
+def test_causes_in_a_state(inspection: Inspection) -> None:
     play(inspection, 60)
     before = inspection.main.core.snapshot()
     paddle, source = inspection.pixels_of(PADDLE)
@@ -307,8 +288,7 @@ def test_causes_in_a_state() -> None:
     assert inspection.main.core.snapshot() == before
 
 
-def test_causes_of_the_shipped_map() -> None:
-    inspection = new_inspection()
+def test_causes_of_the_shipped_map(inspection: Inspection) -> None:
     causes = inspection.readings.causes
     assert causes is not None
     pixels, source = inspection.pixels_of(100)  # nothing in the first frame
@@ -322,8 +302,7 @@ def test_causes_of_the_shipped_map() -> None:
     assert inspection.readings.facts()[PADDLE].startswith("By the causal map: ")
 
 
-def test_the_end_of_a_game_pauses_a_person_and_begins_again_for_an_agent() -> None:
-    inspection = new_inspection()
+def test_the_end_of_a_game_pauses_a_person_and_begins_again_for_an_agent(inspection: Inspection) -> None:
     inspection.poke(LIVES, 1)
     play(inspection, 20)
     inspection.let_agent_play(False)
@@ -356,6 +335,11 @@ def test_the_end_of_a_game_pauses_a_person_and_begins_again_for_an_agent() -> No
         (lambda s: s.let_agent_play(True), ValueError),
         (lambda s: s.filter("between", 3, 2), ValueError),
         (lambda s: s.undo_filter(), ValueError),
+        (lambda s: s.undo(), ValueError),
+        (lambda s: s.set_speed(3.0), ValueError),
+        (lambda s: s.filter("chnged"), ValueError),
+        (lambda s: s.filter("correlates"), ValueError),  # the score has not changed since the search began
+        (lambda s: s.open_fork() or s.open_fork(), ValueError),
     ],
 )
 def test_mistakes_change_nothing(call: object, error: type[Exception]) -> None:
@@ -363,6 +347,8 @@ def test_mistakes_change_nothing(call: object, error: type[Exception]) -> None:
     before = inspection.ram()
     with pytest.raises(error):
         call(inspection)  # type: ignore[operator]
+    inspection.close_fork()
+    inspection.close_fork()
     assert_array_equal(inspection.ram(), before)
     assert (inspection.at, inspection.changes, inspection.frozen) == (0, [], {})
 
@@ -372,8 +358,7 @@ class Broken(Sweeper):
         return 99 if self.frames else super().act(core)
 
 
-def test_an_agent_that_fails_pauses() -> None:
-    inspection = new_inspection()
+def test_an_agent_that_fails_pauses(inspection: Inspection) -> None:
     inspection.agent = Broken()
     inspection.let_agent_play(True)
     inspection.play()
@@ -406,8 +391,7 @@ def test_any_error_pauses_and_is_logged_in_one_line(
     assert (inspection.at, inspection.playing) == (46, True)
 
 
-def test_bytes_are_released_before_others_are_held() -> None:
-    inspection = new_inspection()
+def test_bytes_are_released_before_others_are_held(inspection: Inspection) -> None:
     for bytes_ in (range(40), range(40, 80)):
         for index in list(inspection.frozen):
             inspection.release(index)
@@ -452,15 +436,6 @@ def test_random_freezes_and_jumps_give_the_same_bytes(seed: int) -> None:
                 assert_array_equal(inspection.ram(), seen[frame])
         inspection.seek(inspection.main.end)
         assert inspection.error == ""
-
-
-def test_one_fork_at_a_time() -> None:
-    inspection = new_inspection()
-    inspection.open_fork()
-    with pytest.raises(ValueError, match="a fork already"):
-        inspection.open_fork()
-    inspection.close_fork()
-    inspection.close_fork()
 
 
 def test_only_ataris() -> None:

@@ -7,12 +7,13 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from inspector_tools import LIVES, PADDLE, Sweeper, new_inspection, play
+from inspector_tools import LIVES, PADDLE, Sweeper, new_inspection, play, ram_at
 from numpy.testing import assert_array_equal
 
 from atari.env import AtariEnv
 from atari.games.interventions import load
 from atari.lab.inspector import export
+from atari.lab.inspector.inspection import Inspection
 from atari.lab.inspector.sources import inspection_of_replay, inspection_of_snapshot
 from atari.lab.interventions import check
 from atari.recording import RecordReplay, Replay
@@ -31,21 +32,24 @@ SHARED.freeze(LIVES)
 SHARED.name(3, "mine")
 
 
-def test_a_replay_holds_bytes_in_no_frame_before_their_freeze(tmp_path: Path) -> None:
-    inspection = new_inspection()
+@pytest.fixture
+def inspection() -> Inspection:
+    return new_inspection()
+
+
+def test_a_replay_holds_bytes_in_no_frame_before_their_freeze(inspection: Inspection, tmp_path: Path) -> None:
     play(inspection, 60)
     inspection.freeze(PADDLE, 60)
     play(inspection, 20)
     path = export.write_replay(inspection, tmp_path / "a.a26r")
-    seen = [int(inspection.main.ram_at(frame)[PADDLE]) for frame in range(1, 81)]
+    seen = [int(ram_at(inspection, frame)[PADDLE]) for frame in range(1, 81)]
     assert len(set(seen[:60])) > 1
     assert seen[60:] == [60] * 20
     replay = Replay.load(path)
     assert [int(replay.seek(frame).ram()[PADDLE]) for frame in range(1, 81)] == seen
 
 
-def test_names() -> None:
-    inspection = new_inspection()
+def test_names(inspection: Inspection) -> None:
     inspection.name(70, "speed")
     for name, text in (("lives", "the name of byte 57"), ("a b", "letters, digits"), ("é", "letters")):
         with pytest.raises(ValueError, match=text):
@@ -57,9 +61,8 @@ def test_names() -> None:
         export.labels_toml(inspection)
 
 
-def test_replay_of_what_was_played(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_replay_of_what_was_played(inspection: Inspection, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(replay_module, "_CHUNKS_PER_CHECKPOINT", 1)
-    inspection = new_inspection()
     with pytest.raises(ValueError, match="no frame was played"):
         export.write_replay(inspection, tmp_path / "a.a26r")
     play(inspection, 100)
@@ -111,35 +114,25 @@ def test_a_replay_with_sticky_actions_seeds_and_rewinding(tmp_path: Path) -> Non
     assert_array_equal(inspection.ram(), rams[20])
 
 
-@pytest.mark.parametrize("kind", ["env", "core", "other"])
-def test_saved_states(kind: str, tmp_path: Path) -> None:
-    env = AtariEnv("seaquest", difficulty=1)
+def test_saved_states(tmp_path: Path) -> None:
+    env = AtariEnv("pong", difficulty=1, interventions=["lazy_enemy"])
     env.reset(seed=1)
     for _ in range(20):
         env.step(1)
+    plain = AtariEnv("seaquest")
+    plain.reset(seed=1)
     path = tmp_path / "a.state"
-    path.write_bytes({"env": env.snapshot(), "core": env.core.snapshot(), "other": b"x" * 40}[kind])
-    if kind == "other":
-        with pytest.raises(ValueError, match=r"a\.state cannot be opened as a saved state"):
-            inspection_of_snapshot(path)
-        return
-    inspection = inspection_of_snapshot(path)
-    assert_array_equal(inspection.ram(), env.core.ram())
-    assert inspection.game.id == "seaquest"
+    for data, saved in ((env.snapshot(), env), (plain.snapshot(), plain), (plain.core.snapshot(), plain)):
+        path.write_bytes(data)
+        inspection = inspection_of_snapshot(path)
+        assert_array_equal(inspection.ram(), saved.core.ram())
+        assert (inspection.game, inspection.env.task.interventions) == (saved.game, saved.task.interventions)
+    path.write_bytes(b"x" * 40)
+    with pytest.raises(ValueError, match=r"a\.state cannot be opened as a saved state"):
+        inspection_of_snapshot(path)
 
 
-def test_a_saved_state_has_its_interventions(tmp_path: Path) -> None:
-    env = AtariEnv("pong", interventions=["lazy_enemy"])
-    env.reset(seed=1)
-    path = tmp_path / "a.state"
-    path.write_bytes(env.snapshot())
-    inspection = inspection_of_snapshot(path)
-    assert inspection.env.task.interventions == env.task.interventions
-    assert_array_equal(inspection.ram(), env.core.ram())
-
-
-def test_interventions_are_toml() -> None:
-    inspection = new_inspection()
+def test_interventions_are_toml(inspection: Inspection) -> None:
     with pytest.raises(ValueError, match="nothing is frozen"):
         export.interventions_toml(inspection)
     inspection.freeze(LIVES)
@@ -162,8 +155,7 @@ def test_names_of_a_hostile_game_stay_names(title: str, name: str) -> None:
     assert list(tomllib.loads(export.labels_toml(inspection))["ram"]) == ["mine"]
 
 
-def test_an_environment_plays_the_exported_interventions(tmp_path: Path) -> None:
-    inspection = new_inspection()
+def test_an_environment_plays_the_exported_interventions(inspection: Inspection, tmp_path: Path) -> None:
     inspection.freeze(LIVES, 3)
     play(inspection, 30)
     inspection.poke(PADDLE, 80)
@@ -185,13 +177,12 @@ def test_an_environment_plays_the_exported_interventions(tmp_path: Path) -> None
     for frame in range(1, 31):
         env.step(agent.act(env.core))
         if frame < 30:
-            assert_array_equal(env.core.ram(), inspection.main.ram_at(frame))
+            assert_array_equal(env.core.ram(), ram_at(inspection, frame))
     assert (env.core.ram()[LIVES], env.core.ram()[PADDLE]) == (3, 80)
 
 
-def test_a_clip(tmp_path: Path) -> None:
+def test_a_clip(inspection: Inspection, tmp_path: Path) -> None:
     av = pytest.importorskip("av")
-    inspection = new_inspection()
     play(inspection, 120)
     with pytest.raises(ValueError, match=r"a clip is within frames 0\.\.120"):
         export.write_clip(inspection, tmp_path / "a.mp4", 100, 130)

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from inspector_tools import receive, serve
+from inspector_tools import receive, serve, served
 
 aiohttp = pytest.importorskip("aiohttp")
 
@@ -97,37 +97,34 @@ def test_errors_are_shown_and_it_plays_on(monkeypatch: pytest.MonkeyPatch, caplo
     assert pauses[0] == sum(failures[name] for name in ("tick", "frame", "overlay"))
 
 
-def test_an_error_of_an_export_is_an_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+@served
+async def test_an_error_of_an_export_is_an_answer(
+    inspector: Inspector, client: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("atari.lab.inspector.export.write", lambda *arguments: {}["no"])
-
-    async def use(inspector: Inspector, client: Any) -> None:
-        async with client.get(inspector.url + "export/replay.a26r") as response:
-            assert (response.status, await response.text()) == (500, "'no'")
-        assert "KeyError('no')" in inspector.inspection.error
-
-    serve(use)
+    async with client.get(inspector.url + "export/replay.a26r") as response:
+        assert (response.status, await response.text()) == (500, "'no'")
+    assert "KeyError('no')" in inspector.inspection.error
 
 
-def test_a_slow_page_gets_the_newest_frame_and_nobody_waits_for_it() -> None:
-    async def use(inspector: Inspector, client: Any) -> None:
-        inspection = inspector.inspection
-        async with client.ws_connect(inspector.url + "ws") as page:
-            await receive(page, "hello")
-            reader = page._conn.transport
-            reader.pause_reading()
-            await page.send_json({"do": "speed", "speed": 16})
-            await page.send_json({"do": "play"})
-            while inspection.at < 1600 and not inspection.over:
-                await asyncio.sleep(0.02)
-            at = inspection.at
-            reader.resume_reading()
-            inspection.pause()
-            frames = [at]
-            while frames[-1] != inspection.at or len(frames) == 1:
-                frames.append(int.from_bytes((await receive(page, "frame"))[4:8], "little"))
-            assert len(frames) < at / 4
-
-    serve(use)
+@served
+async def test_a_slow_page_gets_the_newest_frame_and_nobody_waits_for_it(inspector: Inspector, client: Any) -> None:
+    inspection = inspector.inspection
+    async with client.ws_connect(inspector.url + "ws") as page:
+        await receive(page, "hello")
+        reader = page._conn.transport
+        reader.pause_reading()
+        await page.send_json({"do": "speed", "speed": 16})
+        await page.send_json({"do": "play"})
+        while inspection.at < 1600 and not inspection.over:
+            await asyncio.sleep(0.02)
+        at = inspection.at
+        reader.resume_reading()
+        inspection.pause()
+        frames = [at]
+        while frames[-1] != inspection.at or len(frames) == 1:
+            frames.append(int.from_bytes((await receive(page, "frame"))[4:8], "little"))
+        assert len(frames) < at / 4
 
 
 @pytest.mark.parametrize(
@@ -135,6 +132,14 @@ def test_a_slow_page_gets_the_newest_frame_and_nobody_waits_for_it() -> None:
     [
         (["Host: 127.0.0.1:PORT"], 200),
         (["Host: 127.0.0.1:PORT", "Origin: http://127.0.0.1:PORT"], 200),
+        (["Host: localhost:PORT"], 200),
+        (["Host: attacker.example:PORT"], 403),  # DNS rebinding
+        (["Host: 127.0.0.1"], 403),
+        (["Host: 127.0.0.1:PORT.attacker.example"], 403),
+        (["Host: 127.0.0.1:PORT", "Origin: http://attacker.example"], 403),
+        (["Host: 127.0.0.1:PORT", "Origin: null"], 403),
+        (["Host: 127.0.0.1:PORT", "Origin: http://127.0.0.1:1"], 403),
+        (["Host: 127.0.0.1:PORT", "Origin: https://127.0.0.1:PORT"], 403),
         (["Host: 127.0.0.1:PORT", "Origin: http://127.0.0.1:PORT", "Origin: http://attacker.example"], 403),
         (["Host: 127.0.0.1:PORT", "Origin: http://127.0.0.1:PORT", "oRIGIN: http://127.0.0.1:PORT"], 403),
         (["Host: 127.0.0.1:PORT", "Origin: http://127.0.0.1:PORT, http://attacker.example"], 403),
@@ -151,65 +156,61 @@ def test_a_slow_page_gets_the_newest_frame_and_nobody_waits_for_it() -> None:
         (["Host: 127.0.0.1:PORT", *(f"X{number}: {'a' * 4000}" for number in range(20))], 200),
     ],
 )
-def test_headers_that_are_there_twice_are_refused(lines: list[str], status: int) -> None:
-    async def use(inspector: Inspector, client: Any) -> None:
-        for path, extra, good in (("", (), 200), ("ws", UPGRADE, 101)):
-            reader, writer = await asyncio.open_connection("127.0.0.1", inspector.port)
-            head = "\r\n".join([f"GET /{inspector.token}/{path} HTTP/1.1", *lines, *extra, "", ""])
-            writer.write(head.replace("PORT", str(inspector.port)).encode())
-            found = int((await reader.readline()).split()[1])
-            assert found == (good if status == 200 else status) or (status == 403 and found == 400)
-            writer.close()
-
-    serve(use)
-
-
-def test_connections_that_say_nothing_hold_up_nothing() -> None:
-    async def use(inspector: Inspector, client: Any) -> None:
-        silent = [await asyncio.open_connection("127.0.0.1", inspector.port) for _ in range(100)]
-        for number, (_, writer) in enumerate(silent):
-            writer.write(f"GET /{inspector.token}/ HTTP/1.1\r\nHost: 127.0.0.1:{inspector.port}\r\n".encode()[:number])
-        await get(inspector, client)
-        async with client.ws_connect(inspector.url + "ws") as page:
-            await assert_plays(inspector, page)
-        for _, writer in silent:
-            writer.close()
-
-    serve(use)
+@served
+async def test_other_hosts_other_origins_and_bad_headers_are_refused(
+    inspector: Inspector, client: Any, lines: list[str], status: int
+) -> None:
+    for path, extra, good in (("", (), 200), ("inspector.js", (), 200), ("ws", UPGRADE, 101)):
+        reader, writer = await asyncio.open_connection("127.0.0.1", inspector.port)
+        head = "\r\n".join([f"GET /{inspector.token}/{path} HTTP/1.1", *lines, *extra, "", ""])
+        writer.write(head.replace("PORT", str(inspector.port)).encode())
+        found = int((await reader.readline()).split()[1])
+        assert found == (good if status == 200 else status) or (status == 403 and found == 400)
+        writer.close()
 
 
-def test_a_flood_is_disconnected_with_a_reason_and_holds_up_nothing() -> None:
-    async def use(inspector: Inspector, client: Any) -> None:
-        async with client.ws_connect(inspector.url + "ws") as page:
-            await receive(page, "frame")
-            async with busy(inspector):
-                for _ in range(MOST_COMMANDS + 2):  # one runs, and one is too many
-                    await page.send_str("not JSON")
-                while (message := await page.receive()).type != aiohttp.WSMsgType.CLOSE:
-                    assert message.type in (aiohttp.WSMsgType.BINARY, aiohttp.WSMsgType.TEXT)
-                assert (message.data, message.extra) == (4002, "the page sent too many commands: 1000 were waiting")
-                await get(inspector, client)
-        async with client.ws_connect(inspector.url + "ws") as page:
-            await assert_plays(inspector, page)
-
-    serve(use)
+@served
+async def test_connections_that_say_nothing_hold_up_nothing(inspector: Inspector, client: Any) -> None:
+    silent = [await asyncio.open_connection("127.0.0.1", inspector.port) for _ in range(100)]
+    for number, (_, writer) in enumerate(silent):
+        writer.write(f"GET /{inspector.token}/ HTTP/1.1\r\nHost: 127.0.0.1:{inspector.port}\r\n".encode()[:number])
+    await get(inspector, client)
+    async with client.ws_connect(inspector.url + "ws") as page:
+        await assert_plays(inspector, page)
+    for _, writer in silent:
+        writer.close()
 
 
-def test_a_page_that_reads_nothing_holds_up_neither_another_nor_the_end() -> None:
-    async def use(inspector: Inspector, client: Any) -> None:
-        for query in ("ws", "ws?take=1"):
-            page = await client.ws_connect(inspector.url + query)
-            await receive(page, "frame")
-            assert inspector._tab is not None
-            reader, writer = page._conn.transport, inspector._tab.socket._req.transport  # type: ignore[union-attr]
-            for transport, option in ((reader, socket.SO_RCVBUF), (writer, socket.SO_SNDBUF)):
-                transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, option, 4096)
-            reader.pause_reading()
-            await page.send_json({"do": "play"})
-            while writer.get_write_buffer_size() < 1 << 16:  # the page's frames wait from here on
-                await asyncio.sleep(0.01)
+@served
+async def test_a_flood_is_disconnected_with_a_reason_and_holds_up_nothing(inspector: Inspector, client: Any) -> None:
+    async with client.ws_connect(inspector.url + "ws") as page:
+        await receive(page, "frame")
+        async with busy(inspector):
+            for _ in range(MOST_COMMANDS + 2):  # one runs, and one is too many
+                await page.send_str("not JSON")
+            while (message := await page.receive()).type != aiohttp.WSMsgType.CLOSE:
+                assert message.type in (aiohttp.WSMsgType.BINARY, aiohttp.WSMsgType.TEXT)
+            assert (message.data, message.extra) == (4002, "the page sent too many commands: 1000 were waiting")
+            await get(inspector, client)
+    async with client.ws_connect(inspector.url + "ws") as page:
+        await assert_plays(inspector, page)
 
-    serve(use)
+
+@served
+async def test_a_page_that_reads_nothing_holds_up_neither_another_nor_the_end(
+    inspector: Inspector, client: Any
+) -> None:
+    for query in ("ws", "ws?take=1"):
+        page = await client.ws_connect(inspector.url + query)
+        await receive(page, "frame")
+        assert inspector._tab is not None
+        reader, writer = page._conn.transport, inspector._tab.socket._req.transport  # type: ignore[union-attr]
+        for transport, option in ((reader, socket.SO_RCVBUF), (writer, socket.SO_SNDBUF)):
+            transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, option, 4096)
+        reader.pause_reading()
+        await page.send_json({"do": "play"})
+        while writer.get_write_buffer_size() < 1 << 16:  # the page's frames wait from here on
+            await asyncio.sleep(0.01)
 
 
 def test_the_end_interrupts_a_command_and_leaves_out_the_others() -> None:
@@ -258,16 +259,14 @@ def test_a_port_is_free_again_after_it_has_stopped() -> None:
         again.bind(("127.0.0.1", port))
 
 
-def test_a_command_that_waits_when_the_page_closes_is_left_out() -> None:
-    async def use(inspector: Inspector, client: Any) -> None:
-        async with client.ws_connect(inspector.url + "ws") as page:
-            await receive(page, "frame")
-            async with busy(inspector):
-                for command in ({"do": "poke", "index": 57, "value": 1}, {"do": "play"}):
-                    await page.send_json(command)
-                await page.close()
-        while inspector._tab is not None:
-            await asyncio.sleep(0.01)
-        assert not inspector.inspection.playing
-
-    serve(use)
+@served
+async def test_a_command_that_waits_when_the_page_closes_is_left_out(inspector: Inspector, client: Any) -> None:
+    async with client.ws_connect(inspector.url + "ws") as page:
+        await receive(page, "frame")
+        async with busy(inspector):
+            for command in ({"do": "poke", "index": 57, "value": 1}, {"do": "play"}):
+                await page.send_json(command)
+            await page.close()
+    while inspector._tab is not None:
+        await asyncio.sleep(0.01)
+    assert not inspector.inspection.playing

@@ -72,16 +72,10 @@ def test_the_inverse_of_a_value_has_it_again(game):
             assert reference(shown(label), ram) == value
 
 
-def test_values_are_signed():
-    labels = Labels(atari.games["pong"], ["player_x"])
-    values, _ = labels.evaluate(np.zeros((1, 128), np.uint8))
-    assert values.tolist() == [[-48]]
-
-
-def test_a_hidden_value_is_zero_and_masked():
-    values, visible = Labels(atari.games["pong"], ["ball_x"]).evaluate(np.zeros((2, 128), np.uint8))
-    assert values.tolist() == [[0, 0]]
-    assert not visible.any()
+def test_a_value_is_signed_and_a_hidden_one_is_zero_and_masked():
+    values, visible = Labels(atari.games["pong"], ["player_x", "ball_x"]).evaluate(np.zeros((2, 128), np.uint8))
+    assert values.tolist() == [[-48, -48], [0, 0]]
+    assert visible.tolist() == [[True, True], [False, False]]
 
 
 def test_the_inverse_keeps_other_bits_and_changes_few():
@@ -92,6 +86,9 @@ def test_the_inverse_keeps_other_bits_and_changes_few():
         points={"index": 5, "encoding": "bcd", "weight": 100},
         digit={"index": 5, "encoding": "bcd", "mask": 0x0F},
         self={"index": 6, "transform": "ram[6] + ram[7]"},
+        bits={"index": 0, "mask": 0x80},
+        squares={"index": 1, "transform": "v * v"},
+        none={"index": 2, "transform": "5"},
     )
     labels = Labels(game)
     ram = np.zeros(128, np.uint8)
@@ -110,48 +107,33 @@ def test_the_inverse_keeps_other_bits_and_changes_few():
         ("points", 450, r"0\.\.9900 in steps of 100$"),
         ("digit", 10, r"0\.\.9$"),
         ("self", 49, r"50\.\.305$"),
+        ("bits", 2, "0, 128$"),
+        ("squares", 2, r"256 within 0\.\.65025, such as 0, 1, 4,"),
+        ("none", 2, "5$"),
     ):
         with pytest.raises(ValueError, match=f"'{name}' of own cannot be {value}; possible values are {possible}"):
             labels.byte_of(name, ram, value)
 
 
-def test_possible_values_are_listed():
-    game = own_game(
-        bits={"index": 0, "mask": 0x80},
-        squares={"index": 1, "transform": "v * v"},
-        none={"index": 2, "transform": "5"},
-    )
-    ram = np.zeros(128, np.uint8)
-    for name, possible in (
-        ("bits", "0, 128$"),
-        ("squares", r"256 within 0\.\.65025, such as 0, 1, 4,"),
-        ("none", "5$"),
-    ):
-        with pytest.raises(ValueError, match=possible):
-            Labels(game).byte_of(name, ram, 2)
+def test_a_place_is_an_index_or_an_address():
+    assert [byte_index(place) for place in (0, 127, 0x80, 0xFF, np.uint8(49))] == [0, 127, 0, 127, 49]
+    for place, error in ((-1, ValueError), (256, ValueError), (True, TypeError), (1.0, TypeError)):
+        with pytest.raises(error, match=r"an index 0\.\.127 or an address 0x80\.\.0xFF, got"):
+            byte_index(place)
 
 
-@pytest.mark.parametrize(("place", "index"), [(0, 0), (127, 127), (0x80, 0), (0xFF, 127), (np.uint8(49), 49)])
-def test_a_place_is_an_index_or_an_address(place, index):
-    assert byte_index(place) == index
-
-
-@pytest.mark.parametrize(("place", "error"), [(-1, ValueError), (256, ValueError), (True, TypeError), (1.0, TypeError)])
-def test_other_places_are_refused(place, error):
-    with pytest.raises(error, match=r"an index 0\.\.127 or an address 0x80\.\.0xFF, got"):
-        byte_index(place)
-
-
-def test_a_wrong_name_suggests_the_nearest():
-    with pytest.raises(KeyError) as error:
-        Labels(atari.games["pong"], ["bal_x"])
-    assert str(error.value) == "pong has no label 'bal_x'; did you mean 'ball_x'?"
-    with pytest.raises(KeyError, match=r"breakout has no label 'zzz'; it has player_x, ball_x, .*, \.\.\.$"):
-        Labels(atari.games["breakout"], ["zzz"])
-    with pytest.raises(KeyError, match=r"seaquest has no label 'score'; it has score_10000, score_100, score_1$"):
-        Labels(atari.games["seaquest"], ["score"])
-    with pytest.raises(KeyError, match="there are no labels of own, so no 'x'; give an index"):
-        Labels(own_game(), ["x"])
+@pytest.mark.parametrize(
+    ("game", "name", "message"),
+    [
+        ("pong", "bal_x", r"^pong has no label 'bal_x'; did you mean 'ball_x'\?$"),
+        ("breakout", "zzz", r"breakout has no label 'zzz'; it has player_x, ball_x, .*, \.\.\.$"),
+        ("seaquest", "score", "seaquest has no label 'score'; it has score_10000, score_100, score_1$"),
+        (None, "x", "there are no labels of own, so no 'x'; give an index"),
+    ],
+)
+def test_a_wrong_name_suggests_the_nearest(game, name, message):
+    with pytest.raises(KeyError, match=message):
+        Labels(atari.games[game] if game else own_game(), [name])
 
 
 @pytest.mark.parametrize(

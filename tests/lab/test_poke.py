@@ -105,18 +105,3 @@ def test_lanes_of_a_vector() -> None:
     Poke(envs, {"score_player": np.array([2, 5])}, frame=9)
     rewards = [envs.step(np.zeros(2, int))[1].tolist() for _ in range(4)]
     assert rewards == [[0, 0], [0, 0], [2, 5], [0, 0]]
-
-
-@pytest.mark.parametrize(
-    ("options", "error", "text"),
-    [
-        ({"when": "ball_q > 3"}, ValueError, "pong has no label 'ball_q'; did you mean 'ball_y'"),
-        ({"when": "("}, ValueError, "is not an expression"),
-        ({"when": 3}, TypeError, "when must be a condition"),
-        ({"frame": 0}, ValueError, "frame must be within 1.."),
-        ({"frame": "x"}, TypeError, "frame must be an integer"),
-    ],
-)
-def test_wrong_arguments(options: dict[str, Any], error: type[Exception], text: str) -> None:
-    with pytest.raises(error, match=text):
-        Poke(playing(), {3: 1}, **options)

@@ -15,6 +15,8 @@ from atari.lab import Ram
 from atari.lab.objects import GameObject, positions, visible_objects
 from atari.wrappers import DqnPreprocessing
 
+UNNAMED = replace(atari.games["pong"], ram_labels=FrozenDict())
+
 
 @pytest.fixture
 def pong():
@@ -98,16 +100,22 @@ def test_a_wrong_write_changes_nothing(pong, place, value, error, message):
     assert (pong.core.ram() == before).all()
 
 
-def test_wrong_names_and_places_are_refused(pong):
-    ram = Ram(pong)
-    for use in (ram.__getitem__, ram.byte, ram.label):
-        with pytest.raises(KeyError, match="did you mean 'ball_x'"):
-            use("bal_x")
-    with pytest.raises(TypeError, match="a place in RAM is"):
-        ram[1.5]
-    unnamed = replace(atari.games["pong"], ram_labels=FrozenDict())
-    with pytest.raises(KeyError, match="there are no labels of pong, so no 'ball_x'; give an index"):
-        Ram(AtariEnv(unnamed))["ball_x"]
+@pytest.mark.parametrize(
+    ("use", "error", "text"),
+    [
+        (lambda env: Ram(env)["bal_x"], KeyError, "did you mean 'ball_x'"),
+        (lambda env: Ram(env).byte("bal_x"), KeyError, "did you mean 'ball_x'"),
+        (lambda env: Ram(env).label("bal_x"), KeyError, "did you mean 'ball_x'"),
+        (lambda env: Ram(env)[1.5], TypeError, "a place in RAM is"),
+        (lambda env: Ram(AtariEnv(UNNAMED))["ball_x"], KeyError, "no labels of pong, so no 'ball_x'; give an index"),
+        (lambda env: Ram(3), TypeError, "RAM is read from an AtariEnv"),
+        (lambda env: Ram(np.zeros(128, np.uint8)), TypeError, r"take Ram\(replay.seek\(number of frames\)\)"),
+        (lambda env: Ram(env, index=0), TypeError, "index is the number of a lane of an AtariVectorEnv"),
+    ],
+)
+def test_what_is_not_there_is_refused(pong, use, error, text):
+    with pytest.raises(error, match=text):
+        use(pong)
 
 
 def test_it_works_over_resets_and_replaced_cores_and_says_when_closed(pong):
@@ -167,6 +175,7 @@ def test_a_whole_vector(envs):
     assert ram[49].tolist() == [60, rams[1, 49], 61]
     ram[49] = [0, 50, 51]
     assert ram["ball_x"].mask.tolist() == [True, False, False]
+    assert ram.objects() == [Ram(envs, index=index).objects() for index in range(3)]
     assert repr(ram) == "Ram(pong, 8 labels, 3 lanes)"
 
 
@@ -222,15 +231,6 @@ def test_a_vector_of_several_games():
     assert ram.byte("lives") == 57
 
 
-def test_what_has_no_ram_is_refused(pong):
-    with pytest.raises(TypeError, match="RAM is read from an AtariEnv"):
-        Ram(3)
-    with pytest.raises(TypeError, match=r"for a replay or its frames, take Ram\(replay.seek\(number of frames\)\)"):
-        Ram(np.zeros(128, np.uint8))
-    with pytest.raises(TypeError, match="index is the number of a lane of an AtariVectorEnv"):
-        Ram(pong, index=0)
-
-
 def test_objects_are_where_they_are_drawn():
     pong = AtariEnv("pong", repeat_action_probability=0.0)
     pong.reset(seed=0)
@@ -249,10 +249,6 @@ def test_objects_are_where_they_are_drawn():
         assert (columns.max() - columns.min() + 1, rows.max() - rows.min() + 1) == (thing.width, thing.height)
     Ram(pong)[49] = 0
     assert "ball" not in {thing.name for thing in Ram(pong).objects()}
-
-
-def test_objects_of_a_vector(envs):
-    assert Ram(envs).objects() == [Ram(envs, index=index).objects() for index in range(3)]
 
 
 def test_positions_are_paired_by_their_names():
@@ -277,8 +273,7 @@ def test_the_table(pong, envs):
     assert ball[:5] == ["ball_x", "49", "0xB1", str(Ram(pong)[49]), str(Ram(pong)["ball_x"])]
     assert table._repr_html_().count("<tr>") == 9
     assert "value 2" in str(Ram(envs).table())
-    unnamed = replace(atari.games["pong"], ram_labels=FrozenDict())
-    assert len(Ram(AtariEnv(unnamed)).table().rows) == 128
+    assert len(Ram(AtariEnv(UNNAMED)).table().rows) == 128
 
 
 def test_a_table_escapes_and_aligns():

@@ -1,11 +1,16 @@
 """`Search`: what each filter keeps, chains, undo, numbers, vectors, and the score of eight games found blind."""
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import atari
 from atari.games.catalog import games
 from atari.lab import Search
+from atari.lab.search import recorded
+from atari.recording import RecordReplay, Replay
 
 ROWS = np.zeros((4, 128), np.uint8)
 ROWS[:, 1] = [5, 6, 7, 8]
@@ -195,17 +200,28 @@ def test_what_is_refused_changes_nothing(use: object, error: type[Exception], te
     assert not search.filters
 
 
-def test_a_source_without_ram_is_refused() -> None:
-    with pytest.raises(TypeError, match=r"take an environment, such as atari.make\('pong'\), or a recorded game"):
-        Search("pong")
-    with pytest.raises(TypeError, match="AtariVectorEnv"):
-        Search(5)
-    with pytest.raises(TypeError, match="leave it out"):
-        Search(started(), index=0)
-    with pytest.raises(ValueError, match="a recorded history needs"):
-        Search(np.zeros((0, 128), np.uint8))
-    with pytest.raises(ValueError, match="a game that is played"):
-        Search(started()).seek(0)
+@pytest.mark.parametrize(
+    ("make", "error", "text"),
+    [
+        (lambda: Search("pong"), TypeError, r"take an environment, such as atari.make\('pong'\), or a recorded game"),
+        (lambda: Search(5), TypeError, "AtariVectorEnv"),
+        (lambda: Search(started(), index=0), TypeError, "leave it out"),
+        (lambda: Search(np.zeros((0, 128), np.uint8)), ValueError, "a recorded history needs"),
+        (lambda: Search(started()).seek(0), ValueError, "a game that is played"),
+        (lambda: Search(np.zeros((3, 127), np.uint8)), ValueError, "history of RAM"),
+        (lambda: Search(np.zeros(128, np.uint8)), ValueError, "history of RAM"),
+        (lambda: Search(np.zeros((3, 128))), TypeError, "history of RAM"),
+        (lambda: Search(np.full((3, 128), 256)), TypeError, "history of RAM"),
+        (
+            lambda: Search(np.zeros((3, 2, 128), np.uint8), index=2),
+            IndexError,
+            r"no game 2 in this history; it has 0\.\.1",
+        ),
+    ],
+)
+def test_a_source_without_ram_is_refused(make: Callable[[], Search], error: type[Exception], text: str) -> None:
+    with pytest.raises(error, match=text):
+        make()
 
 
 def test_a_series_of_numbers_in_a_long_history() -> None:
@@ -216,3 +232,46 @@ def test_a_series_of_numbers_in_a_long_history() -> None:
     rows[:, 41] = numbers // 1000 * 16 + numbers // 100 % 10
     search = Search(rows).bcd(int(numbers[0])).correlates(numbers, at_least=0.99)
     assert [str(each) for each in search.places] == ["0xA9 0xA8 decimal"]
+
+
+def record(path: Path, steps: int) -> np.ndarray:
+    """Record a game and return the RAM after each frame."""
+    env = RecordReplay(atari.AtariEnv("breakout", frameskip=2, obs_type="ram"), path)
+    env.reset(seed=0)
+    env.action_space.seed(0)
+    rows = []
+    for _ in range(steps):
+        rows.append(env.step(env.action_space.sample())[0])
+    env.close()
+    return np.stack(rows)
+
+
+def test_a_replay_has_a_state_after_each_frame(tmp_path: Path) -> None:
+    path = tmp_path / "a.a26r"
+    rows = record(path, 30)
+    for source in (path, str(path), Replay.load(path)):
+        states = recorded(source)
+        assert states is not None
+        assert states.shape == (60, 1, 128)
+        assert np.array_equal(states[1::2, 0], rows)
+    search = Search(path).seek(59).correlates(rows.repeat(2, axis=0)[:, 99], at_least=0.9)
+    assert 99 in search.candidates
+
+
+def test_arrays_of_one_game_and_of_many() -> None:
+    rows = np.random.default_rng(0).integers(256, size=(5, 3, 128))
+    assert Search(rows).history.shape == (5, 3, 128)
+    one = Search(rows, index=2)
+    assert np.array_equal(one.history, rows[:, 2])
+    assert one.equals(rows[0, 2, 17]).candidates.count(17) == 1
+    assert Search(rows).equals(rows[0, :, 17]).candidates == [17]
+    assert Search(rows).correlates(rows[:, :, 40]).candidates == [40]
+    assert Search(rows[:, 0].tolist()).history.dtype == np.uint8
+
+
+def test_a_file_that_is_no_replay(tmp_path: Path) -> None:
+    (tmp_path / "a.a26r").write_bytes(b"no")
+    with pytest.raises(ValueError, match="replay"):
+        Search(tmp_path / "a.a26r")
+    with pytest.raises(FileNotFoundError):
+        Search(tmp_path / "b.a26r")

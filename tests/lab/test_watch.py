@@ -91,8 +91,7 @@ def test_an_error_of_the_callback_comes_after_the_step() -> None:
 
 def test_vectors() -> None:
     seen: list[Any] = []
-    vector = atari.AtariVectorEnv("breakout", 3, obs_type="ram")
-    envs = Watch(vector, "lives", 99, on_change=lambda *change: seen.append(change))
+    envs = Watch(vector(3), "lives", 99, on_change=lambda *change: seen.append(change))
     assert type(envs) is VectorWatch
     rows = [envs.reset(seed=0)[0]] + [envs.step(np.full(3, action))[0] for action in [1, 2, 3] * 10]
     assert np.array_equal(envs.history[99], np.stack(rows)[..., 99])
@@ -133,23 +132,24 @@ def test_wrong_arguments(what: Any, options: Any, error: type[Exception], text: 
     assert not env.driver.observers
 
 
+def vector(lanes: int = 1) -> atari.AtariVectorEnv:
+    return atari.AtariVectorEnv("breakout", lanes, obs_type="ram")
+
+
 @needs_gymnasium_1
-def test_only_environments_of_this_package_are_logged() -> None:
-    with pytest.raises(TypeError, match="Watch logs the RAM of an AtariEnv or an AtariVectorEnv, got <CartPole"):
-        Watch(gymnasium.make("CartPole-v1").unwrapped, 1)
-    with pytest.raises(TypeError, match="in another vector, wrap each environment"):
-        Watch(SyncVectorEnv([make]), 1)
-
-
-def test_an_argument_of_the_other_kind_is_refused() -> None:
-    envs = atari.AtariVectorEnv("pong", 1)
-    with pytest.raises(ValueError, match="a vector is logged by steps, each='step', got each='frame'"):
-        Watch(envs, 1, each="frame")
-    with pytest.raises(IndexError, match="the vector has 1 lanes"):
-        Watch(envs, 1, index=1)
-    with pytest.raises(TypeError, match="leave it out"):
-        Watch(make(), 1, index=0)
-    envs.close()
+@pytest.mark.parametrize(
+    ("make_env", "options", "error", "text"),
+    [
+        (lambda: gymnasium.make("CartPole-v1").unwrapped, {}, TypeError, "an AtariVectorEnv, got <CartPole"),
+        (lambda: SyncVectorEnv([make]), {}, TypeError, "in another vector, wrap each environment"),
+        (vector, {"each": "frame"}, ValueError, "a vector is logged by steps, each='step', got each='frame'"),
+        (vector, {"index": 1}, IndexError, "the vector has 1 lanes"),
+        (make, {"index": 0}, TypeError, "leave it out"),
+    ],
+)
+def test_an_environment_of_the_other_kind(make_env: Any, options: Any, error: type[Exception], text: str) -> None:
+    with pytest.raises(error, match=text):
+        Watch(make_env(), 1, **options)
 
 
 def test_a_copied_watch_continues() -> None:

@@ -7,6 +7,8 @@ from typing import Any
 import ale_py
 import pytest
 
+from atari.roms.identification import known_images
+
 
 @pytest.fixture(autouse=True)
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -35,6 +37,12 @@ def collection(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def shipped() -> Path:
     """The folder of ROM files in ale-py's wheel."""
     return Path(ale_py.__file__).parent / "roms"
+
+
+@pytest.fixture(scope="session")
+def known() -> dict[str, bytes]:
+    """The images of all games."""
+    return known_images()
 
 
 @pytest.fixture(scope="session")

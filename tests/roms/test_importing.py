@@ -160,7 +160,7 @@ def test_gzip_of_many_members_is_refused(tmp_path: Path, pong: bytes) -> None:
 
 
 def test_bombs_are_not_unpacked(own: Path, tmp_path: Path, pong: bytes) -> None:
-    _zip(tmp_path / "bomb.zip", {"big": bytes(10**8), "gz": gzip.compress(bytes(10**8)), "p": pong})
+    _zip(tmp_path / "bomb.zip", {"big": bytes(25 * 10**6), "gz": gzip.compress(bytes(25 * 10**6)), "p": pong})
     tracemalloc.start()
     report = roms.import_from(tmp_path / "bomb.zip")
     peak = tracemalloc.get_traced_memory()[1]
@@ -179,16 +179,6 @@ def test_an_archive_with_wrong_sizes(tmp_path: Path) -> None:
     report = roms.import_from(tmp_path / "a.zip")
     assert report.imported == {}
     assert len(report.rejected) == 1
-
-
-def test_too_many_members(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("atari.roms.archives._MOST_MEMBERS", 3)
-    _zip(tmp_path / "a.zip", {str(number): b"" for number in range(4)})
-    report = roms.import_from(tmp_path / "a.zip")
-    assert [sentence.partition(str(tmp_path / "a.zip"))[2] for sentence in report.rejected] == [
-        *[" is empty"] * 3,
-        " has more than 3 files in it, and the rest was not read; unpack it yourself",
-    ]
 
 
 def test_damaged_archives_are_reported(own: Path, tmp_path: Path, pong: bytes) -> None:
@@ -218,7 +208,10 @@ def test_damaged_archives_are_reported(own: Path, tmp_path: Path, pong: bytes) -
     ]
 
 
-def test_an_archive_damaged_anywhere_raises_nothing(tmp_path: Path, pong: bytes) -> None:
+def test_an_archive_damaged_anywhere_raises_nothing(
+    tmp_path: Path, pong: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("atari.roms.importing.known_images", dict)  # what is damaged is compared with no game
     with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
         archive.writestr("p", pong)
     data = (tmp_path / "a.zip").read_bytes()

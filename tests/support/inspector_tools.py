@@ -3,8 +3,10 @@
 import asyncio
 import json
 from collections.abc import Awaitable, Callable
+from inspect import Signature, signature
 from typing import Any
 
+from atari.cores import ByteArray
 from atari.env import AtariEnv
 from atari.games.actions import Action
 from atari.lab.inspector.inspection import Inspection
@@ -36,6 +38,11 @@ def play(inspection: Inspection, frames: int) -> None:
     inspection.step(frames)
 
 
+def ram_at(inspection: Inspection, frame: int) -> ByteArray:
+    """The RAM after a frame that is kept."""
+    return inspection.main._ram[frame - inspection.main.first]
+
+
 Use = Callable[[Any, Any], Awaitable[Any]]
 
 
@@ -57,6 +64,18 @@ def serve(use: Use, game: str = "breakout") -> Any:
 
     asyncio.run(run())
     return inspector
+
+
+def served(test: Callable[..., Awaitable[None]]) -> Callable[..., None]:
+    """A test of a served inspection, whose first two arguments are the `Inspector` and a client."""
+
+    def run(**fixtures: Any) -> None:
+        serve(lambda inspector, client: test(inspector, client, **fixtures))
+
+    _, _, *others = signature(test).parameters.values()
+    run.__name__, run.__doc__ = test.__name__, test.__doc__
+    vars(run)["__signature__"] = Signature(others)
+    return run
 
 
 async def receive(tab: Any, wanted: str) -> Any:

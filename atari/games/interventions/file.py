@@ -1,5 +1,6 @@
 """`load` and `resolve` read files of interventions, `data/<game>.toml` and users' own; docs/ram.md has the format."""
 
+import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -54,18 +55,18 @@ class Check:
 
 @dataclass(frozen=True)
 class Intervention:
-    """A described change of a game. `table` is its definition in a file's form, without the name."""
+    """A described change of a game. `table` is its definition in a file's form, without the name, as JSON."""
 
     name: str
     description: str
     source: str
     writes: tuple[WriteRule, ...]
     check: Check | None
-    table: Mapping[str, Any]
+    table: str
 
     def definition(self) -> dict[str, Any]:
         """The definition with the name under "name": plain data, which the option `interventions` accepts."""
-        return {"name": self.name, **_thawed(self.table)}
+        return {"name": self.name, **json.loads(self.table)}
 
 
 def load(game: "str | Game", file: str | PathLike[str] | None = None) -> Mapping[str, Intervention]:
@@ -208,8 +209,8 @@ def _check(table: Any, game: Game, where: str) -> Check:
         raise ValueError(f"{where}, by: must be a factor of 1 or more, got {by!r}")
     if "by" in table and kind == "holds":
         raise ValueError(f"{where}, by: is the factor of 'more' and 'less', and not of 'holds'")
-    from_calls = split_calls(str(expression), game, f"{where}, {kind}")
-    parse_expression(game, from_calls.source, (*CHECK_NAMES, *from_calls.calls), f"{where}, {kind}")
+    source, calls = split_calls(str(expression), game, f"{where}, {kind}")
+    parse_expression(game, source, (*CHECK_NAMES, *calls), f"{where}, {kind}")
     return Check(
         frames=frames,
         actions=_actions(table.get("actions", "random"), game, f"{where}, actions"),
@@ -220,16 +221,8 @@ def _check(table: Any, game: Game, where: str) -> Check:
     )
 
 
-@dataclass(frozen=True)
-class Calls:
-    """A check's expression with its calls `first(label)` and `changes(label)` replaced by names of `calls`."""
-
-    source: str
-    calls: Mapping[str, tuple[str, str]]
-
-
-def split_calls(source: str, game: Game, where: str) -> Calls:
-    """Replace `first(label)` and `changes(label)` in an expression by names.
+def split_calls(source: str, game: Game, where: str) -> tuple[str, dict[str, tuple[str, str]]]:
+    """An expression with its calls `first(label)` and `changes(label)` replaced by names, and the calls by these names.
 
     Raises:
         ValueError: there is no such label.
@@ -242,7 +235,7 @@ def split_calls(source: str, game: Game, where: str) -> Calls:
         calls[f"{function}__{label}"] = (function, label)
         return f"{function}__{label}"
 
-    return Calls(re.sub(r"\b(first|changes)\(\s*(\w+)\s*\)", name, source), calls)
+    return re.sub(r"\b(first|changes)\(\s*(\w+)\s*\)", name, source), calls
 
 
 def _actions(value: Any, game: Game, where: str) -> Any:
@@ -253,15 +246,3 @@ def _actions(value: Any, game: Game, where: str) -> Any:
     if not names or not all(isinstance(one, str) and one in legal and one in Action.__members__ for one in names):
         raise ValueError(f"{where}: must be 'random', 'noop' or a list of legal actions such as 'FIRE', got {value!r}")
     return tuple(names)
-
-
-def _frozen(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return FrozenDict((key, _frozen(item)) for key, item in value.items())
-    return tuple(map(_frozen, value)) if isinstance(value, (list, tuple)) else value
-
-
-def _thawed(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {key: _thawed(item) for key, item in value.items()}
-    return list(map(_thawed, value)) if isinstance(value, tuple) else value

@@ -13,7 +13,7 @@ from typing import Any, Literal, cast
 from atari.base.validation import check_integer
 from atari.games.compiler import compile_expression
 from atari.games.game import Game, RamLabel
-from atari.games.labels import value_source
+from atari.games.labels import over_ram, value_source
 from atari.games.rules import ANY_ADDRESSES, HELPERS, LABEL_ADDRESSES, Helper, check_expression
 
 _HELPERS = {**HELPERS, "random": Helper(2, 2, 0)}
@@ -170,18 +170,7 @@ class _LabelValues(ast.NodeTransformer):
         if node.id in self._names:
             return node
         label = self._game.ram_labels[node.id]
-        tree = ast.parse(value_source(label), mode="eval")
-        return cast(ast.AST, _Byte(label.index).visit(tree).body)
-
-
-class _Byte(ast.NodeTransformer):
-    """Replaces `v` by a byte of RAM."""
-
-    def __init__(self, index: int) -> None:
-        self._byte = ast.Subscript(ast.Name("ram", ast.Load()), ast.Constant(index), ast.Load())
-
-    def visit_Name(self, node: ast.Name) -> ast.AST:
-        return self._byte if node.id == "v" else node
+        return over_ram(value_source(label), label.index)
 
 
 def cases(label: RamLabel) -> list[list[int]]:

@@ -16,7 +16,7 @@ from atari.base import durable, json_text
 from atari.base.typed_table import check_table, check_type
 from atari.base.validation import check_integer, check_name
 from atari.cores.options import SEED_LIMIT
-from atari.lab.collect import Format, check_output, output_format, write_dataset
+from atari.lab.dataset import Format, check_output, output_format, write_dataset
 from atari.lab.labels import Labels
 from atari.learning import load_policy
 from atari.learning.evaluation.evaluate import record_task

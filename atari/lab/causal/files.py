@@ -31,6 +31,7 @@ _SUGGESTION = (
     {"index": int, "kind": str, "support": int, "share": float},
     {"transform": str, "width": int, "height": int, "weight": int, "encoding": str},
 )
+_FLAGS = ("derived", "inert", "reward", "lives", "over")
 _CELL_ROWS, _CELL_COLUMNS = 4, 4  # pixels of a cell: files store which cells a byte changes
 
 
@@ -38,7 +39,7 @@ def to_arrays(causal_map: CausalMap) -> dict[str, NDArray[np.generic]]:
     """The essence of a map, as `save` writes it: pixels in cells, without counts of pixels and effects of forks."""
     numbers, cells = [], []
     for byte in causal_map.bytes:
-        flags = (byte.derived, byte.inert, byte.reward, byte.lives, byte.over)
+        flags = (getattr(byte, name) for name in _FLAGS)
         shares = (round(1000 * byte.rewritten), round(1000 * byte.seen))
         numbers.append([*flags, *shares, byte.frames, len(byte.writes), *(byte.box or (0, 0, 0, 0))])
         cells.append(_cells(byte.pixels))
@@ -77,13 +78,12 @@ def load(file: str | PathLike[str]) -> CausalMap:
     path = check_file(Path(file))
     if path.stat().st_size > _MOST_BYTES:
         raise ValueError(f"{path} is not a causal map: it has more than {_MOST_BYTES} bytes")
+    wrong = f"{path} is not a causal map of this version"
     try:
         with zipfile.ZipFile(path) as archive:
             return _from_arrays({name: _array(archive, name) for name in ("facts", "numbers", "writes", "cells")})
     except (TypeError, ValueError, IndexError, RuntimeError, zipfile.BadZipFile, zlib.error) as error:
-        raise ValueError(
-            f"{path} is not a causal map of this version: {error}; write it again by `atari causes`"
-        ) from None
+        raise ValueError(f"{wrong}: {error}; write it again by `atari causes`") from None
 
 
 def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
@@ -101,12 +101,8 @@ def _from_arrays(arrays: dict[str, NDArray[Any]]) -> CausalMap:
         raise ValueError(f"its format is not {_FORMAT}, which this version reads")
     check_table(facts, "its facts", _FACTS)
     height, numbers, writes = facts["height"], arrays["numbers"], arrays["writes"]
-    if (
-        not 200 <= height <= 256
-        or numbers.shape != (13, 128)
-        or len(writes) != numbers[8].sum()
-        or (writes > 127).any()
-    ):
+    fits = 200 <= height <= 256 and numbers.shape == (13, 128)
+    if not fits or len(writes) != numbers[8].sum() or (writes > 127).any():
         raise ValueError("its parts do not fit each other")
     shape = (128, -(-height // _CELL_ROWS), 160 // _CELL_COLUMNS)
     if arrays["cells"].shape != (-(-int(np.prod(shape)) // 8),):
@@ -116,18 +112,14 @@ def _from_arrays(arrays: dict[str, NDArray[Any]]) -> CausalMap:
     ends = numbers[8].astype(np.int64).cumsum()
     found = []
     for index, row in enumerate(numbers.T.tolist()):
-        derived, inert, reward, lives, over, rewritten, seen, frames, count, *box = row
+        flags, (rewritten, seen, frames, count, *box) = row[: len(_FLAGS)], row[len(_FLAGS) :]
         found.append(
             ByteCauses(
                 index=index,
-                derived=bool(derived),
-                inert=bool(inert),
+                **{name: bool(flag) for name, flag in zip(_FLAGS, flags, strict=True)},
                 rewritten=rewritten / 1000,
                 seen=seen / 1000,
                 frames=frames,
-                reward=bool(reward),
-                lives=bool(lives),
-                over=bool(over),
                 writes=tuple(writes[ends[index] - count : ends[index]].tolist()),
                 box=(box[0], box[1], box[2], box[3]) if box[2] else None,
                 pixels=pixels[index],

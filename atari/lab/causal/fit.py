@@ -99,9 +99,7 @@ def samples(own: dict[str, Integers], axis: str) -> tuple[Integers, Integers, ND
     moves = (distance != 0) & (score >= _CLEAR) & (own["unbalanced"] <= _MIXED) & (other < _CLEAR)
     moves &= np.abs(distance) < (150 if axis == "x" else 180)
     then = own["old_then"] != own["new_then"]
-    values = np.stack(
-        [np.where(then, own["old_then"], own["old_value"]), np.where(then, own["new_then"], own["new_value"])], 1
-    )[moves]
+    values = np.stack([np.where(then, own[f"{each}_then"], own[f"{each}_value"]) for each in ("old", "new")], 1)[moves]
     near = own["left" if axis == "x" else "top"][moves]
     shift = distance[moves]
     start = np.where(shift > 0, near, near - shift)
@@ -136,20 +134,8 @@ def _position(own: dict[str, Integers], axis: str, seen: int) -> Suggestion | No
         return None
     widths = own["right"][moves] - own["left"][moves] + 1 - (np.abs(own["dx"][moves]) if axis == "x" else 0)
     heights = own["bottom"][moves] - own["top"][moves] + 1 - (np.abs(own["dy"][moves]) if axis == "y" else 0)
-    return Suggestion(
-        byte_of(own),
-        f"position_{axis}",
-        len(values),
-        round(best, 3),
-        text,
-        max(int(np.median(widths)), 1),
-        max(int(np.median(heights)), 1),
-    )
-
-
-def byte_of(own: dict[str, Integers]) -> int:
-    """The byte whose effects these are."""
-    return int(own["byte"][0])
+    width, height = (max(int(np.median(sizes)), 1) for sizes in (widths, heights))
+    return Suggestion(int(own["byte"][0]), f"position_{axis}", len(values), round(best, 3), text, width, height)
 
 
 def _constant(rest: Integers, axis: str, expected: Integers) -> int:
@@ -182,7 +168,9 @@ def _score(own: dict[str, Integers], forks: int) -> Suggestion | None:
         weight = int(weights[counts.argmax()])
         share = float((reward == weight * change).mean())
         if share >= 0.4 and weight and (best is None or share > best.share + 0.05):
-            best = Suggestion(byte_of(own), "score", int(paid.sum()), round(share, 3), weight=weight, encoding=encoding)
+            best = Suggestion(
+                int(own["byte"][0]), "score", int(paid.sum()), round(share, 3), weight=weight, encoding=encoding
+            )
     return best
 
 
@@ -198,4 +186,4 @@ def _lives(own: dict[str, Integers], forks: int) -> Suggestion | None:
     share = max(float((own["lives"][changed] == sign * steps).mean()) for sign in (1, -1))
     if share < 0.3:
         return None
-    return Suggestion(byte_of(own), "lives", int(changed.sum()), round(share, 3))
+    return Suggestion(int(own["byte"][0]), "lives", int(changed.sum()), round(share, 3))

@@ -1,5 +1,6 @@
 """`CausalMap`: the effects of each byte of a game's RAM, and its probable meaning. `files.py` stores it."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -70,15 +71,10 @@ class Suggestion:
 
     def label(self) -> str:
         """The suggestion as a value of the table `[ram]` of a game definition, in TOML."""
-        facts = [f"index = {self.index}", f'kind = "{self.kind}"']
-        if self.encoding is not None:
-            facts.append(f'encoding = "{self.encoding}"')
-        if self.weight is not None:
-            facts.append(f"weight = {self.weight}")
-        if self.transform is not None:
-            facts.append(f'transform = "{self.transform}"')
-        facts += ['sources = ["measured"]', f'evidence = "causal map: {self.share:.0%} of {self.support} forks"']
-        return "{" + ", ".join(facts) + "}"
+        names = ("index", "kind", "encoding", "weight", "transform")
+        facts = {name: value for name in names if (value := getattr(self, name)) is not None}
+        facts |= {"sources": ["measured"], "evidence": f"causal map: {self.share:.0%} of {self.support} forks"}
+        return "{" + ", ".join(f"{name} = {json.dumps(value)}" for name, value in facts.items()) + "}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

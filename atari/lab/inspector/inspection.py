@@ -30,15 +30,8 @@ _PAUSED = "the game is paused; Play (P) goes on"
 
 
 FILTERS = {
-    "changed": 0,
-    "unchanged": 0,
-    "increased": 0,
-    "decreased": 0,
-    "equals": 1,
-    "between": 2,
-    "bcd": 1,
-    "correlates": 0,
-}
+    "changed": 0, "unchanged": 0, "increased": 0, "decreased": 0, "equals": 1, "between": 2, "bcd": 1, "correlates": 0
+}  # fmt: skip
 """The filters of the search, methods of `atari.lab.Search`, and the number of arguments of each."""
 
 
@@ -465,14 +458,11 @@ class Inspection:
             self.pause()
             self.notice = _GAME_OVER
             return
-        action = int(self.action)
-        if self.by_agent and self.agent is not None:
-            action = self._ask_agent(self.agent)
+        action = self._ask_agent(self.agent) if self.by_agent and self.agent is not None else int(self.action)
         for timeline in self._timelines():
             timeline.play(FrameInput(action, held=tuple(timeline.frozen.items())))
 
     def _ask_agent(self, agent: Agent) -> int:
-        """The agent's action."""
         try:
             if self._agent_is_new:
                 agent.begin(self.main.core)

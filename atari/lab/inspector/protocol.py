@@ -129,34 +129,21 @@ def news(inspection: Inspection, known: str) -> tuple[str, list[dict[str, Any]]]
     return present, messages
 
 
-_BYTE = int | None
-
-_COMMANDS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
-    "play": (Inspection.play, {}),
-    "pause": (Inspection.pause, {}),
-    "step": (Inspection.step, {"frames": int}),
-    "seek": (Inspection.seek, {"frame": int}),
-    "take_over": (Inspection.take_over, {}),
-    "new_game": (Inspection.new_game, {}),
-    "speed": (Inspection.set_speed, {"speed": float}),
-    "hold": (Inspection.hold, {"vertical": int, "horizontal": int, "fire": bool}),
-    "agent": (Inspection.let_agent_play, {"on": bool}),
-    "poke": (Inspection.poke, {"index": int, "value": int}),
-    "freeze": (Inspection.freeze, {"index": int, "value": _BYTE}),
-    "release": (Inspection.release, {"index": int}),
-    "undo": (Inspection.undo, {}),
-    "name": (Inspection.name, {"index": int, "name": str}),
-    "fork": (Inspection.open_fork, {}),
-    "close_fork": (Inspection.close_fork, {"keep": bool}),
-    "select": (Inspection.select, {"index": _BYTE}),
-    "watch": (Inspection.watch, {"index": int, "on": bool}),
-    "new_search": (Inspection.new_search, {}),
-    "filter": (Inspection.filter, {"name": str, "low": int, "high": int}),
-    "undo_filter": (Inspection.undo_filter, {}),
-    "pixels": (Inspection.pixels_of, {"index": int}),
-    "bytes": (Inspection.bytes_of, {"x": int, "y": int}),
+_COMMANDS: dict[str, Callable[..., Any]] = {
+    **{
+        name: getattr(Inspection, name)
+        for name in (
+            "play pause step seek take_over new_game hold poke freeze release undo name close_fork select watch "
+            "new_search filter undo_filter"
+        ).split()
+    },
+    "speed": Inspection.set_speed,
+    "agent": Inspection.let_agent_play,
+    "fork": Inspection.open_fork,
+    "pixels": Inspection.pixels_of,
+    "bytes": Inspection.bytes_of,
 }
-"""The method and the types of the arguments, by the name of a command."""
+"""The method of a command. The annotations of its parameters are the types of the command's arguments."""
 
 
 def run(inspection: Inspection, text: str) -> list[dict[str, Any]]:
@@ -165,31 +152,27 @@ def run(inspection: Inspection, text: str) -> list[dict[str, Any]]:
         name, arguments = _parse(text)
         if name not in ("pixels", "bytes"):  # these two change nothing that the page shows
             inspection.version += 1
-        result = _COMMANDS[name][0](inspection, **arguments)
+        result = _COMMANDS[name](inspection, **arguments)
     except (TypeError, ValueError, RuntimeError) as error:
         return [{"error": str(error)}]
     except Exception as error:  # no mistake of the user
         inspection.fail(error)
         return []
-    answers: list[dict[str, Any]] = []
     if name == "pixels":
         pixels, source = result
         bits = base64.b64encode(np.packbits(pixels).tobytes()).decode()
-        count = int(pixels.sum())
-        answers.append({"pixels": {"index": arguments["index"], "count": count, "source": source, "bits": bits}})
-    elif name == "bytes":
-        found, elsewhere = result
-        answers.append({"bytes": {**arguments, "found": found, "elsewhere": elsewhere}})
-    return answers
+        return [{"pixels": {**arguments, "count": int(pixels.sum()), "source": source, "bits": bits}}]
+    if name == "bytes":
+        return [{"bytes": {**arguments, "found": result[0], "elsewhere": result[1]}}]
+    return []
 
 
 def _parse(text: str) -> tuple[str, dict[str, Any]]:
-    """The name and the arguments of a command."""
     message = json_text.parse(text, "a command", most_bytes=_MOST_BYTES, most_depth=_MOST_DEPTH)
     name = message.pop("do", None) if isinstance(message, dict) else None
     if not isinstance(name, str) or name not in _COMMANDS:
         raise ValueError(f"a command is a JSON object whose `do` is one of {', '.join(_COMMANDS)}")
-    method, kinds = _COMMANDS[name]
-    parameters = signature(method).parameters
-    required = {key: kind for key, kind in kinds.items() if parameters[key].default is Parameter.empty}
+    _, *parameters = signature(_COMMANDS[name]).parameters.values()  # the first is the inspection
+    kinds = {each.name: each.annotation for each in parameters}
+    required = {each.name: each.annotation for each in parameters if each.default is Parameter.empty}
     return name, check_table(message, f"the command {name}", required, kinds)

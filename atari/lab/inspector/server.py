@@ -58,11 +58,12 @@ SECONDS_AFTER_ERROR = 1.0
 """Between the repetitions of an error."""
 
 SECONDS_TO_CLOSE = 0.3
+"""That a page has to answer a close, and the inspection's thread to end."""
+
 _TOO_MANY = 4002
 _SECONDS_UNTIL_REFRESH = 0.25
 
 T = TypeVar("T")
-_SECONDS_TO_END = 0.3
 _ENDED = "the inspector has ended"
 
 
@@ -92,11 +93,11 @@ class InspectionThread:
     def stop(self) -> None:
         """End the thread, also in the middle of a call: Ctrl-C must not wait for an export of half an hour of play."""
         self._calls.put(None)
-        self._thread.join(_SECONDS_TO_END)
+        self._thread.join(SECONDS_TO_CLOSE)
         if self._thread.is_alive():
             thread = ctypes.c_ulong(self._thread.ident or 0)
             ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(SystemExit))
-            self._thread.join(_SECONDS_TO_END)
+            self._thread.join(SECONDS_TO_CLOSE)
         self._drop_calls()
 
     def _drop_calls(self) -> None:
@@ -189,13 +190,12 @@ class Tab:
         await self._due.wait()
         self._due.clear()
         self._sent = self._inspection.version, time.perf_counter()
-        frame, (self._state, messages) = await self._thread.call(self._present)
+        frame, (self._state, messages) = await self._thread.call(
+            lambda: (protocol.frame(self._inspection), protocol.news(self._inspection, self._state))
+        )
         await self.socket.send_bytes(frame)
         for message in messages:
             await self.socket.send_json(message)
-
-    def _present(self) -> tuple[bytes, tuple[str, list[dict[str, Any]]]]:
-        return protocol.frame(self._inspection), protocol.news(self._inspection, self._state)
 
 
 class Inspector:
@@ -215,8 +215,12 @@ class Inspector:
         """The address of the page, with the token."""
         return f"http://127.0.0.1:{self.port}/{self.token}/"
 
-    def app(self) -> web.Application:
-        """The application."""
+    async def start(self, port: int = 0) -> None:
+        """Begin to serve on 127.0.0.1, on a free port if `port` is 0.
+
+        Raises:
+            OSError: the port is taken.
+        """
         app = web.Application(client_max_size=1 << 16)
         for path, handler in (
             ("/{token}/", self._file),
@@ -226,15 +230,7 @@ class Inspector:
         ):
             app.router.add_get(path, partial(self._guard, handler))
         app.router.add_route("*", "/{rest:.*}", partial(self._guard, self._nothing))
-        return app
-
-    async def start(self, port: int = 0) -> None:
-        """Begin to serve on 127.0.0.1, on a free port if `port` is 0.
-
-        Raises:
-            OSError: the port is taken.
-        """
-        self._runner = web.AppRunner(self.app(), access_log=None, logger=_logger(), shutdown_timeout=SECONDS_TO_CLOSE)
+        self._runner = web.AppRunner(app, access_log=None, logger=_logger(), shutdown_timeout=SECONDS_TO_CLOSE)
         await self._runner.setup()
         try:
             await web.TCPSite(self._runner, "127.0.0.1", port).start()

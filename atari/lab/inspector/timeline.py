@@ -162,12 +162,7 @@ class Timeline:
         here = self.at - self.first
         return np.array(self._ram[max(0, here + 1 - count) : here + 1, index])
 
-    def ram_at(self, frame: int) -> ByteArray:
-        """The RAM after a frame that is kept, (128,) uint8."""
-        return np.array(self._ram[frame - self.first])
-
     def _make(self, frame: FrameInput) -> None:
-        """Play a frame and keep its results."""
         core: Any = self.core
         if frame.slots is not self._slots:
             self._hold({})

@@ -10,13 +10,11 @@ const MILLISECONDS_A_LEVEL = 130;
 export class Grid {
   // `names(index)` are the names of a byte; `choose(index)` is called when a byte is chosen.
   constructor(names, choose) {
-    this.names = names;
-    this.choose = choose;
+    Object.assign(this, { names, choose, current: 0 });
     this.shown = new Int16Array(128).fill(-1);
     this.changed = new Float64Array(128);
     this.levels = new Uint8Array(128);
     this.marks = Array.from({ length: 128 }, () => "");
-    this.current = 0;
     this.cells = Array.from({ length: 128 }, (_, index) => this.#cell(index));
     const head = (role, text, label) => h("span", { class: "address", role, "aria-label": label }, text);
     const columns = Array.from({ length: ACROSS }, (_, column) => head("columnheader", hex(column).slice(1), `column ${hex(column).slice(1)}`));
@@ -135,11 +133,8 @@ export class Grid {
 
 export class BytePanel {
   constructor(send, names, facts) {
-    this.send = send;
-    this.facts = facts;
-    this.names = names;
+    Object.assign(this, { send, names, facts, index: null });
     this.dark = () => {}; // called when pixels no longer light up
-    this.index = null;
     this.title = h("h2", {}, "Choose a byte");
     this.value = h("output", { class: "value" });
     this.range = h("span", { class: "dim" });
@@ -215,10 +210,7 @@ export class BytePanel {
 
   toggleFreeze() {
     if (this.index == null) return;
-    if (this.frozen) this.send({ do: "release", index: this.index });
-    else {
-      this.send({ do: "freeze", index: this.index });
-    }
+    this.send({ do: this.frozen ? "release" : "freeze", index: this.index });
   }
 
   toggleWatch() {
@@ -235,11 +227,11 @@ export class BytePanel {
 
   #add(by) {
     this.input.value = (this.now + by + 256) % 256;
-    this.send({ do: "poke", index: this.index, value: Number(this.input.value) });
+    this.#poke();
   }
 
   #poke(event) {
-    event.preventDefault();
+    event?.preventDefault();
     this.send({ do: "poke", index: this.index, value: Number(this.input.value) });
   }
 

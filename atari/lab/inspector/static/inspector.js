@@ -16,25 +16,18 @@ export function mount(root, link, hello, { keys }) {
 
 class Inspector {
   constructor(root, link, hello, keys) {
-    Object.assign(this, { root, hello, keys });
+    Object.assign(this, { root, hello, keys, queue: [], held: new Set(), objects: [], values: {}, mark: null });
+    Object.assign(this, { showObjects: false, drawn: 0, callbacks: 0, zoomChoice: 0 }); // as large as fits
     this.send = (message) => link.send(message);
     this.state = { names: {}, frozen: {}, watched: [], changes: [], selected: null };
     this.names = (index) => [this.state.names[index], ...(hello.labels[index] ?? [])].filter(Boolean);
-    this.queue = [];
-    this.held = new Set();
-    this.objects = [];
-    this.values = {};
-    this.showObjects = false;
-    this.mark = null;
-    this.drawn = this.callbacks = 0;
-    this.zoomChoice = 0; // as large as fits
     this.#build(link);
     this.stop = new AbortController();
     const { signal } = this.stop;
     keys.addEventListener("keydown", (event) => this.#keyDown(event), { signal });
     keys.addEventListener("keyup", (event) => this.#keyUp(event), { signal });
     keys.addEventListener("keydown", () => { this.byPointer = false; }, { signal, capture: true });
-    root.addEventListener("pointerdown", () => this.#pointerDown(), { signal, capture: true });
+    root.addEventListener("pointerdown", () => { this.byPointer = true; this.grid.hideTip(); }, { signal, capture: true });
     root.addEventListener("mousedown", (event) => this.#mouseDown(event), { signal });
     root.addEventListener("change", (event) => this.#changed(event), { signal });
     window.addEventListener("blur", () => this.#releaseKeys(), { signal });
@@ -315,11 +308,6 @@ class Inspector {
 
   #focusGame() {
     this.main.element.focus({ preventScroll: true });
-  }
-
-  #pointerDown() {
-    this.byPointer = true;
-    this.grid.hideTip();
   }
 
   // A button that is clicked does not take the focus: the next key is the game's, and Space is fire.

@@ -1,5 +1,6 @@
 // The page of `atari lab`: an inspector on a WebSocket to the server that served it.
 
+import { h } from "./dom.js";
 import { mount } from "./inspector.js";
 
 const root = document.getElementById("inspector");
@@ -18,10 +19,7 @@ function connect(take) {
     exportUrl: (name, query) => new URL(`export/${name}${query ? `?${query}` : ""}`, location.href).href,
   };
   socket.onmessage = ({ data }) => {
-    if (data instanceof ArrayBuffer) {
-      inspector?.frame(data);
-      return;
-    }
+    if (data instanceof ArrayBuffer) return inspector?.frame(data);
     const message = JSON.parse(data);
     if (message.hello) {
       document.title = `${message.hello.title} · atari lab`;
@@ -43,18 +41,9 @@ function connect(take) {
 }
 
 function curtain(text, action, run) {
-  const button = document.createElement("button");
-  button.textContent = action;
-  button.className = "primary";
-  button.onclick = run;
-  const note = document.createElement("p");
-  note.textContent = text;
-  const box = document.createElement("div");
-  box.className = "curtain";
-  box.setAttribute("role", "alert");
-  box.append(note, button);
-  root.replaceChildren(box);
-  button.focus();
+  const choice = h("button", { class: "primary", onclick: run }, action);
+  root.replaceChildren(h("div", { class: "curtain", role: "alert" }, h("p", {}, text), choice));
+  choice.focus();
 }
 
 connect(false);

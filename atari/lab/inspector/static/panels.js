@@ -40,8 +40,7 @@ export class Tabs {
 
 export class SearchPanel {
   constructor(send, names, choose) {
-    this.names = names;
-    this.choose = choose;
+    Object.assign(this, { names, choose });
     const filter = (name, ...inputs) => () => {
       if (inputs.every((input) => input.reportValidity())) {
         send({ do: "filter", name, ...(inputs[0] && { low: Number(inputs[0].value) }), ...(inputs[1] && { high: Number(inputs[1].value) }) });

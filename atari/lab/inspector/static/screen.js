@@ -1,5 +1,7 @@
 // Binary messages, the screen with its overlay, and charts of bytes.
 
+import { h } from "./dom.js";
+
 export const COLUMNS = 160;
 const HEAD = 32;
 
@@ -53,23 +55,14 @@ export function paletteOf(base64) {
 // A screen of the console: each pixel is 2 x 1 pixels of the canvas, enlarged by a whole number.
 export class Screen {
   constructor(height, palette, label) {
-    this.height = height;
-    this.palette = palette;
-    this.canvas = document.createElement("canvas");
-    this.canvas.width = 2 * COLUMNS;
-    this.canvas.height = height;
-    this.canvas.setAttribute("role", "img");
-    this.canvas.setAttribute("aria-label", label);
+    Object.assign(this, { height, palette, mask: null });
+    this.canvas = h("canvas", { width: 2 * COLUMNS, height, role: "img", "aria-label": label });
     this.context = this.canvas.getContext("2d", { alpha: false });
     this.image = this.context.createImageData(2 * COLUMNS, height);
     this.pixels = new Uint32Array(this.image.data.buffer);
-    this.overlay = document.createElement("canvas");
-    this.overlay.className = "overlay";
+    this.overlay = h("canvas", { class: "overlay" });
     this.over = this.overlay.getContext("2d");
-    this.mask = null;
-    this.element = document.createElement("div");
-    this.element.className = "screen";
-    this.element.append(this.canvas, this.overlay);
+    this.element = h("div", { class: "screen" }, this.canvas, this.overlay);
   }
 
   zoom(times) {
@@ -91,21 +84,15 @@ export class Screen {
 
   // Light up pixels: the bits of a mask, the first pixel in the highest bit; or none with null.
   light(bits) {
-    if (!bits) {
-      this.mask = null;
-      return;
-    }
-    const mask = document.createElement("canvas");
-    mask.width = COLUMNS;
-    mask.height = this.height;
-    const context = mask.getContext("2d");
+    this.mask = bits && h("canvas", { width: COLUMNS, height: this.height });
+    if (!bits) return;
+    const context = this.mask.getContext("2d");
     const image = context.createImageData(COLUMNS, this.height);
     const pixels = new Uint32Array(image.data.buffer);
     for (let i = 0; i < pixels.length; i++) {
       pixels[i] = bits[i >> 3] & (128 >> (i & 7)) ? 0xffffe93a : 0x99000000; // cyan on a dark veil; bytes are A B G R
     }
     context.putImageData(image, 0, 0);
-    this.mask = mask;
   }
 
   // The overlay: lit pixels, objects with their names, and a mark at the chosen pixel.
@@ -129,16 +116,8 @@ export class Screen {
       } else { // a cross; or a line, where a coordinate is not known
         const across = x == null ? [0, overlay.width] : [left - 4 * unit, left + 4 * unit];
         const down = y == null ? [0, overlay.height] : [top - 4 * unit, top + 4 * unit];
-        over.beginPath();
-        if (y != null) {
-          over.moveTo(across[0], top);
-          over.lineTo(across[1], top);
-        }
-        if (x != null) {
-          over.moveTo(left, down[0]);
-          over.lineTo(left, down[1]);
-        }
-        over.stroke();
+        if (y != null) over.stroke(new Path2D(`M ${across[0]} ${top} H ${across[1]}`));
+        if (x != null) over.stroke(new Path2D(`M ${left} ${down[0]} V ${down[1]}`));
       }
       over.shadowColor = "#000";
       over.shadowBlur = 3 * unit;
@@ -172,12 +151,8 @@ export function drawHistory(canvas, values, span, colour, grid) {
   const context = canvas.getContext("2d");
   context.clearRect(0, 0, width, height);
   if (!values?.length || !width) return null;
-  let low = 255;
-  let high = 0;
-  for (const value of values) {
-    if (value < low) low = value;
-    if (value > high) high = value;
-  }
+  const low = Math.min(...values);
+  const high = Math.max(...values);
   const room = Math.max(high - low, 4);
   const base = Math.min(low, 255 - room);
   const margin = 3 * ratio;
@@ -185,12 +160,7 @@ export function drawHistory(canvas, values, span, colour, grid) {
   if (grid) {
     context.strokeStyle = grid;
     context.lineWidth = 1;
-    context.beginPath();
-    for (const line of [base, base + room]) {
-      context.moveTo(0, y(line));
-      context.lineTo(width, y(line));
-    }
-    context.stroke();
+    for (const line of [base, base + room]) context.stroke(new Path2D(`M 0 ${y(line)} H ${width}`));
   }
   context.strokeStyle = colour;
   context.lineWidth = 1.5 * ratio;

@@ -1,11 +1,10 @@
 // The inspector in a notebook, for anywidget.
 
+import { h } from "./dom.js";
 import { mount } from "./inspector.js";
 
 function render({ model, el }) {
-  const root = document.createElement("div");
-  root.className = "atari-lab";
-  root.tabIndex = 0;
+  const root = h("div", { class: "atari-lab", tabIndex: 0 });
   el.append(root);
   let inspector = null;
   const link = { send: (message) => model.send(message) };

@@ -235,7 +235,6 @@ def output_format(output: str | os.PathLike[str], format: str | None = None) -> 
 
 
 def _import_format(format: Format) -> Any:
-    """The module that writes a format."""
     if format == "minari":
         return import_minari()
     name = {"parquet": "pyarrow.parquet", "hdf5": "h5py"}[format]
