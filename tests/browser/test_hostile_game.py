@@ -3,11 +3,12 @@
 import asyncio
 import logging
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from browser_tools import LIMIT, wait_until
 
 import atari
 
@@ -51,7 +52,7 @@ def inspector(tmp_path: Path) -> Iterator[Inspector]:
 def page(browser: Any, inspector: Inspector) -> Iterator[Any]:
     """The page, in which no script of the file may run and no request may fail."""
     context = browser.new_context(accept_downloads=True)
-    context.set_default_timeout(15_000)
+    context.set_default_timeout(1000 * LIMIT)
     shown = context.new_page()
     faults: list[str] = []
     shown.on("pageerror", lambda error: faults.append(str(error)))
@@ -119,11 +120,3 @@ def test_the_static_picture(browser: Any, inspector: Inspector) -> None:
     assert page.evaluate("window.hacked") is None
     assert page.locator("img").count() == 1  # the screen
     page.close()
-
-
-def wait_until(page: Any, condition: Callable[[], bool]) -> None:
-    for _ in range(500):
-        if condition():
-            return
-        page.wait_for_timeout(20)
-    raise AssertionError("it did not come true in 10 seconds")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from browser_tools import LIMIT, wait_until
 
 import atari
 
@@ -42,7 +43,7 @@ def site() -> Iterator[str]:
 def page(browser: Any, site: str) -> Iterator[Any]:
     """A page of a phone's width. It may not report an error or ask another host until the test has ended."""
     context = browser.new_context(viewport={"width": 390, "height": 844}, base_url=site)
-    context.set_default_timeout(15_000)
+    context.set_default_timeout(1000 * LIMIT)
     shown = context.new_page()
     faults: list[str] = []
     shown.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)
@@ -77,8 +78,8 @@ def test_a_click_turns_the_sound_on(page: Any) -> None:
     assert video.evaluate("video => video.muted")
     button.click()
     assert not video.evaluate("video => video.muted")
-    page.wait_for_timeout(300)
-    assert video.evaluate("video => !video.paused && video.currentTime > 0 && video.webkitAudioDecodedByteCount > 0")
+    heard = "video => !video.paused && video.currentTime > 0 && video.webkitAudioDecodedByteCount > 0"
+    wait_until(page, lambda: video.evaluate(heard))
     assert button.text_content() == "Sound off"
     button.click()
     assert video.evaluate("video => video.muted")

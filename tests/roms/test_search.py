@@ -211,9 +211,9 @@ def test_rubbish_in_a_folder_harms_nothing(collection: Path, shipped: Path, unre
         ("pipe", ValueError, "is a device or a pipe; give a regular file"),
         ("pong.bin", ValueError, r"the ROM of Breakout is needed, but .*/pong\.bin is Pong; without a path"),
         ("cut", ValueError, "is Breakout cut short: only the first 1,500 of 2,048 bytes"),
-        (3, TypeError, ""),
-        (b"/breakout.bin", TypeError, ""),
-        (["breakout.bin"], TypeError, ""),
+        (3, TypeError, "not"),
+        (b"/breakout.bin", TypeError, "not"),
+        (["breakout.bin"], TypeError, "not"),
     ],
 )
 @pytest.mark.usefixtures("unreadable")

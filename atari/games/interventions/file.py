@@ -1,6 +1,5 @@
 """`load` and `resolve` read files of interventions, `data/<game>.toml` and users' own; docs/ram.md has the format."""
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -55,18 +54,18 @@ class Check:
 
 @dataclass(frozen=True)
 class Intervention:
-    """A described change of a game. `table` is its definition in a file's form, without the name, as JSON."""
+    """A described change of a game. `table` is its definition in a file's form, without the name."""
 
     name: str
     description: str
     source: str
     writes: tuple[WriteRule, ...]
     check: Check | None
-    table: str
+    table: Mapping[str, Any]
 
     def definition(self) -> dict[str, Any]:
         """The definition with the name under "name": plain data, which the option `interventions` accepts."""
-        return {"name": self.name, **json.loads(self.table)}
+        return {"name": self.name, **_thawed(self.table)}
 
 
 def load(game: "str | Game", file: str | PathLike[str] | None = None) -> Mapping[str, Intervention]:
@@ -246,3 +245,15 @@ def _actions(value: Any, game: Game, where: str) -> Any:
     if not names or not all(isinstance(one, str) and one in legal and one in Action.__members__ for one in names):
         raise ValueError(f"{where}: must be 'random', 'noop' or a list of legal actions such as 'FIRE', got {value!r}")
     return tuple(names)
+
+
+def _frozen(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return FrozenDict((key, _frozen(item)) for key, item in value.items())
+    return tuple(map(_frozen, value)) if isinstance(value, (list, tuple)) else value
+
+
+def _thawed(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _thawed(item) for key, item in value.items()}
+    return list(map(_thawed, value)) if isinstance(value, tuple) else value
