@@ -11,14 +11,10 @@ from typing import Any
 import pytest
 from browser_tools import LIMIT, wait_until
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 pytest.importorskip("aiohttp")
 playwright = pytest.importorskip("playwright.sync_api")
 
+from atari.games.toml_file import tomllib  # noqa: E402
 from atari.lab import widget  # noqa: E402
 from atari.recording import Replay  # noqa: E402
 

@@ -3,7 +3,6 @@
 import copy
 import json
 import os
-import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
@@ -13,11 +12,7 @@ import pytest
 
 import atari
 from atari.games.game import load_game
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from atari.games.toml_file import tomllib
 
 CATCH = Path(__file__).parents[2] / "examples" / "catch"
 TEXT = (CATCH / "catch.toml").read_text()

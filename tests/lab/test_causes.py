@@ -1,7 +1,6 @@
 """The causal map: what changes of RAM cause, against forks played by hand, and the maps that are shipped."""
 
 import json
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,16 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 import atari
 import atari._emulator as _emulator
 from atari.cli import main
 from atari.cores.compiled import compiled
 from atari.cores.native import NativeCore
+from atari.games.toml_file import tomllib
 from atari.lab import causes, shipped_causes
 from atari.lab.causal.explore import _play
 from atari.lab.causal.files import DATA, load, save, to_arrays

@@ -1,6 +1,5 @@
 """The inspector's inspection writes and opens files: replays, saved states, interventions, labels, clips."""
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,17 +11,13 @@ from numpy.testing import assert_array_equal
 
 from atari.env import AtariEnv
 from atari.games.interventions import load
+from atari.games.toml_file import tomllib
 from atari.lab.inspector import export
 from atari.lab.inspector.inspection import Inspection
 from atari.lab.inspector.sources import inspection_of_replay, inspection_of_snapshot
 from atari.lab.interventions import check
 from atari.recording import RecordReplay, Replay
 from atari.recording.replay import replay as replay_module
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 HOSTILE = st.text(st.characters(exclude_categories=["Cs"]), max_size=20) | st.sampled_from(
     ['"', "\\", '"""', "\n[x]\n", "\r\n", "a.b", "# c", "\x1b[0m", "']", "{}", "=", "\x7f", "\x85", "\u2028"]
