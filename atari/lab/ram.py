@@ -9,10 +9,10 @@ import numpy as np
 
 from atari.base.text_table import Table
 from atari.base.validation import check_integer
-from atari.cores import Core
+from atari.cores import ByteArray, Core
 from atari.env import AtariEnv
 from atari.games.game import Game, RamLabel
-from atari.lab.labels import BoolArray, ByteArray, IntArray, byte_index, evaluate_label, labels_of, unknown_label
+from atari.lab.labels import BoolArray, IntArray, byte_index, evaluate_label, labels_of, unknown_label
 from atari.lab.objects import positions, visible_objects
 from atari.vector import AtariVectorEnv
 
