@@ -11,7 +11,7 @@ from atari.cli.multiplayer import is_match, make_match, match_task
 from atari.cli.printing import print_json
 from atari.play import Session, play
 from atari.play.controls import HELP, HELP_SEVERAL
-from atari.play.window import start_pygame
+from atari.play.outputs import start_pygame
 from atari.task.arguments import SCREEN, add_task, given_options, show_task, task_of
 from atari.task.parser import HelpFormatter, number, seed
 from atari.task.task import BY_FRAME

@@ -10,7 +10,7 @@ from atari.cores.options import SEED_LIMIT
 from atari.learning import load_policy
 from atari.learning.evaluation.protocols import PROTOCOLS
 from atari.play.loop import show_replay
-from atari.play.window import start_pygame
+from atari.play.outputs import start_pygame
 from atari.recording import Replay
 from atari.recording.replay.file_format import is_replay
 from atari.task.arguments import add_task, show_task

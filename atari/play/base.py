@@ -24,6 +24,8 @@ class BaseSession(ABC):
 
     Args:
         game: the game.
+        played: the environment or the core, or its recorder.
+        legal_actions, minimal_actions: the actions of a player, and those that have an effect in the game.
         players: the number of players, each with a score.
         state: the file of the saved state.
         videos: the folder of the videos.
@@ -35,8 +37,20 @@ class BaseSession(ABC):
     _saved_as: ClassVar[str]
     _blob: ClassVar[str]
 
-    def __init__(self, game: Game, players: int, state: Path, videos: Path, scale: int) -> None:
-        self.game = game
+    def __init__(
+        self,
+        game: Game,
+        played: Any,
+        legal_actions: tuple[Action, ...],
+        minimal_actions: tuple[Action, ...],
+        *,
+        players: int,
+        state: Path,
+        videos: Path,
+        scale: int,
+    ) -> None:
+        self.game, self._played = game, played
+        self.legal_actions, self.minimal_actions = legal_actions, minimal_actions
         self._state, self._videos, self._scale = state, videos, scale
         self._rewind_points: deque[tuple[bytes, list[int]]] = deque(maxlen=_MAX_REWIND_POINTS)
         self._video: VideoWriter | None = None
@@ -47,16 +61,6 @@ class BaseSession(ABC):
         """The score of each player."""
         self.video_files: list[Path] = []
         """The videos that were begun."""
-
-    @property
-    @abstractmethod
-    def legal_actions(self) -> tuple[Action, ...]:
-        """The game's legal actions."""
-
-    @property
-    @abstractmethod
-    def minimal_actions(self) -> tuple[Action, ...]:
-        """The actions that have an effect in the game, see `atari.play.controls.first_screen`."""
 
     @property
     @abstractmethod
@@ -74,9 +78,11 @@ class BaseSession(ABC):
         """The sound of the last frame, (512,) uint8 around 128."""
 
     @property
-    @abstractmethod
     def title(self) -> str:
-        """The game and the scores, for the window's title."""
+        """The game and the score, or the score of each player, for the window's title."""
+        if len(self.scores) == 1:
+            return f"{self.game.title}   {self.scores[0]:,}"
+        return "   ".join([self.game.title, *(f"player {i}: {score:,}" for i, score in enumerate(self.scores, 1))])
 
     @property
     def _facts(self) -> dict[str, Any]:
@@ -200,10 +206,13 @@ class BaseSession(ABC):
         return path
 
     def close(self) -> None:
-        """Complete the video.
+        """Complete the replay and the video.
 
         Raises:
             OSError: a file cannot be written.
         """
-        if self._video is not None:
-            self.toggle_video()
+        try:
+            if self._video is not None:
+                self.toggle_video()
+        finally:
+            self._played.close()

@@ -1,15 +1,16 @@
 """`play` and `show_replay`: the main loop of a game or of a replay in a window, at the console's speed."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import gymnasium
 
+from atari.games.game import Game
 from atari.play.base import BaseSession
 from atari.play.controls import Command, SharedControls, first_screen
-from atari.play.speaker import Speaker
-from atari.play.window import GameWindow, start_pygame
+from atari.play.outputs import GameWindow, Speaker, start_pygame
 from atari.recording import Replay
 from atari.recording.video.writer import frame_rate
 
@@ -48,17 +49,12 @@ def play(session: BaseSession, *, scale: int = 3, sound: bool = True, full_scree
         gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.
         gymnasium.error.Error: there is no display.
     """
-    pygame = start_pygame()
-    window = GameWindow(pygame, session.game, scale, full_screen=full_screen)
-    speaker = Speaker(pygame, float(frame_rate(session.game))) if sound else None
-    pygame.joystick.init()
-    try:
-        Loop(pygame, session, window, speaker).run()
-    finally:
-        pygame.joystick.quit()
-        if speaker is not None:
-            speaker.close()
-        window.close()
+    with _outputs(session.game, scale, sound, full_screen) as (pygame, window, speaker):
+        pygame.joystick.init()
+        try:
+            Loop(pygame, session, window, speaker).run()
+        finally:
+            pygame.joystick.quit()
 
 
 def show_replay(replay: Replay, *, scale: int = 3, sound: bool = True) -> bool:
@@ -68,12 +64,8 @@ def show_replay(replay: Replay, *, scale: int = 3, sound: bool = True) -> bool:
         gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.
         gymnasium.error.Error: there is no display.
     """
-    pygame = start_pygame()
-    window = GameWindow(pygame, replay.game, scale)
-    rate = float(frame_rate(replay.game))
-    speaker = Speaker(pygame, rate) if sound else None
-    pacer, score = Pacer(rate), 0
-    try:
+    pacer, score = Pacer(float(frame_rate(replay.game))), 0
+    with _outputs(replay.game, scale, sound) as (pygame, window, speaker):
         for frame in replay.frames(sound=sound):
             for event in pygame.event.get():
                 if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):
@@ -83,11 +75,22 @@ def show_replay(replay: Replay, *, scale: int = 3, sound: bool = True) -> bool:
             if speaker is not None:
                 speaker.play(frame.audio)
             pacer.wait()
+    return True
+
+
+@contextmanager
+def _outputs(
+    game: Game, scale: int, sound: bool, full_screen: bool = False
+) -> Iterator[tuple[Any, GameWindow, Speaker | None]]:
+    pygame = start_pygame()
+    window = GameWindow(pygame, game, scale, full_screen=full_screen)
+    speaker = Speaker(pygame, float(frame_rate(game))) if sound else None
+    try:
+        yield pygame, window, speaker
     finally:
         if speaker is not None:
             speaker.close()
         window.close()
-    return True
 
 
 class Loop:

@@ -121,21 +121,12 @@ class MultiplayerSession(BaseSession):
                 raise ValueError(f"policies has players 0 to {self.core.players - 1} of this game, got {player!r}")
             self._agents[player] = PlayerAgent(policy, player, self.core, obs_type)
         self._seed, self._games = seed, -1
-        self._recorded: Any = self.core if replay is None else RecordMatch(self.core, replay)
-        super().__init__(self.core.game, self.core.players, state, videos, scale)
+        played = self.core if replay is None else RecordMatch(self.core, replay)
+        minimal, players, files = self.core.rules.minimal_actions, self.core.players, {"state": state, "videos": videos}
+        super().__init__(self.core.game, played, PLAYER_ACTIONS, minimal, players=players, scale=scale, **files)
         self.humans = tuple(player for player in range(self.core.players) if player not in self._agents)
         """The human players; 0 is the first."""
         self._reset()
-
-    @property
-    def legal_actions(self) -> tuple[Action, ...]:
-        """All 18 actions."""
-        return PLAYER_ACTIONS
-
-    @property
-    def minimal_actions(self) -> tuple[Action, ...]:
-        """The minimal actions of each player."""
-        return self.core.rules.minimal_actions
 
     @property
     def over(self) -> bool:
@@ -152,29 +143,11 @@ class MultiplayerSession(BaseSession):
         """The sound of the last frame, (512,) uint8 around 128."""
         return self.core.audio()
 
-    @property
-    def title(self) -> str:
-        """The game and the score of each player, for the window's title."""
-        return "   ".join(
-            [self.game.title, *(f"player {player}: {score:,}" for player, score in enumerate(self.scores, 1))]
-        )
-
-    def close(self) -> None:
-        """Complete the replay and the video.
-
-        Raises:
-            OSError: a file cannot be written.
-        """
-        try:
-            super().close()
-        finally:
-            self._recorded.close()
-
     def _step(self, actions: tuple[Action, ...]) -> list[int]:
         chosen = dict(zip(self.humans, map(int, actions), strict=True))
         chosen |= {player: self._decide(player, agent) for player, agent in self._agents.items()}
         self._agents_are_new = False
-        rewards: list[int] = self._recorded.act_players([chosen[player] for player in range(self.core.players)])
+        rewards: list[int] = self._played.act_players([chosen[player] for player in range(self.core.players)])
         return rewards
 
     def _decide(self, player: int, agent: PlayerAgent) -> int:
@@ -188,14 +161,14 @@ class MultiplayerSession(BaseSession):
             raise RuntimeError(f"the policy of player {player + 1} failed: {type(error).__name__}: {error}") from error
 
     def _snapshot(self) -> bytes:
-        data: bytes = self._recorded.snapshot()
+        data: bytes = self._played.snapshot()
         return data
 
     def _restore(self, data: bytes) -> None:
-        self._recorded.restore(data)
+        self._played.restore(data)
         self._agents_are_new = True
 
     def _reset(self) -> None:
-        self._recorded.reset()
+        self._played.reset()
         self._agents_are_new = True
         self._games += 1

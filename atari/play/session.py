@@ -78,13 +78,14 @@ class Session(BaseSession):
         inner: Any = make_env(self.task, rom=rom)
         inner.unwrapped.driver.make_sound()
         self._inner, self._atari = inner, inner.unwrapped
-        super().__init__(self._atari.game, 1, state, videos, scale)
-        self._env: Any = self._inner if replay is None else RecordReplay(self._inner, replay)
-        self._played: deque[tuple[ByteArray, ByteArray, int]] = deque()  # frames not yet shown
+        played = inner if replay is None else RecordReplay(inner, replay)
+        game, files = self._atari.game, {"state": state, "videos": videos}
+        super().__init__(game, played, self.task.action_set, game.minimal_actions, players=1, scale=scale, **files)
+        self._unseen: deque[tuple[ByteArray, ByteArray, int]] = deque()  # frames not yet shown
         self._ended = self._truncated = False  # the episode; the game may continue
         self._atari.driver.observers.append(self)
         self.best = 0
-        self._env.reset(seed=seed)
+        self._played.reset(seed=seed)
 
     @property
     def score(self) -> int:
@@ -92,21 +93,11 @@ class Session(BaseSession):
         return self.scores[0]
 
     @property
-    def legal_actions(self) -> tuple[Action, ...]:
-        """The actions of the task."""
-        return self.task.action_set
-
-    @property
-    def minimal_actions(self) -> tuple[Action, ...]:
-        """The game's minimal actions."""
-        return self.game.minimal_actions
-
-    @property
     def over(self) -> bool:
         """Whether the game has ended, and its last frame has been shown."""
         core = self._atari.core
         ended = self._ended and (self._truncated or self.task.new_game_after_life)
-        return not self._played and (core.game_over or core.truncated or ended)
+        return not self._unseen and (core.game_over or core.truncated or ended)
 
     @property
     def screen(self) -> ByteArray:
@@ -118,36 +109,20 @@ class Session(BaseSession):
         """The sound of the frame that is shown, (512,) uint8 around 128."""
         return self._samples
 
-    @property
-    def title(self) -> str:
-        """The game and the score, for the window's title."""
-        return f"{self.game.title}   {self.score:,}"
-
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Show the frames of the copied environment, which has no observers."""
         self.__dict__.update(state)
         self._atari.driver.observers.append(self)
 
-    def close(self) -> None:
-        """Complete the replay and the video.
-
-        Raises:
-            OSError: a file cannot be written.
-        """
-        try:
-            super().close()
-        finally:
-            self._env.close()
-
     def game_begun(self) -> None:
         """Show the first screen of a game; the environment calls it."""
-        self._played.clear()
+        self._unseen.clear()
         self._show()
 
     def frame_played(self, action: int, reward: int) -> None:
         """Keep a frame until it is shown; the environment calls it."""
         core = self._atari.core
-        self._played.append((core.screen_rgb(), core.audio(), reward))
+        self._unseen.append((core.screen_rgb(), core.audio(), reward))
 
     @property
     def _facts(self) -> dict[str, Any]:
@@ -155,16 +130,16 @@ class Session(BaseSession):
 
     @property
     def _between_steps(self) -> bool:
-        return not self._played and not self._ended
+        return not self._unseen and not self._ended
 
     def _step(self, actions: tuple[Action, ...]) -> list[int]:
         (action,) = actions
-        if self._ended and not self._played:
+        if self._ended and not self._unseen:
             self._go_on()
-        if not self._played:
-            _, _, terminated, self._truncated, _ = self._env.step(self.legal_actions.index(action))
+        if not self._unseen:
+            _, _, terminated, self._truncated, _ = self._played.step(self.legal_actions.index(action))
             self._ended = self._truncated or (terminated and not self.task.life_loss_info)
-        self._screen, self._samples, reward = self._played.popleft()
+        self._screen, self._samples, reward = self._unseen.popleft()
         self.best = max(self.best, self.score + reward)
         return [reward]
 
@@ -173,8 +148,8 @@ class Session(BaseSession):
 
     def _snapshot(self) -> bytes:
         """The state after the present step, without its remaining frames."""
-        while self._played:
-            self._screen, self._samples, reward = self._played.popleft()
+        while self._unseen:
+            self._screen, self._samples, reward = self._unseen.popleft()
             self.scores = [self.score + reward]
         if self._ended and not self.over:
             self._go_on()
@@ -183,7 +158,7 @@ class Session(BaseSession):
 
     def _restore(self, data: bytes) -> None:
         self._inner.restore(data)
-        self._played.clear()
+        self._unseen.clear()
         self._ended = self._truncated = False
         self._show()
 
@@ -193,7 +168,7 @@ class Session(BaseSession):
     def _go_on(self, options: dict[str, Any] | None = None) -> None:
         """Begin an episode; after a lost life, in the same game, unless `options` begin a new one."""
         self._ended = self._truncated = False
-        self._env.reset(options=options)
+        self._played.reset(options=options)
 
 
 def _task(game: GameLike, options: dict[str, Any]) -> Task:

@@ -1,6 +1,7 @@
 """`atari record`: every kind of policy, recorded as videos and replays."""
 
 import json
+import re
 import shutil
 import signal
 import subprocess
@@ -11,6 +12,7 @@ from typing import Any
 import av
 import pytest
 from replay_tools import record
+from video_reader import video_frames
 
 from atari.cli import main
 from atari.recording import Replay
@@ -223,28 +225,33 @@ def test_without_pyav_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, capsys
     record_json(capsys, "pong", "--seconds", "0.5", "-o", "a.a26r")
 
 
-@pytest.mark.parametrize("options", [["-o", "a.a26r"], ["-o", "a.gif", "--best", "--scale", "1"]])
+@pytest.mark.parametrize("options", [["-o", "a.a26r", "-o", "a.mp4"], ["-o", "a.gif", "--best"]])
 def test_ctrl_c_keeps_what_was_recorded(folder: Path, options: list[str]) -> None:
-    words = [sys.executable, "-m", "atari", "record", "pong", "--policy", "slow:policy", *options]
-    (folder / "slow.py").write_text(
-        "import time\ncount = 0\ndef policy(observations):\n    global count\n    count += 1\n"
-        "    if count == 100:\n        print('playing', flush=True)\n    time.sleep(0.001)\n    return [0]\n"
-    )
-    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "pong: Pong, as ALE/Pong-v5\n"
-        assert process.stdout.readline() == "playing\n"
+    words = [sys.executable, "-m", "atari", "record", "pong", "--policy", "slow:policy", "--steps", "2000"]
+    (folder / "slow.py").write_text("import time\ndef policy(observations):\n    time.sleep(0.001)\n    return [0]\n")
+    with subprocess.Popen(
+        [*words, *options, "--scale", "1"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stderr is not None
+        assert process.stderr.readline().startswith("200 of 2,000 steps")
         process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=120)
+        out, err = process.communicate(timeout=120)
     assert process.returncode == 130
-    assert err.endswith(f"frames; what was recorded is in {folder / options[1]}\n")
+    assert out == "pong: Pong, as ALE/Pong-v5\n"
+    *_, word, line = err.splitlines()
+    assert word == "atari: stopping; Ctrl-C again stops at once"
+    files = " and ".join(str(folder / name) for name in options[1::2] if name.startswith("a."))
+    match = re.fullmatch(r"atari: interrupted after ([\d,]+) frames; what was recorded is in (.+)", line)
+    assert match is not None, err
+    assert match[2] == files
+    frames = int(match[1].replace(",", ""))
+    assert 4 * 199 <= frames < 4 * 2000
     if "--best" in options:
-        with av.open("a.gif") as container:
-            assert sum(1 for _ in container.decode(video=0)) >= 330  # of 396 at 50 frames a second
+        assert len(video_frames(folder / "a.gif")) >= frames * 5 // 6  # at 50 frames a second
         return
     replay = Replay.load("a.a26r")
-    assert replay.complete
-    assert replay.frames_total >= 396
+    assert (replay.complete, replay.frames_total) == (True, frames)
+    assert len(video_frames(folder / "a.mp4")) == frames
 
 
 CATCH = Path(__file__).parents[2] / "examples" / "catch"
@@ -265,7 +272,7 @@ def test_a_game_definition_with_its_rom_elsewhere(capsys: pytest.CaptureFixture[
 
 
 def test_the_best_game_is_filmed(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["breakout", "--policy", "random", "--seed", "3", "--episodes", "3"]
+    words = ["breakout", "--policy", "random", "--episodes", "3", "--max-num-frames-per-episode", "300"]
     words += ["--best", "--scale", "1", "--overlay", "score,action,curve"]
     result = record_json(capsys, *words, "-o", "best.gif", "-o", "all.a26r")
     replay = Replay.load("all.a26r")

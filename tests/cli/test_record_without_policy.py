@@ -2,8 +2,6 @@
 
 import json
 import re
-import signal
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -166,22 +164,3 @@ def test_without_pyav_it_names_the_extra_and_the_way_without(
     assert "--no-video" in err
     assert not list(folder.iterdir())
     assert main(["record", "breakout", "--steps", "3", "--no-video"]) == 0
-
-
-def test_ctrl_c_ends_it_with_a_playable_video(folder: Path) -> None:
-    command = [sys.executable, "-m", "atari", "record", "breakout", "--steps", "2000", "-o", "a.mp4"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
-        assert process.stderr is not None
-        assert process.stderr.readline().startswith("200 of 2,000 steps")
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=120)
-    assert process.returncode == 130
-    assert out == "breakout: Breakout, as 'breakout' with preset='dqn2015'\n"
-    *_, word, line = err.splitlines()
-    assert word == "atari: stopping; Ctrl-C again stops at once"
-    match = re.fullmatch(r"atari: interrupted after ([\d,]+) frames; what was recorded is in (.+)", line)
-    assert match is not None, err
-    assert match[2] == str((folder / "a.mp4").resolve())
-    frames = int(match[1].replace(",", ""))
-    assert 4 * 200 <= frames < 4 * 2000
-    assert len(video_frames(folder / "a.mp4")) == frames

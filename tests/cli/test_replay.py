@@ -149,10 +149,11 @@ def test_an_episode_alone(capsys: pytest.CaptureFixture[str]) -> None:
         np.array_equal(shown[:, ::2], screen)
         for shown, screen in zip(video_frames(Path("1.mkv")), expected, strict=True)
     )
-    assert main(["replay", "render", "a.a26r", "-o", "best.mkv", "--episode", "best", "--overlay", "score,curve"]) == 0
+    words = ["--episode", "best", "--overlay", "score,curve", "--scale", "1"]
+    assert main(["replay", "render", "a.a26r", "-o", "best.mkv", *words]) == 0
     frames = video_frames(Path("best.mkv"))
     assert len(frames) == replay.episodes[best].frames
-    assert frames[0].shape == ((210 + CURVE_ROWS) * 2 + 16, 640, 3)
+    assert frames[0].shape == (210 + CURVE_ROWS + 8, 320, 3)
 
 
 @pytest.mark.parametrize(("start", "first"), [("best", None), ("30", 30)])

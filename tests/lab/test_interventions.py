@@ -236,7 +236,7 @@ def test_a_replay_chooses_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         RecordReplay(env, tmp_path / "options.a26r").close()
     env = atari.AtariEnv("pong")
     with monkeypatch.context() as patch:
-        patch.setattr("atari.recording.replay.recorder.to_short_json", lambda task: forged)
+        patch.setattr("atari.recording.replay.recorded_core.to_short_json", lambda task: forged)
         RecordReplay(env, tmp_path / "task.a26r").close()
     for name in ("options", "task"):
         with pytest.raises(ValueError, match="its header is wrong"):

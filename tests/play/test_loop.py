@@ -1,7 +1,5 @@
 """The window and its sound, with events on SDL's dummy display and dummy audio device."""
 
-import os
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -15,8 +13,7 @@ import pytest
 from atari.cli import main
 from atari.play import Session, play
 from atari.play.loop import Loop, Pacer
-from atari.play.speaker import Speaker
-from atari.play.window import GameWindow
+from atari.play.outputs import GameWindow, Speaker
 from atari.recording import Replay
 
 BARE = "pong: Pong, as PongNoFrameskip-v4, but actions='full', max_num_frames_per_episode=None\n"
@@ -373,21 +370,18 @@ def test_without_pygame_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, caps
 
 @pytest.mark.parametrize(("driver", "options"), [(None, []), ("x11", ["--replay", "best.a26r"])])
 def test_without_a_display_it_raises_and_touches_no_file(
-    driver: str | None, options: list[str], tmp_path: Path
+    driver: str | None, options: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    absent = ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER")
-    environment = {name: value for name, value in os.environ.items() if name not in absent}
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
+        monkeypatch.delenv(name, raising=False)
     if driver:
-        environment["SDL_VIDEODRIVER"] = driver
-    (tmp_path / "best.a26r").write_bytes(b"of yesterday")
-    words = [sys.executable, "-m", "atari", "play", "pong", *options]
-    result = subprocess.run(
-        words, env=environment, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
-    )
-    assert result.returncode == 1
-    assert "atari: error: playing needs a display, and there is none (" in result.stderr
-    assert "use `atari record`" in result.stderr
-    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"best.a26r": b"of yesterday"}
+        monkeypatch.setenv("SDL_VIDEODRIVER", driver)
+    Path("best.a26r").write_bytes(b"of yesterday")
+    assert main(["play", "pong", *options]) == 1
+    err = capsys.readouterr().err
+    assert "atari: error: playing needs a display, and there is none (" in err
+    assert "use `atari record`" in err
+    assert {path.name: path.read_bytes() for path in Path().iterdir()} == {"best.a26r": b"of yesterday"}
 
 
 def test_a_display_that_is_lost_is_an_error_of_gymnasium(monkeypatch: pytest.MonkeyPatch) -> None:

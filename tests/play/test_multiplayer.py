@@ -16,7 +16,7 @@ from atari.play.base import FRAMES_PER_REWIND_POINT
 from atari.play.controls import HELP, HELP_SEVERAL, LEFT_KEYS, RIGHT_KEYS, Command, SharedControls
 from atari.play.loop import Loop
 from atari.play.multiplayer_session import MultiplayerSession
-from atari.play.window import GameWindow
+from atari.play.outputs import GameWindow
 from atari.recording import Replay
 from atari.task import Task
 

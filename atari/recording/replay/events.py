@@ -63,21 +63,8 @@ class Kind(IntEnum):
     ACTIONS = 0x90
 
 
-_NUMBERS = {
-    Kind.RESET: 0,
-    Kind.SEED: 1,
-    Kind.POKE: 2,
-    Kind.SAVE: 0,
-    Kind.RESTORE: 1,
-    Kind.LOAD: 1,
-    Kind.MODE: 1,
-    Kind.DIFFICULTY: 1,
-    Kind.STEP: 0,
-    Kind.ADD_WRITE: 2,
-    Kind.REMOVE_WRITE: 1,
-    Kind.ACTIONS: 2,
-}
-"""The number of integer arguments of each kind."""
+_NUMBERS = {Kind.RESET: 0, Kind.SAVE: 0, Kind.STEP: 0, Kind.POKE: 2, Kind.ADD_WRITE: 2, Kind.ACTIONS: 2}
+"""The number of integer arguments of the kinds that have not one."""
 
 
 class Event(NamedTuple):
@@ -138,7 +125,7 @@ def _events(text: BytesIO) -> Iterator[Event]:
             yield Event(Kind.CONTINUOUS_ACTION, (), _FLOATS.unpack(text.read(_FLOATS.size)))
         else:
             kind = Kind(code)
-            numbers = tuple(_number(text) for _ in range(_NUMBERS[kind]))
+            numbers = tuple(_number(text) for _ in range(_NUMBERS.get(kind, 1)))
             acts += numbers[1] if kind == Kind.ACTIONS else 0
             if acts > ACTS_PER_CHUNK:
                 raise ValueError(f"there are more than {ACTS_PER_CHUNK} actions")

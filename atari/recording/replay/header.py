@@ -11,7 +11,7 @@ from atari.games.game import Game
 from atari.games.interventions import resolve
 from atari.recording.replay.file_format import Corrupt
 from atari.recording.replay.players import make_core
-from atari.recording.replay.recorder import rom_md5
+from atari.recording.replay.recorded_core import rom_md5
 from atari.task import Task
 from atari.task.fields import DEFAULTS
 from atari.task.resolution import translate

@@ -9,7 +9,7 @@ from atari.games.game import Game
 from atari.multiplayer.core import MultiplayerCore
 from atari.recording.replay.events import Event, Kind
 from atari.recording.replay.file_format import FORMAT_OF_PLAYERS, Corrupt, Scores
-from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, json_value
+from atari.recording.replay.recorded_core import RecordedCore, ReplayRecorder, json_value
 from atari.recording.replay.runner import ReplayRunner
 
 _ACTIONS = 18

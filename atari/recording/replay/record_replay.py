@@ -15,11 +15,11 @@ from atari.env import AtariEnv
 from atari.env.restorable import Restorable
 from atari.multiplayer.core import MultiplayerCore
 from atari.observations.settings import make_episode
-from atari.recording.recorders import not_recorded, recorded_vector
+from atari.recording.recordable import not_recorded, recorded_vector
 from atari.recording.replay.events import Kind
 from atari.recording.replay.players import RecordMatch
-from atari.recording.replay.recorder import RecordedCore, ReplayRecorder, header_of, not_copied
-from atari.vector.env import AtariVectorEnv, is_vector
+from atari.recording.replay.recorded_core import RecordedCore, ReplayRecorder, header_of, not_copied
+from atari.vector.env import is_vector
 from atari.vector.options import VectorOptions
 from atari.vector.seeds import seed_words
 
@@ -96,9 +96,13 @@ class RecordEnvReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordC
 class RecordVectorReplay(VectorWrapper):
     """Records one environment of an `AtariVectorEnv` in a replay: `RecordReplay(envs, path, index)` makes it.
 
+    A vector plays its environments in C++ and does not return the frames inside a step or the no-ops of a reset. So the
+    resets and steps of the environment are repeated on a core whose calls are recorded, its shadow. It has the same
+    seed and plays the same actions, so its RAM and frame numbers must be equal after each step. If the mode, difficulty
+    or state of the environment is set from outside, the recording ends with an error.
+
     If the first `reset` has no seed, all environments get random seeds, because the replay needs the seed of its
-    environment. If the mode, difficulty or state of the environment is set from outside, the recording ends with an
-    error.
+    environment.
     """
 
     def __init__(self, envs: VectorEnv, path: str | PathLike[str], index: int = 0) -> None:
@@ -111,11 +115,12 @@ class RecordVectorReplay(VectorWrapper):
         if self._added.slots:
             raise ValueError("the environment has a Freeze or a Poke; release it, and make it after RecordReplay")
         self._seeded = not inner.started
-        recorded = RecordReplay(_shadow_env(inner.options, self._index), path)
-        self._recorder = recorded.recorder
+        self._recorded = RecordReplay(_shadow_env(inner.options, self._index), path)
+        self._recorder = self._recorded.recorder
         self.path = self._recorder.path
-        self._shadow = LaneShadow(inner, self._index, recorded)
-        self._added.shadows.append(self._shadow.core)
+        self._core: Any = self._recorded.unwrapped.core
+        self._episode = make_episode(inner.options.tasks[self._index], observed=False)
+        self._added.shadows.append(self._core)
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset environments; if the recorded one is among them, reset its shadow.
@@ -135,7 +140,7 @@ class RecordVectorReplay(VectorWrapper):
         result: tuple[Any, dict[str, Any]] = self.env.reset(seed=seed, options=options)
         if mask[self._index] and self._recorder.open:
             self._seeded = True
-            self._shadow.reset(chosen, new_game=bool((options or {}).get("new_game")))
+            self._reset_shadow(chosen, new_game=bool((options or {}).get("new_game")))
             self._compare()
         return result
 
@@ -150,14 +155,14 @@ class RecordVectorReplay(VectorWrapper):
         self._recorder.raise_deferred_error()
         result: tuple[Any, Any, Any, Any, dict[str, Any]] = self.env.step(actions)
         if self._recorder.open:
-            self._shadow.step(int(indices[row]), 1.0 if strengths is None else float(strengths[row]))
+            self._step_shadow(int(indices[row]), 1.0 if strengths is None else float(strengths[row]))
             self._compare()
         return result
 
     def stop(self) -> None:
         """Complete the file; the environments can continue without a recording."""
-        self._added.shadows = [each for each in self._added.shadows if each is not self._shadow.core]
-        self._shadow.env.close()
+        self._added.shadows = [each for each in self._added.shadows if each is not self._core]
+        self._recorded.close()
 
     def close(self, **kwargs: Any) -> None:
         """Complete the file and close the environments."""
@@ -167,62 +172,36 @@ class RecordVectorReplay(VectorWrapper):
     def __getstate__(self) -> dict[str, Any]:
         raise not_copied()
 
+    def _reset_shadow(self, seed: list[int] | None = None, new_game: bool = False) -> None:
+        """Begin an episode, as the environment has. `seed` is nine words of `atari.vector.seeds`; None continues."""
+
+        def begin() -> Any:
+            if seed is not None:
+                self._core.seed(seed[0])
+            self._core.reset()
+            return self._core
+
+        self._episode.reset(self._core, begin, seed=seed, new_game=new_game)
+        self._recorder.flush_if_full()
+
+    def _step_shadow(self, index: int, strength: float) -> None:
+        was_over = self._episode.ended
+        if not was_over:
+            self._recorder.begin_step()
+            self._episode.step(self._core, int(self._vector.options.actions[self._index][index]), strength)
+            self._recorder.end_step()
+        begins = {AutoresetMode.NEXT_STEP: was_over, AutoresetMode.SAME_STEP: self._episode.ended}
+        if begins.get(self._vector.autoreset_mode):
+            self._reset_shadow()
+
     def _compare(self) -> None:
-        lane, core = self._lane, self._shadow.core
+        lane, core = self._lane, self._core
         if core.frame_number != lane.frame_number or core.ram().tobytes() != lane.ram().tobytes():
             self.stop()
             raise RuntimeError(
                 f"environment {self._index} differs from its recording; was its mode or state set from outside, "
                 f"or its action changed by a wrapper inside this one? {self.path} ends before this step"
             )
-
-
-class LaneShadow:
-    """Repeats the resets and steps of environment `index` of a vector on a core whose calls are recorded.
-
-    A vector plays its environments in C++ and does not return the frames inside a step or the no-ops of a reset. A
-    shadow has the same seed and plays the same actions, so its RAM and frame numbers must be equal after each step.
-
-    Args:
-        vector, index: the vector, and the number of the environment.
-        env: the recorder around the `shadow_env` of the environment.
-    """
-
-    def __init__(self, vector: AtariVectorEnv, index: int, env: Any) -> None:
-        self.env = env
-        self.core: Any = env.unwrapped.core
-        """The recorded core."""
-        self._actions = vector.options.actions[index]
-        self._autoreset = vector.autoreset_mode
-        self._episode = make_episode(vector.options.tasks[index], observed=False)
-
-    def reset(self, seed: list[int] | None = None, new_game: bool = False) -> None:
-        """Begin an episode, as the environment has.
-
-        Args:
-            seed: nine words, of `atari.vector.seeds`; None continues the generators.
-            new_game: whether a lost life does not continue the game.
-        """
-
-        def begin() -> Any:
-            if seed is not None:
-                self.core.seed(seed[0])
-            self.core.reset()
-            return self.core
-
-        self._episode.reset(self.core, begin, seed=seed, new_game=new_game)
-        self.env.recorder.flush_if_full()
-
-    def step(self, index: int, strength: float) -> None:
-        """Repeat a step, with an action's index and strength."""
-        was_over = self._episode.ended
-        if not was_over:
-            self.env.recorder.begin_step()
-            self._episode.step(self.core, int(self._actions[index]), strength)
-            self.env.recorder.end_step()
-        begins = {AutoresetMode.NEXT_STEP: was_over, AutoresetMode.SAME_STEP: self._episode.ended}
-        if begins.get(self._autoreset):
-            self.reset()
 
 
 def _shadow_env(options: VectorOptions, index: int) -> AtariEnv:

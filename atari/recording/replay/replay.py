@@ -7,7 +7,7 @@ core and on ale-py's.
 
 import json
 import warnings
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from itertools import chain, takewhile
@@ -222,10 +222,9 @@ class Replay:
             yield from frames_of(takewhile(lambda pair: pair[0].frame <= stop, part))
 
     def _part(self, start: int, stop: int | None) -> tuple[int, int]:
-        start = check_integer("start", start, 0, self.frames_total)
-        return start, self.frames_total if stop is None else min(
-            check_integer("stop", stop, 0, 2**62), self.frames_total
-        )
+        total = self.frames_total
+        start = check_integer("start", start, 0, total)
+        return start, total if stop is None else min(check_integer("stop", stop, 0, 2**62), total)
 
     def best_frame(
         self, start: int = 0, stop: int | None = None, *, episode: int | Literal["best"] | None = None
@@ -467,7 +466,7 @@ class Replay:
             ValueError: an event is not possible on this core.
         """
         self._require_one_player("this core")
-        runner = ReplayRunner(core, self._content.snapshots, self._content.writes, self._uses)
+        runner = ReplayRunner(core, self._content, self._uses)
         try:
             for number in range(len(self._content.plays)):
                 for event in self._events(number):
@@ -491,8 +490,7 @@ class Replay:
         if self.players > 1:
             if core != "native":
                 raise ValueError(f"a replay of several players runs on core 'native' only, got {core!r}")
-            made_for_players = make_core(self.header, self.game, self.rom, sound)
-            return PlayersRunner(made_for_players, self._content.snapshots, self._content.writes, self._uses)
+            return PlayersRunner(make_core(self.header, self.game, self.rom, sound), self._content, self._uses)
         options = self.options
         if core == "ale" and self._content.snapshots:  # they need the sound setting of the recorded core
             sound = bool(snapshot.unpack(self._content.snapshots[0])[0].get("sound"))
@@ -505,7 +503,7 @@ class Replay:
             interventions=resolve(self.game, options.get("interventions")),
             **{name: options[name] for name in names if name in options},
         )
-        return ReplayRunner(made, self._content.snapshots, self._content.writes, self._uses)
+        return ReplayRunner(made, self._content, self._uses)
 
     def _runner_at(self, core: str, *, sound: bool, start: int) -> tuple[ReplayRunner, Iterator[Call]]:
         runner = self._new_runner(core, sound=sound)
@@ -535,7 +533,6 @@ class Replay:
 
     def _play_for_episodes(self) -> list[dict[str, Any]]:
         runner, calls = self._runner_at("native", sound=False, start=0)
-        for _ in calls:
-            pass
+        deque(calls, maxlen=0)
         runner.end_episode()
         return runner.episodes

@@ -1,15 +1,18 @@
 """`ReplayRunner`: feeds the events of a replay to a core."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from copy import copy
 from typing import Any, NamedTuple
 
 from atari.cores import snapshot
 from atari.cores.writes import write_of
 from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind
-from atari.recording.replay.recorder import own_writes
+from atari.recording.replay.recorded_core import own_writes
+
+_COUNTERS = ("chunk", "frame", "episode", "score", "_saves", "_saved", "_uses", "_in_episode")
+"""The attributes of a runner that a checkpoint keeps."""
 
 
 class Call(NamedTuple):
@@ -23,20 +26,14 @@ class Call(NamedTuple):
     played: bool = False
 
 
-@dataclass(frozen=True)
-class Checkpoint:
+class Checkpoint(NamedTuple):
     """The state of a runner between two chunks, from which it can resume."""
 
     chunk: int
-    saved: int
     frame: int
-    episode: int
-    score: Any
-    in_episode: bool
     core: bytes
-    saves: Mapping[int, tuple[bytes, int]]
-    uses: Counter[int]
     writes: Sequence[Any]
+    counters: dict[str, Any]
 
 
 class ReplayRunner:
@@ -44,14 +41,13 @@ class ReplayRunner:
 
     Args:
         core: a new core.
-        snapshots: the snapshots stored in the file.
-        writes: the definitions of the writes in the file.
+        content: the content of the file.
         uses: the number of times that the replay restores each snapshot taken during the recording.
     """
 
     _plays = Kind.ACT
 
-    def __init__(self, core: Any, snapshots: tuple[bytes, ...], writes: tuple[str, ...], uses: Counter[int]) -> None:
+    def __init__(self, core: Any, content: file_format.ReplayContent, uses: Counter[int]) -> None:
         self.core: Any = core
         self.chunk = 0
         """Chunks played so far."""
@@ -61,12 +57,11 @@ class ReplayRunner:
         self.score: Any = file_format.no_score(self.core)
         self.episodes: list[dict[str, Any]] = []
         """The summaries of the episodes that have ended."""
-        self._snapshots = snapshots
+        self._content = content
         self._uses = Counter(uses)
         self._saves: dict[int, tuple[bytes, int]] = {}
         self._saved = 0
         self._in_episode = False
-        self._writes = writes
 
     def run(self, event: Event) -> Iterator[Call]:
         """Return an iterator that makes the calls of an event, one at each `next`.
@@ -94,19 +89,15 @@ class ReplayRunner:
 
     def checkpoint(self) -> Checkpoint:
         """Return the current state; valid only between two chunks."""
-        saves, uses = dict(self._saves), Counter(self._uses)
-        core = self.core.snapshot()
-        numbers = self.chunk, self._saved, self.frame, self.episode, self.score
-        return Checkpoint(*numbers, self._in_episode, core, saves, uses, getattr(self.core, "writes", ()))
+        counters = {name: copy(getattr(self, name)) for name in _COUNTERS}
+        return Checkpoint(self.chunk, self.frame, self.core.snapshot(), getattr(self.core, "writes", ()), counters)
 
     def resume(self, checkpoint: Checkpoint) -> None:
         """Continue from a checkpoint."""
         if checkpoint.writes:
             self.core.writes = checkpoint.writes
         self.core.restore(checkpoint.core)
-        self.chunk, self._saved, self.frame = checkpoint.chunk, checkpoint.saved, checkpoint.frame
-        self.episode, self.score, self._in_episode = checkpoint.episode, checkpoint.score, checkpoint.in_episode
-        self._saves, self._uses = dict(checkpoint.saves), Counter(checkpoint.uses)
+        vars(self).update({name: copy(value) for name, value in checkpoint.counters.items()})
 
     def release(self) -> None:
         """End the writes of the replay."""
@@ -156,7 +147,7 @@ class ReplayRunner:
                 del self._saves[first]
         elif kind == Kind.LOAD:
             self._in_episode = True
-            core.restore(snapshot.with_options(self._snapshots[first], sound=core.sound))
+            core.restore(snapshot.with_options(self._content.snapshots[first], sound=core.sound))
             self.score = file_format.no_score(self.core)
         elif kind in (Kind.MODE, Kind.DIFFICULTY):
             choices = core.game.modes if kind == Kind.MODE else core.game.difficulties
@@ -171,7 +162,7 @@ class ReplayRunner:
         if not hasattr(core, "writes"):
             raise ValueError("this core cannot write RAM within a step; use core='native'")
         if kind == Kind.ADD_WRITE:
-            core.add_write(write_of(core.game, self._writes[number]), now)
+            core.add_write(write_of(core.game, self._content.writes[number]), now)
         elif (write := core.writes[number]) is not None:
             core.remove_write(write)
         else:

@@ -20,9 +20,8 @@ from atari.base.gymnasium_versions import AutoresetMode, VectorWrapper
 from atari.base.validation import check_integer
 from atari.cores import ByteArray, NativeCore
 from atari.env.rendering import tile
-from atari.recording.recorders import recorded_vector
-from atari.recording.video.record_video_base import RecordVideoBase, Trigger, make_folder
-from atari.recording.video.recorder import VideoSettings
+from atari.recording.recordable import recorded_vector
+from atari.recording.video.record_video_base import RecordVideoBase, Trigger, VideoSettings, make_folder
 from atari.recording.video.writer import video_rate
 from atari.vector import AtariVectorEnv
 

@@ -11,10 +11,9 @@ from atari.base.gymnasium_versions import VectorEnv
 from atari.base.validation import check_arguments
 from atari.env import AtariEnv
 from atari.env.restorable import Restorable
-from atari.recording.recorders import not_recorded
+from atari.recording.recordable import not_recorded
 from atari.recording.video.record_vector_video import RecordVectorVideo
-from atari.recording.video.record_video_base import RecordVideoBase, Trigger, make_folder
-from atari.recording.video.recorder import VideoRecorder, VideoSettings
+from atari.recording.video.record_video_base import RecordVideoBase, Trigger, VideoRecorder, VideoSettings, make_folder
 from atari.recording.video.writer import video_rate
 from atari.vector.env import is_vector
 

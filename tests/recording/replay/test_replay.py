@@ -42,7 +42,7 @@ def test_what_ale_has_set_and_no_task_has_is_refused(setting: str, value: Any, p
 @pytest.mark.parametrize("game", GAMES)
 def test_every_game_plays_as_recorded_on_the_other_core(game: str, tmp_path: Path) -> None:
     number = GAMES.index(game)
-    recorded_on, core = ("native", "ale")[:: (1, -1)[number % 2]]
+    recorded_on, core = ("ale", "native") if number % 8 == 7 else ("native", "ale")  # ale-py loads a game for each seed
     path = record(tmp_path / "a.a26r", game, 16, seed=number, core=recorded_on)
     replay = Replay.load(path)
     assert replay.header["core"] == recorded_on

@@ -47,33 +47,28 @@ def resampled(track: AudioEncoder) -> list[Any]:
 @pytest.mark.parametrize("fps", [NTSC, PAL, Fraction(30)])
 @pytest.mark.parametrize("suffix", ["mp4", "mkv", "webm"])
 def test_sound_is_synchronous_with_its_frame(tmp_path: Path, suffix: str, fps: Fraction) -> None:
-    path = beeps(tmp_path / f"a.{suffix}", 500, {0, 100, 490}, fps)
+    path = beeps(tmp_path / f"a.{suffix}", 150, {0, 60, 140}, fps)
     samples, rate = sound(path)
     shown = [time for time, image in zip(frame_times(path), video_frames(path), strict=True) if image.mean() > 128]
-    assert shown == pytest.approx([0, 100 / fps, 490 / fps], abs=0.001)
+    assert shown == pytest.approx([0, 60 / fps, 140 / fps], abs=0.001)
     loud = np.flatnonzero(np.abs(samples.astype(float) - np.median(samples)) > 0.25 * np.ptp(samples)) / rate
     if suffix != "mp4":  # the sound fades in
         assert min(loud) == pytest.approx(0, abs=0.002)
-    for i in (100, 490):
+    for i in (60, 140):
         beep = loud[(loud > (i - 2) / fps) & (loud < (i + 3) / fps)]
         assert beep.min() == pytest.approx(i / fps, abs=0.002)
         assert beep.max() == pytest.approx((i + 1) / fps, abs=0.002)
 
 
-@pytest.mark.parametrize("suffix", ["mp4", "mkv", "webm"])
-def test_sound_lasts_as_long_as_the_video(tmp_path: Path, suffix: str) -> None:
-    path = beeps(tmp_path / f"a.{suffix}", 300, set())
-    samples, rate = sound(path)
-    assert len(samples) / rate == pytest.approx(300 / NTSC, abs=0.022)  # an AAC frame is 21.3 ms
-    with av.open(str(path)) as container:
-        assert container.duration / av.time_base == pytest.approx(300 / NTSC, abs=0.022)
-
-
 @pytest.mark.parametrize(
     ("suffix", "codec", "rate"), [("mp4", "aac", 48_000), ("mkv", "flac", 30_680), ("webm", "opus", 48_000)]
 )
-def test_codec_and_rate(tmp_path: Path, suffix: str, codec: str, rate: int) -> None:
-    with av.open(str(beeps(tmp_path / f"a.{suffix}", 30, set()))) as container:
+def test_codec_rate_and_length(tmp_path: Path, suffix: str, codec: str, rate: int) -> None:
+    path = beeps(tmp_path / f"a.{suffix}", 100, set())
+    samples, found_rate = sound(path)
+    assert len(samples) / found_rate == pytest.approx(100 / NTSC, abs=0.022)  # an AAC frame is 21.3 ms
+    with av.open(str(path)) as container:
+        assert container.duration / av.time_base == pytest.approx(100 / NTSC, abs=0.022)
         assert len(container.streams) == 2
         (stream,) = container.streams.audio
         assert stream.codec_context.name == codec
@@ -109,11 +104,11 @@ def test_a_games_sound_is_in_sync_with_its_frames(tmp_path: Path) -> None:
     core = NativeCore("seaquest", seed=1, sound=True)
     core.reset()
     moves = []
-    with VideoWriter(tmp_path / "a.mp4", core.game, sound=True) as video:
+    with VideoWriter(tmp_path / "a.mp4", (32, 32), NTSC, sound=True) as video:
         for i in range(600):
             core.act([1, 0, 4, 1, 3, 0][i // 7 % 6])
             moves.append(np.ptp(core.audio().astype(float)))
-            video.write(core.screen_rgb(), core.audio())
+            video.write(BLACK, core.audio())
     assert np.std(moves) > 1
     samples, rate = sound(video.path)
     heard = loudness(samples, rate, 600, float(NTSC))
@@ -128,13 +123,6 @@ def test_no_samples_are_silence(tmp_path: Path) -> None:
             video.write(BLACK, samples)
     decoded, _ = sound(video.path)
     assert [bool(decoded[i : i + 512].any()) for i in (0, 512, 1024)] == [True, False, True]
-
-
-def test_samples_are_not_looked_at_in_a_silent_video(tmp_path: Path) -> None:
-    with VideoWriter(tmp_path / "a.mp4", (32, 32), NTSC) as video:
-        video.write(BLACK, TONE)
-    with av.open(str(video.path)) as container:
-        assert not container.streams.audio
 
 
 @pytest.mark.parametrize(

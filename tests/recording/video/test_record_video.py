@@ -21,7 +21,8 @@ from video_reader import NTSC, Screen, sound, video_frames
 
 import atari
 from atari.lab import RamLabels, Watch
-from atari.recording import RecordReplay, RecordVideo, VideoWriter
+from atari.recording import RecordReplay, RecordVideo
+from atari.recording.video import writer
 from atari.recording.video.audio import to_16_bit
 from atari.recording.video.overlay import CURVE_ROWS, Overlay
 from atari.wrappers import DqnPreprocessing, EpisodicLife
@@ -74,12 +75,12 @@ def test_an_argument_that_a_recorder_or_a_wrapper_lacks_is_named(make: Any, kind
         {"preset": "envpool"},
     ],
 )
-def test_recording_changes_nothing(tmp_path: Path, core: str, options: dict[str, Any]) -> None:
+def test_recording_changes_nothing(tmp_path: Path, videos: Any, core: str, options: dict[str, Any]) -> None:
     plain = play(atari.make("breakout", core=core, **options), 60)
-    env = record_video(atari.make("breakout", core=core, **options), tmp_path, scale=1)
+    env = record_video(atari.make("breakout", core=core, **options), tmp_path)
     assert data_equivalence(play(env, 60), plain)
     env.close()
-    assert files(tmp_path)
+    assert len(videos["rl-video-episode-0.mp4"].images) > 60
 
 
 def test_the_environment_is_left_as_it_was_when_it_is_closed(tmp_path: Path) -> None:
@@ -92,7 +93,7 @@ def test_the_environment_is_left_as_it_was_when_it_is_closed(tmp_path: Path) -> 
         env.unwrapped.step(0)
 
 
-def test_a_copy_and_a_pickle_go_on_and_record_from_their_next_episode_on(tmp_path: Path) -> None:
+def test_a_copy_and_a_pickle_go_on_and_record_from_their_next_episode_on(tmp_path: Path, videos: Any) -> None:
     env = record_video(atari.make("breakout", frameskip=4), tmp_path)
     play(env, 5)
     for other in (copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
@@ -116,8 +117,8 @@ def test_the_spec_makes_it_again(tmp_path: Path) -> None:
     assert files(tmp_path) == ["rl-video-episode-0.gif"]
 
 
-def test_snapshots_fit_environments_that_make_sound_too(tmp_path: Path) -> None:
-    env, plain = record_video(atari.make("breakout"), tmp_path, scale=1), atari.make("breakout")
+def test_snapshots_fit_environments_that_make_sound_too(tmp_path: Path, videos: Any) -> None:
+    env, plain = record_video(atari.make("breakout"), tmp_path), atari.make("breakout")
     play(env, 5)
     saved = env.unwrapped.snapshot()  # type: ignore[attr-defined]
     plain.reset()
@@ -136,22 +137,22 @@ def test_snapshots_fit_environments_that_make_sound_too(tmp_path: Path) -> None:
 @pytest.mark.parametrize("frame_skip", [4, 7])
 def test_every_emulated_frame_is_in_it_with_its_sound(tmp_path: Path, core: str, frame_skip: int) -> None:
     env = record_video(atari.make("seaquest", frameskip=frame_skip, core=core), tmp_path, format="mkv", scale=1)
-    reference = atari.make("seaquest", frameskip=1, sound_obs=True, core=core)
-    env.reset(seed=2)
-    reference.reset(seed=2)
-    core_of = reference.unwrapped.core  # type: ignore[attr-defined]
-    screens, samples = [core_of.screen_rgb()], [np.zeros(512, np.int16)]
-    for action in [1, 3, 9, 1, 4, 0, 2, 5] * 4:
+    reference = atari.cores.CORES[core]("seaquest", sound=True)
+    seed = int(env.reset(seed=2)[1]["seeds"][1])
+    reference.seed(seed)
+    reference.reset()
+    screens, samples = [reference.screen_rgb()], [np.zeros(512, np.int16)]
+    for action in [1, 3, 9, 1, 4, 0, 2, 5]:
         env.step(action)
         for _ in range(frame_skip):
-            observation, *_ = reference.step(action)
-            screens.append(core_of.screen_rgb())
-            samples.append(to_16_bit(observation["sound"]))
+            reference.act(int(env.unwrapped.driver.actions[action]))  # type: ignore[attr-defined]
+            screens.append(reference.screen_rgb())
+            samples.append(to_16_bit(reference.audio()))
     env.close()
     assert np.abs(samples).max() > 0
     path = tmp_path / "videos" / "rl-video-episode-0.mkv"
     expected = [screen.repeat(2, axis=1) for screen in screens]
-    assert len(expected) == 1 + 32 * frame_skip
+    assert len(expected) == 1 + 8 * frame_skip
     assert all(np.array_equal(a, b) for a, b in zip(video_frames(path), expected, strict=True))
     assert np.array_equal(sound(path)[0], np.concatenate(samples))
 
@@ -191,30 +192,26 @@ def test_under_every_preset_the_video_has_the_frames_that_were_played(tmp_path: 
         assert container.duration / av.time_base == pytest.approx(float(counter.frames / NTSC), abs=1 / 60)
 
 
-def test_it_records_inside_other_wrappers_too(tmp_path: Path) -> None:
-    env = DqnPreprocessing(record_video(atari.AtariEnv("breakout", frameskip=1), tmp_path, format="gif", scale=1))
+def test_it_records_inside_other_wrappers_too(tmp_path: Path, videos: Any) -> None:
+    env = DqnPreprocessing(record_video(atari.AtariEnv("breakout", frameskip=1), tmp_path))
     plain = DqnPreprocessing(atari.AtariEnv("breakout", frameskip=1))
     assert data_equivalence(play(env, 20), play(plain, 20))
     env.close()
     assert env.get_wrapper_attr("step_id") == 79
 
 
-def test_nothing_is_recorded_after_the_end_of_a_game(tmp_path: Path) -> None:
-    env = record_video(
-        atari.make("breakout", max_num_frames_per_episode=9, frameskip=4), tmp_path, format="mkv", scale=1
-    )
+def test_nothing_is_recorded_after_the_end_of_a_game(tmp_path: Path, videos: Any) -> None:
+    env = record_video(atari.make("breakout", max_num_frames_per_episode=9, frameskip=4), tmp_path)
     env.reset(seed=0)
     with pytest.warns(UserWarning, match="after the episode had ended"):
         truncations = [env.step(0)[3] for _ in range(4)]
     assert truncations == [False, False, True, True]
     env.close()
-    assert len(video_frames(tmp_path / "videos" / "rl-video-episode-0.mkv")) == 1 + 9
+    assert len(videos["rl-video-episode-0.mp4"].images) == 1 + 9
 
 
-def test_after_a_lost_life_the_video_begins_with_the_screen_that_there_is(tmp_path: Path) -> None:
-    env = record_video(
-        EpisodicLife(atari.AtariEnv("breakout", frameskip=1), on_reset="continue"), tmp_path, format="mkv", scale=1
-    )
+def test_after_a_lost_life_the_video_begins_with_the_screen_that_there_is(tmp_path: Path, videos: Any) -> None:
+    env = record_video(EpisodicLife(atari.AtariEnv("breakout", frameskip=1), on_reset="continue"), tmp_path)
     env.reset(seed=0)
     env.unwrapped.core.set_ram(0x39, 1)  # type: ignore[attr-defined]
     terminated = False
@@ -224,18 +221,18 @@ def test_after_a_lost_life_the_video_begins_with_the_screen_that_there_is(tmp_pa
     env.reset()
     env.step(0)
     env.close()
-    second = video_frames(tmp_path / "videos" / "rl-video-episode-1.mkv")
+    second = videos["rl-video-episode-1.mp4"].images
     assert len(second) == 2
-    assert np.array_equal(second[0], screen.repeat(2, axis=1))
+    assert np.array_equal(second[0], screen)
 
 
 @pytest.mark.parametrize("overlay", [("score",), ("action", "score"), ("ram",), ("score", "action", "ram")])
-def test_the_overlay_is_below_the_frame_and_changes(tmp_path: Path, overlay: tuple[str, ...]) -> None:
+def test_the_overlay_is_below_the_frame_and_changes(tmp_path: Path, videos: Any, overlay: tuple[str, ...]) -> None:
     env = record_video(atari.make("breakout", frameskip=4), tmp_path, overlay=overlay, format="mkv", scale=1)
     env.reset(seed=1)
     rewards = [env.step(action)[1] for action in [1, 0, 2, 2, 3, 3] * 8]
     env.close()
-    frames = video_frames(tmp_path / "videos" / "rl-video-episode-0.mkv")
+    frames = videos["rl-video-episode-0.mkv"].images
     lines = (overlay != ("ram",)) + 8 * ("ram" in overlay)
     assert frames[0].shape == (210 + 8 * lines, 320, 3)
     captions = [image[210:].tobytes() for image in frames]
@@ -246,15 +243,9 @@ def test_the_overlay_is_below_the_frame_and_changes(tmp_path: Path, overlay: tup
         assert different > (4 if "ram" not in overlay else 100)
 
 
-def test_captions_say_score_action_and_ram(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_captions_say_score_action_and_ram(tmp_path: Path, videos: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     captions: list[str] = []
-    write = VideoWriter.write
-
-    def spy(self: VideoWriter, rgb: Screen, samples: Any, caption: str) -> None:
-        captions.append(caption)
-        write(self, rgb, samples, caption)
-
-    monkeypatch.setattr(VideoWriter, "write", spy)
+    monkeypatch.setattr(writer, "add_caption", lambda image, text, *_: captions.append(text) or image)
     env = record_video(atari.make("breakout", frameskip=2), tmp_path, overlay=("score", "action", "ram"))
     env.reset(seed=1)
     env.step(1)
@@ -317,18 +308,18 @@ def test_another_rate_is_slow_motion(tmp_path: Path) -> None:
         {"episode_trigger": lambda episode: False},
     ],
 )
-def test_names_and_lengths_are_gymnasiums(tmp_path: Path, moviepy: dict[str, int], options: dict[str, Any]) -> None:
-    def make() -> Env:
-        return atari.make("breakout", frameskip=1, max_num_frames_per_episode=40, render_mode="rgb_array")
-
-    theirs = gymnasium.wrappers.RecordVideo(make(), str(tmp_path / "theirs"), **options)
+def test_names_and_lengths_are_gymnasiums(
+    tmp_path: Path, moviepy: dict[str, int], videos: Any, options: dict[str, Any]
+) -> None:
+    task = {"frameskip": 1, "max_num_frames_per_episode": 40, "render_mode": "rgb_array"}
+    theirs = gymnasium.wrappers.RecordVideo(atari.make("breakout", **task), str(tmp_path / "theirs"), **options)
     play(theirs, 400)
     theirs.close()
-    ours = RecordVideo(make(), tmp_path / "videos", **options, format="gif", fps=15, scale=1, sound=False)
+    ours = RecordVideo(atari.make("breakout", **task), tmp_path / "videos", **options, sound=False)
     play(ours, 400)
     ours.close()
-    frames = {name.replace(".gif", ".mp4"): len(video_frames(tmp_path / "videos" / name)) for name in files(tmp_path)}
-    assert frames == moviepy
+    assert {name: len(video.images) for name, video in videos.items()} == moviepy
+    assert files(tmp_path) == sorted(moviepy)
     assert (ours.episode_id, ours.step_id) == (theirs.episode_id, theirs.step_id)
 
 
@@ -343,7 +334,7 @@ def test_its_arguments_are_gymnasiums(tmp_path: Path) -> None:
             assert (our.default, our.kind) == (their.default, their.kind)
 
 
-def test_recordings_can_be_started_and_stopped_by_hand(tmp_path: Path) -> None:
+def test_recordings_can_be_started_and_stopped_by_hand(tmp_path: Path, videos: Any) -> None:
     env = record_video(atari.make("pong"), tmp_path, episode_trigger=lambda episode: False)
     play(env, 2)
     env.start_recording("by hand")
@@ -353,7 +344,7 @@ def test_recordings_can_be_started_and_stopped_by_hand(tmp_path: Path) -> None:
     env.stop_recording()
     env.close()
     assert files(tmp_path) == ["by hand.mp4"]
-    assert len(video_frames(tmp_path / "videos" / "by hand.mp4")) == 4
+    assert len(videos["by hand.mp4"].images) == 4
 
 
 def test_a_video_is_completed_without_close(tmp_path: Path) -> None:
@@ -423,18 +414,15 @@ def test_without_pyav_the_error_comes_at_once(tmp_path: Path, monkeypatch: pytes
     record_video(atari.make("pong"), tmp_path, format="png").close()
 
 
-def test_a_folder_that_cannot_be_made_is_an_error_at_once(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_made_or_written_to_is_an_error_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "videos").touch()
     with pytest.raises(OSError, match="videos"):
         record_video(atari.make("pong"), tmp_path)
-
-
-def test_a_folder_that_cannot_be_written_to_is_an_error_at_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
     monkeypatch.setattr("os.access", lambda path, mode: False)  # permissions do not bind root
     with pytest.raises(PermissionError, match=r"videos cannot be written into .*; choose another video_folder"):
-        record_video(atari.make("pong"), tmp_path)
+        RecordVideo(atari.make("pong"), tmp_path)
 
 
 @pytest.mark.parametrize("trigger", ["episode_trigger", "step_trigger"])
@@ -499,21 +487,22 @@ def test_a_full_disk_ends_the_video_and_the_game_continues(tmp_path: Path) -> No
 # The best video, and the curve.
 
 
-def test_only_the_best_video_is_kept(tmp_path: Path) -> None:
+def test_only_the_best_video_is_kept(tmp_path: Path, videos: Any) -> None:
     options: dict[str, Any] = {"max_num_frames_per_episode": 1200, "frameskip": 4, "repeat_action_probability": 0.0}
-    env = record_video(atari.make("space_invaders", **options), tmp_path, keep="best", format="gif", scale=1)
+    env = record_video(atari.make("space_invaders", **options), tmp_path, keep="best")
     env.action_space.seed(1)
     returns: list[float] = []
     for episode in range(4):
         env.reset(seed=episode)
         returns.append(0.0)
-        while True:
+        over = False
+        while not over:
             _, reward, terminated, truncated, _ = env.step(env.action_space.sample())
             returns[-1] += float(reward)
-            if terminated or truncated:
-                break
+            over = terminated or truncated
         env.stop_recording()
-        assert files(tmp_path) == [f"rl-video-episode-{returns.index(max(returns))}.gif"]
+        videos.clear()
+        assert files(tmp_path) == [f"rl-video-episode-{returns.index(max(returns))}.mp4"]
     env.close()
     assert len(set(returns)) > 1
     assert 0 < returns.index(max(returns)) < 3  # it replaced one, and was better than one after it

@@ -15,7 +15,7 @@ import pytest
 from video_reader import NTSC, Screen, video_frames
 
 import atari
-from atari.cores import AleCore
+from atari.cores import NativeCore
 from atari.recording import VideoWriter
 from atari.recording.video.encoder import FFmpegEncoder
 from atari.recording.video.writer import frame_rate
@@ -44,22 +44,6 @@ def test_every_game_has_a_frame_rate_and_an_even_size(tmp_path: Path) -> None:
         writer.close()
 
 
-def test_file_has_codec_size_rate_and_duration(tmp_path: Path) -> None:
-    path = tmp_path / "a.mp4"
-    with VideoWriter(path, (210, 160), NTSC) as video:
-        for screen in moving_bar(90):
-            video.write(screen)
-    assert video.frames == 90
-    with av.open(str(path)) as container:
-        (stream,) = container.streams
-        assert stream.codec_context.name == "h264"
-        assert stream.codec_context.pix_fmt == "yuv420p"
-        assert (stream.width, stream.height) == (640, 420)
-        assert stream.average_rate == NTSC
-        assert stream.frames == 90
-        assert stream.duration * stream.time_base == 90 / NTSC
-
-
 @pytest.mark.parametrize(
     ("fps", "expected"), [(NTSC / 4, NTSC / 4), (15, 15), (29.97, Fraction(2997, 100)), (np.float32(12.5), 12.5)]
 )
@@ -86,11 +70,12 @@ def test_pixels_can_be_square(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("scale", [2, 4, 6])
 def test_each_pixel_of_a_game_becomes_a_block_of_its_colour(tmp_path: Path, scale: int) -> None:
-    core = AleCore("seaquest", seed=1)
+    core = NativeCore("seaquest", seed=1)
     core.reset()
     screens = []
-    for action in (0, 1, 2, 3, 4, 5) * 5:
-        core.act(action)
+    for action in (0, 1, 2, 3, 4, 5):
+        for _ in range(5):
+            core.act(action)
         screens.append(core.screen_rgb())
     with VideoWriter(tmp_path / "a.mp4", core.game.screen.shape, frame_rate(core.game), scale=scale) as video:
         for screen in screens:
@@ -119,8 +104,8 @@ def test_colours_are_right_whether_or_not_a_reader_looks_at_what_the_file_says_o
 
 
 def test_frames_are_in_the_order_of_writing(tmp_path: Path) -> None:
-    with VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC) as video:
-        for screen in moving_bar(100):
+    with VideoWriter(tmp_path / "a.mp4", (32, 160), NTSC) as video:
+        for screen in moving_bar(100, (32, 160)):
             video.write(screen)
     columns = [int(image.sum(axis=(0, 2), dtype=int).argmax()) // 4 for image in video_frames(video.path)]
     assert columns == list(range(100))
@@ -137,8 +122,8 @@ def test_a_view_that_is_not_contiguous_is_written_as_it_looks(tmp_path: Path) ->
 
 
 def test_closing_twice_does_nothing_and_writing_then_raises(tmp_path: Path) -> None:
-    video = VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC)
-    for screen in moving_bar(3):
+    video = VideoWriter(tmp_path / "a.mp4", (32, 32), NTSC)
+    for screen in moving_bar(3, (32, 32)):
         video.write(screen)
     video.close()
     size = video.path.stat().st_size
@@ -150,14 +135,10 @@ def test_closing_twice_does_nothing_and_writing_then_raises(tmp_path: Path) -> N
 
 
 def test_file_is_playable_after_an_exception(tmp_path: Path) -> None:
-    def record() -> None:
-        with VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC) as video:
-            for screen in moving_bar(70):
-                video.write(screen)
-            raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        record()
+    with pytest.raises(ZeroDivisionError), VideoWriter(tmp_path / "a.mp4", (32, 32), NTSC) as video:  # noqa: PT012
+        for screen in moving_bar(70, (32, 32)):
+            video.write(screen)
+        raise ZeroDivisionError
     assert len(video_frames(tmp_path / "a.mp4")) == 70
 
 
@@ -183,8 +164,8 @@ def test_an_older_video_is_there_until_a_second_is_written(tmp_path: Path) -> No
 def test_missing_folders_are_made_and_an_old_file_replaced(tmp_path: Path) -> None:
     path = tmp_path / "new" / "folder" / "a.MP4"
     for frames in (9, 4):
-        with VideoWriter(path, (210, 160), NTSC) as video:
-            for screen in moving_bar(frames):
+        with VideoWriter(path, (32, 32), NTSC) as video:
+            for screen in moving_bar(frames, (32, 32)):
                 video.write(screen)
     assert len(video_frames(path)) == 4
 
@@ -273,8 +254,8 @@ def test_a_full_disk_names_the_incomplete_file(tmp_path: Path, monkeypatch: pyte
 
 
 def test_a_caption_without_a_line_is_refused(tmp_path: Path) -> None:
-    (screen,) = moving_bar(1)
-    with VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC) as video:
+    (screen,) = moving_bar(1, (32, 32))
+    with VideoWriter(tmp_path / "a.mp4", (32, 32), NTSC) as video:
         with pytest.raises(ValueError, match="make the VideoWriter with caption_lines=1, got 'hello'"):
             video.write(screen, None, "hello")
         video.write(screen)

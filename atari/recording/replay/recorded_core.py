@@ -11,7 +11,7 @@ import numpy as np
 from atari import __version__
 from atari.env import AtariEnv
 from atari.games.game import Game
-from atari.recording.recorders import DeferredErrorMixin
+from atari.recording.recordable import DeferredErrorMixin
 from atari.recording.replay.events import ACTS_PER_CHUNK, Event, Kind, pack
 from atari.recording.replay.file_format import (
     FRAMES_PER_CHUNK,

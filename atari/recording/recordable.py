@@ -1,4 +1,4 @@
-"""The parts that all recorders share: the environments that they wrap, and the errors that they defer."""
+"""The environments that recorders wrap, and the base of recorders, which defers errors of writing."""
 
 from typing import Any
 
