@@ -2,10 +2,9 @@
 
 import argparse
 import time
-from dataclasses import asdict
 from os import cpu_count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from atari.base.progress import ProgressBar
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom
@@ -13,9 +12,6 @@ from atari.cli.printing import print_json
 from atari.task.arguments import SCREEN, add_task, show_task, task_of
 from atari.task.parser import number, seed
 from atari.task.task import BY_FRAME
-
-if TYPE_CHECKING:
-    from atari.lab.causal.map import CausalMap
 
 
 def register(commands: Commands) -> None:
@@ -52,36 +48,21 @@ def _causes(args: argparse.Namespace) -> int:
     args.output.mkdir(parents=True, exist_ok=True)
     start = time.perf_counter()
     with ProgressBar(total=args.states, unit=" states", disable=None, leave=False) as bar:
-        found = causes(
-            task,
-            args.states,
-            args.values,
-            args.frames,
-            args.seed,
-            threads=args.threads,
-            progress=bar.update,
-            rom=args.rom,
-        )
+        options: dict[str, Any] = {"threads": args.threads, "progress": bar.update, "rom": args.rom}
+        found = causes(task, args.states, args.values, args.frames, args.seed, **options)
     seconds = time.perf_counter() - start
     data, picture = args.output / f"{game.id}.npz", args.output / f"{game.id}.png"
     save(found, data)
     write_png(found, picture, game)
     if args.json:
-        print_json({"data": str(data), "picture": str(picture), "seconds": round(seconds, 1), **_facts(found)})
+        facts: dict[str, Any] = {"data": data, "picture": picture, "seconds": round(seconds, 1), "game": found.game}
+        facts["suggestions"] = found.suggestions
+        for kind in ("derived", "inert", "seen"):
+            facts[kind] = [byte.index for byte in found.bytes if getattr(byte, kind)]
+        print_json(facts)
         return 0
     print(f"{found!r}, in {seconds:.1f} seconds")
     for each in found.suggestions:
         print(f"  {each}")
     print(f"{data}\n{picture}")
     return 0
-
-
-def _facts(found: "CausalMap") -> dict[str, Any]:
-    """The findings of the map, for JSON."""
-    return {
-        "game": found.game,
-        "suggestions": [asdict(each) for each in found.suggestions],
-        "derived": [byte.index for byte in found.bytes if byte.derived],
-        "inert": [byte.index for byte in found.bytes if byte.inert],
-        "seen": [byte.index for byte in found.bytes if byte.seen],
-    }

@@ -1,7 +1,7 @@
 """`atari evaluate`: whole games of a policy by an evaluation protocol, beside published results."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -79,7 +79,9 @@ def _evaluate(args: argparse.Namespace) -> int:
     _check_before_playing(args)
     games = find_played(args, args.games, None if args.games else load_policy(args.source))
     policies = _policies(args, games)
-    _check_budgets(args, policies)
+    trained = {getattr(policy, "training_frames", None) for policy in policies.values()}
+    frames = args.frames or (trained.pop() if len(trained) == 1 else None)
+    check_comparable(args.compare, args.mixed, lambda agent: budget_faults(agent, frames))
     for game in games:
         if show_task(args, games_of(policies[game.id], game, args.protocol)[0]):
             return 0
@@ -99,7 +101,7 @@ def _check_before_playing(args: argparse.Namespace) -> None:
     """Raise errors before the games, which may take hours, rather than after them."""
     protocol = find_protocol(args.protocol)
     Published.human_scores(args.human)
-    _check_comparable(args, lambda agent: list(filter(None, [refusal(protocol, agent)])))
+    check_comparable(args.compare, args.mixed, lambda agent: list(filter(None, [refusal(protocol, agent)])))
     if args.plot:
         if not args.compare:
             raise ValueError("--plot draws a comparison; name a published agent with --compare")
@@ -109,16 +111,10 @@ def _check_before_playing(args: argparse.Namespace) -> None:
             raise FileNotFoundError(f"there is no folder {file.absolute().parent} for {file.name}")
 
 
-def _check_budgets(args: argparse.Namespace, policies: dict[str, Policy]) -> None:
-    """Raise an error, before the games, for published agents without scores at the training's frames."""
-    trained = {getattr(policy, "training_frames", None) for policy in policies.values()}
-    frames = args.frames or (trained.pop() if len(trained) == 1 else None)
-    _check_comparable(args, lambda agent: budget_faults(agent, frames))
-
-
-def _check_comparable(args: argparse.Namespace, faults_of: Callable[[Published], list[str]]) -> None:
-    for name in args.compare:
-        if (faults := faults_of(Published(name))) and not args.mixed:
+def check_comparable(names: Sequence[str], mixed: bool, faults_of: Callable[[Published], list[str]]) -> None:
+    """Raise ValueError for a published agent that is not comparable, unless agents are `mixed`."""
+    for name in names:
+        if (faults := faults_of(Published(name))) and not mixed:
             raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
 
 

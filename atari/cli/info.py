@@ -63,9 +63,12 @@ def _info(args: argparse.Namespace) -> int:
 
 def _list(args: argparse.Namespace, options: Mapping[str, Any]) -> int:
     """The IDs, the games for a number of players, or all games."""
-    players = None if args.ids else options.get("players")
-    if args.game is not None or (options and players is None) or len(options) > 1:
-        raise ValueError("--ids lists all IDs, and options of a task need GAME; leave the others out")
+    if args.ids and (args.game is not None or options):
+        raise ValueError("--ids lists all IDs; leave GAME and the options of a task out")
+    players = options.get("players")
+    if options and (players is None or len(options) > 1):
+        others = ", ".join(name for name in options if name != "players")
+        raise ValueError(f"options of a task need GAME, got {others} without it; name the game")
     if players not in (None, 2, 4):
         raise ValueError(f"without GAME, --players lists the games of 2 or 4 players, got {players}")
     if args.ids:
@@ -116,18 +119,17 @@ def _of_task(args: argparse.Namespace, task: Task, unchanged: bool) -> int:
     if args.print_task:
         show_task(args, task)
     elif unchanged and env_id in env_ids.ids():
-        print_json(_facts_of_id(env_id, task)) if args.json else print(registration.explain(args.game))
+        if not args.json:
+            print(registration.explain(args.game))
+            return 0
+        families = [other for other in env_ids.FAMILIES if task.game in other.games()]
+        known = {other.id(task.game): other.options(task.game) for other in families}
+        print_json({"id": env_id, "options": known.pop(env_id), **_facts_of_task(task), "siblings": known})
     elif args.json:
         print_json({"id": None, **_facts_of_task(task)})
     else:
         print("\n".join([str(task), *_own_ids(task.definition, args.game)]))
     return 0
-
-
-def _facts_of_id(env_id: str, task: Task) -> dict[str, Any]:
-    """The facts that `registration.explain` prints, as data."""
-    known = {other.id(task.game): other.options(task.game) for other in env_ids.FAMILIES if task.game in other.games()}
-    return {"id": env_id, "options": known.pop(env_id), **_facts_of_task(task), "siblings": known}
 
 
 def _facts_of_task(task: Task) -> dict[str, Any]:
@@ -196,7 +198,6 @@ def _description(game: Game, file: str) -> str:
 
 
 def _manual(manual: Manual) -> list[tuple[str, list[Any]]]:
-    """Return the manual's texts about the game as a whole."""
     released = [str(fact) for fact in (manual.year, manual.maker) if fact is not None]
     texts = (("reward", manual.reward), ("lives", manual.lives), ("end", manual.end))
     return [
@@ -213,7 +214,6 @@ def _meanings(meanings: Mapping[int, str]) -> list[str]:
 
 
 def _settings(game: Game) -> list[tuple[str, list[Any]]]:
-    """Return actions, modes and difficulties."""
     names = " ".join(action.name for action in game.minimal_actions)
     return [
         ("actions", [f"{len(game.minimal_actions)} of {len(game.legal_actions)}: {names}"]),
@@ -233,7 +233,6 @@ def _settings(game: Game) -> list[tuple[str, list[Any]]]:
 
 
 def _multiplayer(rules: Multiplayer, manual: Manual | None) -> list[tuple[str, list[Any]]]:
-    """Return the modes for several players, by number of players."""
     names = " ".join(action.name for action in rules.minimal_actions)
     modes = [f"{players} players: modes {', '.join(map(str, modes))}" for players, modes in rules.modes.items()]
     named = _meanings(manual.multiplayer_modes if manual else {})

@@ -3,7 +3,6 @@
 import argparse
 import sys
 import webbrowser
-from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,7 @@ import gymnasium
 
 from atari.base.extras import install_extra
 from atari.cli.arguments import GAME_HELP, Commands, add_command, add_rom, find_game
+from atari.cli.printing import print_json
 from atari.games.catalog import games
 from atari.roms.search import ENDINGS
 from atari.task.arguments import SCREEN, add_task, given_options, read_game, show_task, task_of
@@ -59,17 +59,15 @@ def _lab(args: argparse.Namespace) -> int:
     if show_task(args, session.env.task):
         return 0
     browser = None if args.no_browser else _open_browser
-    if args.json:
-        from atari.cli.printing import print_json
 
-        serve(session, port=args.port, browser=browser, ready=lambda url: print_json({"url": url}))
-    else:
-        serve(session, port=args.port, browser=browser, ready=partial(_print_address, session.game.title))
+    def ready(url: str) -> None:
+        if args.json:
+            print_json({"url": url})
+        else:
+            print(f"{session.game.title}: {url}\nCtrl-C ends it.", flush=True)
+
+    serve(session, port=args.port, browser=browser, ready=ready)
     return 0
-
-
-def _print_address(title: str, url: str) -> None:
-    print(f"{title}: {url}\nCtrl-C ends it.", flush=True)
 
 
 def _open_browser(url: str) -> None:

@@ -42,15 +42,12 @@ def match_task(args: argparse.Namespace) -> Task:
         args.players = next((count for count in modes if getattr(args, "mode", None) in modes[count]), min(modes))
     args.fixed = {}
     task = task_of(args, found, base=BY_FRAME)
-    if args.preset is not None:
-        raise ValueError(
-            f"games of several players are recorded and played without presets, got --preset {args.preset}; leave it "
-            f"out (accepted: {', '.join(_OBEYED)})"
-        )
     fields = {field: getattr(task, field) for field in _OBEYED}
-    for field, (value, _) in task.differences(Task.of(task.definition, **{**BY_FRAME, **fields})).items():
+    plain = Task.of(task.definition, **{**BY_FRAME, **fields})
+    wrong = {field: repr(value) for field, (value, _) in task.differences(plain).items()}
+    for field, value in ({"presets": f"--preset {args.preset}"} if args.preset is not None else wrong).items():
         raise ValueError(
-            f"games of several players are recorded and played without {field}, got {value!r}; leave it out "
+            f"games of several players are recorded and played without {field}, got {value}; leave it out "
             f"(accepted: {', '.join(_OBEYED)})"
         )
     return task

@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +26,6 @@ from atari.learning import load_policy
 from atari.learning.evaluation.played import has_no_needs
 from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.play.multiplayer_session import MultiplayerSession
-from atari.policy import LoadedPolicy
 from atari.recording import RecordReplay, Replay
 from atari.recording.replay.file_format import SUFFIX, is_replay
 from atari.recording.video.formats import FORMATS, is_picture
@@ -36,7 +34,7 @@ from atari.registry.making import make_found
 from atari.task import Task
 from atari.task.arguments import add_task, given_options, read_game, show_task, task_of
 from atari.task.parser import number, seed
-from atari.task.task import FoundGame, look_up
+from atari.task.task import look_up
 
 Play = Callable[[Path], bool]
 """Plays games to a replay; False if it was interrupted."""
@@ -149,7 +147,6 @@ def _scores(replay: Replay, stop: int | None) -> list[Any]:
 
 
 def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
-    """The task for one player, and the function that plays it."""
     if is_replay(policy):
         others = {"steps", "episodes", "seed"} & getattr(args, "flags", set())
         if others or (args.best and args.seconds is not None):
@@ -168,7 +165,12 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
         task = task_of(args, found)
         if task.continuous:
             raise ValueError("continuous=True has no numbered actions, and a policy chooses one; leave it out")
-        return task, partial(_play_alone, args, found, task, loaded)
+
+        def play(path: Path) -> bool:
+            env = RecordReplay(make_found(found, task, {"rom": args.rom}), path)
+            return _play(args, PolicySession(env, task, loaded, args.seed))
+
+        return task, play
     for option in ("seconds", "steps", "rom"):
         if getattr(args, option) is not None:
             raise ValueError(f"{policy} plays whole games, with the ROM that is found; leave --{option} out")
@@ -178,13 +180,7 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
     return task, lambda path: bool(record(seeds, path))
 
 
-def _play_alone(args: argparse.Namespace, found: FoundGame, task: Task, policy: LoadedPolicy, path: Path) -> bool:
-    env = make_found(found, task, {"rom": args.rom})
-    return _play(args, PolicySession(RecordReplay(env, path), task, policy, args.seed))
-
-
 def _match(args: argparse.Namespace, names: list[str]) -> tuple[Task, Play]:
-    """The task for several players, and the function that plays it."""
     if args.steps is not None:
         raise ValueError("--steps is for one player; give --seconds or --episodes")
     task = match_task(args)

@@ -181,7 +181,6 @@ def _part(args: argparse.Namespace, replay: Replay) -> tuple[dict[str, Any], int
 
 
 def _load(file: Path) -> Replay:
-    """Load a replay and print its warnings in one line each."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         replay = Replay.load(file)

@@ -4,14 +4,12 @@ import argparse
 import contextlib
 import sys
 from pathlib import Path
-from typing import Any
 
 from atari import roms
 from atari.base.program import print_error
 from atari.cli.arguments import GAME_HELP, Commands, add_command, find_game
 from atari.cli.printing import print_json, print_table, print_warning
 from atari.games.catalog import games
-from atari.roms.identification import Identification
 from atari.roms.importing import ImportReport
 from atari.roms.locations import path, unread
 from atari.roms.search import Check
@@ -76,15 +74,13 @@ def _identify(args: argparse.Namespace) -> int:
         except (OSError, ValueError) as error:  # a bad file does not hide the other files
             print_error(error)
     if args.json:
-        print_json([_identification(each) for each in found])
+        names = ("name", "size", "md5", "sha256", "verdict")
+        ids = [{"game": each.game and each.game.id, "nearest": each.nearest and each.nearest.id} for each in found]
+        facts = [{name: getattr(each, name) for name in names} for each in found]
+        print_json([{**fact, **id_} for fact, id_ in zip(facts, ids, strict=True)])
     else:
         print("".join(f"{each}\n" for each in found), end="")
     return 0 if len(found) == len(args.files) and all(each.game for each in found) else 1
-
-
-def _identification(found: Identification) -> dict[str, Any]:
-    facts = {name: getattr(found, name) for name in ("name", "size", "md5", "sha256", "verdict")}
-    return {**facts, "game": found.game and found.game.id, "nearest": found.nearest and found.nearest.id}
 
 
 def _import(args: argparse.Namespace) -> int:

@@ -14,10 +14,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from atari.cli.evaluate import check_comparable
 from atari.cli.printing import print_json, print_table
 from atari.learning import GAME_SETS
 from atari.learning.evaluation.compare import budget_faults
-from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_protocol, refusal
+from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol, refusal
 from atari.learning.evaluation.published import Published
 from atari.task.parser import Parser, number
 
@@ -53,7 +54,7 @@ def run_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str])
     import atari.learning.evaluation.plot  # noqa: F401 - raises an error without Matplotlib, before the trainings
     from atari.learning.command import training_options
     from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, plan
-    from atari.learning.sweep.report import comparable_agents
+    from atari.learning.sweep.report import comparable_agents, planned_frames
 
     args, games, options = _parsed(args, code, words)
     protocol = find_protocol(args.protocol)
@@ -66,7 +67,12 @@ def run_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str])
     runs = plan(find_games(games), seeds, folder, resolve)
     check_protocol(runs, protocol)
     check_folder(folder, code, runs, resolve)
-    _check_comparable(args, protocol, runs[0])
+    frames = planned_frames(runs[0].options)
+
+    def faults_of(agent: Published) -> list[str]:
+        return list(filter(None, [refusal(protocol, agent), *budget_faults(agent, frames)]))
+
+    check_comparable(args.compare, args.mixed, faults_of)
     settings = _do(args, code, options, folder, runs)
     return _finish(args, code.name, folder, runs, settings, args.compare or comparable_agents(runs, protocol))
 
@@ -94,17 +100,6 @@ def _parsed(
     if any(word.partition("=")[0] == "--seed" for word in options):
         raise ValueError("a sweep has --seeds, such as --seeds 0-2; leave --seed out")
     return args, games, options
-
-
-def _check_comparable(args: argparse.Namespace, protocol: EvaluationProtocol, run: Any) -> None:
-    """Check the published agents of `--compare` before the trainings, which may take days."""
-    from atari.learning.sweep.report import planned_frames
-
-    for agent in map(Published, args.compare):
-        faults = [refusal(protocol, agent), *budget_faults(agent, planned_frames(run.options))]
-        if any(faults) and not args.mixed:
-            text = "; ".join(filter(None, faults))
-            raise ValueError(f"{agent.name} is not comparable: {text}; --mixed compares it, and says so")
 
 
 def _do(args: argparse.Namespace, code: "AgentCode", options: Sequence[str], folder: Path, runs: Sequence[Any]) -> Any:

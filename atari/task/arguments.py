@@ -51,10 +51,12 @@ def add_task(
     """
     own = parser.add_argument_group("what is played", "Fields of atari.Task, which override GAME and the preset.")
     if preset:
-        names = ", ".join(PRESETS)
-        own.add_argument("--preset", type=as_type(_preset), metavar="NAME", help=f"a preprocessing: {names}")
+        own.add_argument(
+            "--preset", type=as_type(_preset), metavar="NAME", help=f"a preprocessing: {', '.join(PRESETS)}"
+        )
     own.add_argument("--print-task", action="store_true", help="print what would be played, and end")
-    obeyed = [name for name in _option_names(groups) if name not in refused]
+    names = (name for group in groups for name in GROUPS.get(group, (group,)))
+    obeyed = [name for name in names if name in OPTIONS and name not in refused]
     sections: dict[str, Any] = {}
     for name in obeyed:
         title = ROWS[name].group
@@ -69,11 +71,6 @@ def add_task(
                 help="another name of --actions full",
             )
     parser.set_defaults(obeyed=tuple(obeyed), fixed=fixed, command=parser.prog)
-
-
-def _option_names(groups: Collection[str]) -> tuple[str, ...]:
-    names = (name for group in groups for name in GROUPS.get(group, (group,)))
-    return tuple(name for name in names if name in OPTIONS)
 
 
 def _add_flag(group: Any, name: str) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 
 import av
 import pytest
+from cli_tools import refused
 from replay_tools import record
 from video_reader import video_frames
 
@@ -69,10 +70,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def record_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+def record_json(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
     assert main(["record", *words, "--json"]) == 0
-    result: dict[str, Any] = json.loads(capsys.readouterr().out)
-    return result
+    return json.loads(capsys.readouterr().out)
 
 
 def test_a_video_and_a_replay_of_the_same_play(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -161,33 +161,22 @@ def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) 
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["breakuot"], "did you mean 'breakout'?"),
         (["pong", "--policy", "clever"], "there is no file clever; a policy is random, noop, a run folder, an SB3 zip"),
         (["pong", "--policy", "no_such_module:f"], "cannot be imported: No module named 'no_such_module'"),
         (["pong", "--policy", "policies_of_a_test:f"], "has no attribute 'f'"),
-        (
-            ["pong", "--policy", "policies_of_a_test:constant"],
-            "a policy is a function of observations and lanes, got 1",
-        ),
+        (["pong", "--policy", "policies_of_a_test:constant"], "a function of observations and lanes, got 1"),
         (["pong", "--policy", "policies_of_a_test:wrong"], "returned action 99; in pong it has 6 actions, 0..5"),
-        (
-            ["pong", "--policy", "policies_of_a_test:of_one_observation"],
-            "integers of shape (1,), one for each observat",
-        ),
-        (
-            ["pong", "--policy", "policies_of_a_test:of_one_observation"],
-            "a policy is a function of observations (n, ..",
-        ),
+        (["pong", "--policy", "policies_of_a_test:of_one_observation"], "of shape (1,), one for each observation"),
+        (["pong", "--policy", "policies_of_a_test:of_one_observation"], "is a function of observations (n, ..."),
         (["pong", "--policy", "policies_of_a_test:of_ram", "--steps", "9"], "plays whole games, with the ROM that is"),
         (["pong", "--continuous"], "continuous=True has no numbered actions, and a policy chooses one; leave it out"),
         (["pong", "--policy", "none.a26r"], "there is no file none.a26r"),
         (
             ["./seaquest.a26r"],
-            "./seaquest.a26r is another file or folder; name the game, and give a policy or a replay by",
+            "./seaquest.a26r is another file or folder; name the game, and give a policy or a replay",
         ),
         (["pong", "--policy", "seaquest.a26r"], "seaquest.a26r is a replay of seaquest, not of pong"),
         (["seaquest", "--policy", "seaquest.a26r", "-o", "b.a26r"], "a replay of a replay is its copy"),
-        (["pong", "-o", "a.avi"], "-o is a file that ends in one of .mp4, .mkv, .webm, .gif, .png, .a26r, got 'a.avi'"),
         (["backgammon", "--policy", "noop"], "(--actions full) adds it"),
         (["ALE/Pong-v5", "--policy", "a.a26r"], "what was played is in the replay a.a26r; name the game alone, 'pong'"),
         (
@@ -202,11 +191,7 @@ def test_what_cannot_be_done_is_one_line(
 ) -> None:
     record(folder / "seaquest.a26r", "seaquest", 2)
     record(folder / "a.a26r", "pong", 2)
-    assert main(["record", *words]) == 1
-    err = capsys.readouterr().err
-    assert err.startswith("atari: error: ")
-    assert text in err
-    assert err.count("\n") == 1
+    refused(capsys, ["record", *words], text)
 
 
 def test_the_scores_of_a_part_of_a_replay_are_those_of_the_part(
@@ -216,13 +201,6 @@ def test_the_scores_of_a_part_of_a_replay_are_those_of_the_part(
     result = record_json(capsys, "pong", "--policy", "a.a26r", "--seconds", "2", "-o", "a.gif", "--scale", "1")
     *_, last = Replay.load("a.a26r").frames(0, result["frames"])
     assert result["scores"] == [last.score] != [Replay.load("a.a26r").episodes[0].score]
-
-
-def test_without_pyav_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setitem(sys.modules, "av", None)
-    assert main(["record", "pong", "--seconds", "0.5"]) == 1
-    assert "pip install 'av>=14'" in capsys.readouterr().err
-    record_json(capsys, "pong", "--seconds", "0.5", "-o", "a.a26r")
 
 
 @pytest.mark.parametrize("options", [["-o", "a.a26r", "-o", "a.mp4"], ["-o", "a.gif", "--best"]])
@@ -289,10 +267,8 @@ def test_the_best_game_is_filmed(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_wrong_videos_are_refused_before_the_games_are_played(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["record", "pong", "--best", "--seconds", "1", "-o", "%.png", "-o", "a.a26r"]) == 1
-    assert capsys.readouterr().err.count("\n") == 1
-    assert main(["record", "pong", "--best", "--seconds", "1", "-o", "a.gif", "--scale", "17", "-o", "a.a26r"]) == 2
-    assert "--scale: '17' is not a whole number within 1..16" in capsys.readouterr().err
+    words = ["record", "pong", "--best", "--seconds", "1", "-o", "a.a26r", "-o"]
+    refused(capsys, [*words, "%.png"], "must have a place for its number")
+    refused(capsys, [*words, "a.gif", "--scale", "17"], "--scale: '17' is not a whole number within 1..16", 2)
     assert not Path("a.a26r").exists()
-    assert main(["record", "pong", "--overlay", "score,lives"]) == 2
-    assert "'lives' is none of score, action, ram, curve" in capsys.readouterr().err
+    refused(capsys, ["record", "pong", "--overlay", "score,lives"], "'lives' is none of score, action, ram, curve", 2)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from cli_tools import refused
 
 import atari
 from atari.cli import main
@@ -79,8 +80,7 @@ def test_missing_and_wrong_files_fail(
 
 
 def test_verify_of_an_unknown_game_suggests_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["roms", "verify", "pongg"]) == 1
-    assert capsys.readouterr().err == "atari: error: there is no game 'pongg'; did you mean 'pong'?\n"
+    refused(capsys, ["roms", "verify", "pongg"], "there is no game 'pongg'; did you mean 'pong'?")
 
 
 def test_identify_names_the_game(collection: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -136,11 +136,7 @@ def test_import_of_many_other_files_shows_some(tmp_path: Path, capsys: pytest.Ca
 
 
 def test_import_from_nowhere(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["roms", "import", str(tmp_path / "nowhere")]) == 1
-    captured = capsys.readouterr()
-    assert captured.err.startswith("atari: error: ")
-    assert str(tmp_path / "nowhere") in captured.err
-    assert captured.out == ""
+    assert not refused(capsys, ["roms", "import", str(tmp_path / "nowhere")], str(tmp_path / "nowhere"))
 
 
 def test_a_name_that_is_no_text_is_printed(tmp_path: Path) -> None:
@@ -158,8 +154,7 @@ def test_install_without_autorom_names_the_extra(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "AutoROM", None)
-    assert main(["roms", "install"]) == 1
-    assert "pip install 'autorom>=0.6'" in capsys.readouterr().err
+    refused(capsys, ["roms", "install"], "pip install 'autorom>=0.6'")
 
 
 def test_install_keeps_the_talk_of_autorom_out_of_the_result(

@@ -17,3 +17,15 @@ def read(capsys: pytest.CaptureFixture[str], *words: str) -> str:
 
 def read_json(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
     return json.loads(read(capsys, *words, "--json"))
+
+
+def refused(capsys: pytest.CaptureFixture[str], words: list[str], text: str, code: int = 1) -> str:
+    """Check that a command ends with an error that has a text, of one line unless it is about the usage.
+
+    Returns its output before that.
+    """
+    assert main(words) == code
+    out, err = capsys.readouterr()
+    assert text in " ".join(err.split())
+    assert code == 2 or (err.startswith("atari: error: ") and err.count("\n") == 1), err
+    return out

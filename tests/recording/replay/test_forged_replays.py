@@ -14,13 +14,14 @@ from replay_tools import record
 
 import atari
 from atari.cores import snapshot
+from atari.multiplayer import MultiplayerCore
 from atari.recording import RecordReplay, Replay
 from atari.recording.replay import file_format
-from atari.recording.replay.events import Event, Kind, pack
+from atari.recording.replay.events import ACTS_PER_CHUNK, Event, Kind, pack, unpack
 
 VALUES: list[Any] = [
     KeyError, None, True, -1, 3, 2**40, 10**300, 0.5, float("nan"), "", "x", "/dev/zero.toml", [], [[]], [1], [3, 2],
-    {}, {"frames": 1}, [{"frames": 1, "score": "x", "end": 3}],
+    {}, {"frames": 1}, [{"frames": 1, "score": "x", "end": 3}], 2.0,
 ]  # fmt: skip
 
 
@@ -60,8 +61,9 @@ def use(path: Path, core: str = "native") -> bool:
         warnings.simplefilter("ignore")
         try:
             replay = Replay.load(path)
-            replay.make_env().close()
-            assert isinstance(repr((replay.options, replay.episodes, dict(replay.header))), str)
+            if replay.players == 1:
+                replay.make_env().close()
+            assert isinstance(repr((replay.options, replay.episodes, replay.seeds, dict(replay.header))), str)
             replay.verify(core)
         except ValueError:
             return False
@@ -69,31 +71,40 @@ def use(path: Path, core: str = "native") -> bool:
 
 
 def changed(facts: dict[str, Any]) -> Iterator[dict[str, Any]]:
-    for path in [(name,) for name in facts] + [("options", name) for name in facts.get("options", ())]:
+    """The header or the end of a replay with one value changed, removed or added."""
+    places = [(name,) for name in (*facts, "more")] + [("options", name) for name in facts.get("options", ())]
+    places += [("options", name) for name in ("core", "rom", "game", "render_mode", "self", "sound", "x")]
+    places += [("episodes", 0, name) for name in ("score", "scores", "frames", "end", "more")]
+    for path in places:
         for value in VALUES:
-            copied = copy.deepcopy(facts)
-            inner = copied if len(path) == 1 else copied["options"]
+            inner = copied = copy.deepcopy(facts)
+            for place in path[:-1]:
+                inner = inner[place] if place in inner or isinstance(inner, list) else {}
             if value is KeyError:
-                del inner[path[-1]]
+                inner.pop(path[-1], None)
             else:
                 inner[path[-1]] = value
-            yield copied
-    for name in ("core", "rom", "game", "render_mode", "self", "color_averaging", "x"):
-        if "options" in facts:
-            yield {**facts, "options": {**facts["options"], name: "human"}}
-    yield {**facts, "more": [[[[]]]]}
+            if copied != facts:
+                yield copied
 
 
-def test_headers_and_ends(tmp_path: Path) -> None:
-    content = file_format.read(record(tmp_path / "a.a26r", steps=3))
-    play = content.plays[0].pack()
-    end = {"episodes": [], "check": 0} if content.end is None else content.end
+def record_match(path: Path, frames: int = 20) -> Path:
+    with RecordReplay(MultiplayerCore("pong"), path) as match:
+        match.reset()
+        for frame in range(frames):
+            match.act_players([frame % 18, 1])
+    return path
+
+
+@pytest.mark.parametrize("players", [1, 2])
+def test_headers_and_ends(players: int, tmp_path: Path) -> None:
+    path = tmp_path / "a.a26r"
+    content = file_format.read(record(path, steps=3) if players == 1 else record_match(path))
+    header, end = content.header, content.end
+    assert end is not None
     results = []
-    for header in changed(content.header):
-        chunks = (b"H", json.dumps(header).encode()), (b"P", play), (b"E", json.dumps(end).encode())
-        results.append(use(write(tmp_path / "b.a26r", *chunks)))
-    for other in changed(end):
-        chunks = (b"H", json.dumps(content.header).encode()), (b"P", play), (b"E", json.dumps(other).encode())
+    for head, last in [*((other, end) for other in changed(header)), *((header, other) for other in changed(end))]:
+        chunks = (b"H", json.dumps(head).encode()), (b"P", content.plays[0].pack()), (b"E", json.dumps(last).encode())
         results.append(use(write(tmp_path / "b.a26r", *chunks)))
     assert results.count(False) > 150
     assert results.count(True) > 10
@@ -166,3 +177,41 @@ def test_pipes_and_devices_are_refused(tmp_path: Path) -> None:
     for name in ("pipe", "device"):
         with pytest.raises(ValueError, match=rf"{name}\.a26r is a device or a pipe; give a regular file"):
             Replay.load(tmp_path / f"{name}.a26r")
+
+
+def test_events_of_several_players(tmp_path: Path) -> None:
+    content = file_format.read(record_match(tmp_path / "a.a26r"))
+    header = b"H", json.dumps(content.header).encode()
+    events = unpack(content.plays[0].events)
+    wrong = [
+        [Event(Kind.ACT, (1, 5))],
+        [Event(Kind.ACTIONS, (18**2, 1))],
+        [Event(Kind.ACTIONS, (0, ACTS_PER_CHUNK + 1))],
+        *[[Event(kind, (1,))] for kind in (Kind.MODE, Kind.DIFFICULTY, Kind.REMOVE_WRITE, Kind.LOAD, Kind.RESTORE)],
+        [Event(Kind.ADD_WRITE, (0, 0))],
+        [Event(Kind.POKE, (128, 0))],
+        [Event(Kind.SEED, (2**32 - 1,)), Event(Kind.RESTORE, (1,))],
+        [Event(Kind.CONTINUOUS_ACTION, (), (1.0, 1.0, 1.0))],
+    ]
+    for change in wrong:
+        chunk = content.plays[0]._replace(events=pack([*change, *events]))
+        assert not use(write(tmp_path / "b.a26r", header, (b"P", chunk.pack()))), change
+    data = (tmp_path / "a.a26r").read_bytes()
+    source = random.Random(1)
+    for size in source.sample(range(len(data)), 60):
+        (tmp_path / "b.a26r").write_bytes(data[:size])
+        use(tmp_path / "b.a26r")
+    for _ in range(60):
+        damaged = bytearray(data)
+        damaged[source.randrange(len(data))] ^= 1 << source.randrange(8)
+        (tmp_path / "b.a26r").write_bytes(damaged)
+        assert not use(tmp_path / "b.a26r")
+
+
+def test_actions_of_several_players_in_a_replay_of_one_are_refused(tmp_path: Path) -> None:
+    content = file_format.read(record(tmp_path / "a.a26r", steps=3))
+    chunk = content.plays[0]._replace(events=pack([Event(Kind.ACTIONS, (0, 1)), *unpack(content.plays[0].events)]))
+    header = b"H", json.dumps(content.header).encode()
+    assert not use(write(tmp_path / "b.a26r", header, (b"P", chunk.pack())))
+    several = b"H", json.dumps({**content.header, "players": 2}).encode()
+    assert not use(write(tmp_path / "b.a26r", several, (b"P", content.plays[0].pack())))

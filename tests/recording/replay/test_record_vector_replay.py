@@ -47,6 +47,22 @@ def check(path: Path, rams: list[np.ndarray[Any, Any]], core: str = "ale") -> Re
     return replay
 
 
+def recorded(path: Path, game: Any, steps: int, index: int = 1, count: int = 2, **options: Any) -> Replay:
+    """A replay of an environment of a vector, which has what the environment has played."""
+    envs = RecordReplay(atari.AtariVectorEnv(game, count, num_threads=1, **options), path, index=index)
+    rams = play(envs, steps, index)
+    found, actions = envs.env.unwrapped.games[index], envs.unwrapped.options.actions[index]
+    envs.close()
+    replay = check(path, rams, "ale" if options.get("autoreset_mode") == "NextStep" else "native")
+    assert (replay.game, replay.header["source"]) == (found, "AtariEnv")
+    assert len(replay.make_env().driver.actions) == len(actions) or options.get("continuous")
+    return replay
+
+
+GAMES = ["pong", "breakout", "ms_pacman"]
+LIFE: dict[str, Any] = {"episodic_life": False, "life_loss_info": True}
+
+
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize(
     ("game", "options"),
@@ -59,63 +75,28 @@ def check(path: Path, rams: list[np.ndarray[Any, Any]], core: str = "ale") -> Re
         ("pong", {"max_num_frames_per_episode": 90, "mode": 1, "difficulty": [0, 1, 0]}),
         ("breakout", {"continuous": True}),
         (["pong", "breakout", "seaquest"], {"full_action_space": None}),
+        *[("breakout", {"preset": preset, **LIFE}) for preset in (None, "dqn2015", "envpool")],
     ],
 )
 def test_every_rule_of_ale_py(mode: str, game: Any, options: dict[str, Any], tmp_path: Path) -> None:
-    envs = RecordReplay(
-        atari.AtariVectorEnv(game, 3, autoreset_mode=mode, num_threads=1, **options), tmp_path / "a.a26r", index=1
-    )
-    rams = play(envs, 110, 1)
-    envs.close()
-    replay = check(tmp_path / "a.a26r", rams, "ale" if mode == "NextStep" else "native")
-    assert replay.header["source"] == "AtariEnv"
-    assert replay.game == envs.env.unwrapped.games[1]
+    recorded(tmp_path / "a.a26r", game, 110, count=3, autoreset_mode=mode, **options)
 
 
-@pytest.mark.parametrize("name", atari.PRESETS)
-def test_every_preset(name: str, tmp_path: Path) -> None:
-    mode = MODES[len(name) % 3]
-    envs = RecordReplay(
-        atari.AtariVectorEnv("breakout", 2, preset=name, autoreset_mode=mode, num_threads=1), tmp_path / "a.a26r", 1
-    )
-    rams = play(envs, 80, 1)
-    envs.close()
-    check(tmp_path / "a.a26r", rams)
-
-
-@pytest.mark.parametrize(("index", "game"), list(enumerate(["pong", "breakout", "ms_pacman"])))
-@pytest.mark.parametrize("preset", ["dqn2015", "baselines", "ale_vector"])
-def test_presets_of_games_with_different_actions(index: int, game: str, preset: str, tmp_path: Path) -> None:
-    games, mode = ["pong", "breakout", "ms_pacman"], MODES[index]
-    envs: Any = atari.AtariVectorEnv(games, preset=preset, autoreset_mode=mode, num_threads=1)
-    envs = RecordReplay(envs, tmp_path / "a.a26r", index)
-    rams = play(envs, 120, index)
-    assert envs.single_action_space.n == 18
-    envs.close()
-    replay = check(tmp_path / "a.a26r", rams, "native")
-    assert replay.game.id == game
-    assert len(replay.make_env().driver.actions) == 18
-
-
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("preset", [None, "dqn2015", "envpool"])
-def test_a_lost_life_that_is_only_reported(mode: str, preset: str | None, tmp_path: Path) -> None:
-    envs = atari.AtariVectorEnv(
-        "breakout", 2, preset=preset, autoreset_mode=mode, episodic_life=False, life_loss_info=True, num_threads=1
-    )
-    envs = RecordReplay(envs, tmp_path / "a.a26r", 1)
-    rams = play(envs, 150, 1)
-    envs.close()
-    check(tmp_path / "a.a26r", rams, "native")
+@pytest.mark.parametrize(
+    ("preset", "game", "index", "mode"),
+    [
+        *[(name, "breakout", 1, MODES[len(name) % 3]) for name in atari.PRESETS],
+        *[(name, GAMES, i, mode) for name in ("dqn2015", "baselines", "ale_vector") for i, mode in enumerate(MODES)],
+    ],
+)
+def test_every_preset(preset: str, game: Any, index: int, mode: str, tmp_path: Path) -> None:
+    count = 2 if game == "breakout" else 3
+    replay = recorded(tmp_path / "a.a26r", game, 100, index, count, preset=preset, autoreset_mode=mode)
+    assert len(replay.make_env().driver.actions) == 18 or game == "breakout"
 
 
 def test_continuous_actions_of_a_preset(tmp_path: Path) -> None:
-    envs = RecordReplay(
-        atari.AtariVectorEnv("breakout", 2, preset="dqn2015", continuous=True, num_threads=1), tmp_path / "a.a26r"
-    )
-    rams = play(envs, 60, 0)
-    envs.close()
-    check(tmp_path / "a.a26r", rams, "native")
+    recorded(tmp_path / "a.a26r", "breakout", 60, preset="dqn2015", continuous=True)
 
 
 def test_new_game_after_a_lost_life(tmp_path: Path) -> None:
@@ -135,10 +116,8 @@ def test_new_game_after_a_lost_life(tmp_path: Path) -> None:
 @pytest.mark.parametrize("seeding", ["ale", "gymnasium"])
 def test_the_limit_of_the_emulator_may_end_a_game_in_the_no_ops(seeding: Any, tmp_path: Path) -> None:
     task = atari.Task("breakout", seeding=seeding, noops=(40, 140), max_num_frames_per_episode=90)
-    envs = RecordReplay(atari.AtariVectorEnv(task, 1, num_threads=1), tmp_path / "a.a26r")
-    rams = play(envs, 60, 0)
-    envs.close()
-    replay = check(tmp_path / "a.a26r", rams)
+    replay = recorded(tmp_path / "a.a26r", task, 60, index=0, count=1)
+    assert replay.verify("ale")
     assert replay.options["max_num_frames_per_episode"] == 90
     assert {episode.end for episode in replay.episodes[:-1]} == {"truncated"}
 
@@ -223,10 +202,5 @@ def test_single_environments_of_gymnasiums_vectors_are_recorded_by_the_other_wra
 
 def test_a_task_of_ones_own(tmp_path: Path) -> None:
     own = {"noops": (3, 9), "pool_rgb": False, "end_frames": "envpool", "padding": "reset", "frameskip": (2, 5)}
-    envs = atari.AtariVectorEnv("breakout", 2, preset="baselines", **own)
-    envs = RecordReplay(envs, tmp_path / "a.a26r", index=1)
-    rams = play(envs, 300, 1)
-    envs.close()
-    replay = Replay.load(tmp_path / "a.a26r")
+    replay = recorded(tmp_path / "a.a26r", "breakout", 300, preset="baselines", **own)
     assert replay.verify().frames == replay.frames_total > 800
-    assert np.array_equal(list(replay.frames())[-1].ram, rams[-1])
