@@ -2,7 +2,6 @@
 
 import argparse
 from collections.abc import Iterator
-from importlib import import_module
 from typing import Any
 
 import gymnasium
@@ -12,7 +11,6 @@ from atari.cli.arguments import Commands, add_command
 from atari.cli.printing import print_json
 from atari.games.catalog import games
 from atari.task import env_ids
-from atari.task.parser import Parser
 
 _BASH = """\
 _atari_words() {{ compgen -W "$1" -- "$2"; }}
@@ -109,13 +107,10 @@ def _completion(args: argparse.Namespace) -> int:
 
 
 def _whole_parser() -> argparse.ArgumentParser:
-    from atari.cli import _COMMANDS
+    from atari.cli import _parser
 
-    parser = Parser(prog="atari", description="Atari 2600 games as Gymnasium environments.")
-    parser.add_argument("--version", action="version", version="")
-    commands = parser.add_subparsers(metavar="COMMAND")
-    for name in _COMMANDS:
-        import_module(f"atari.cli.{name}").register(commands)
+    parser = _parser([])
+    commands = next(action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
     source = next(action for action in commands.choices["lab"]._actions if action.dest == "source")
     vars(source)["complete"] = _completers("sources")
     return parser

@@ -51,12 +51,11 @@ def add_task(
     """
     own = parser.add_argument_group("what is played", "Fields of atari.Task, which override GAME and the preset.")
     if preset:
-        own.add_argument(
-            "--preset", type=as_type(_preset), metavar="NAME", help=f"a preprocessing: {', '.join(PRESETS)}"
-        )
+        names = ", ".join(PRESETS)
+        own.add_argument("--preset", type=as_type(_preset), metavar="NAME", help=f"a preprocessing: {names}")
     own.add_argument("--print-task", action="store_true", help="print what would be played, and end")
-    names = (name for group in groups for name in GROUPS.get(group, (group,)))
-    obeyed = [name for name in names if name in OPTIONS and name not in refused]
+    options = (name for group in groups for name in GROUPS.get(group, (group,)))
+    obeyed = [name for name in options if name in OPTIONS and name not in refused]
     sections: dict[str, Any] = {}
     for name in obeyed:
         title = ROWS[name].group

@@ -145,13 +145,6 @@ def test_wrong_samples_are_refused_and_harm_nothing(
     assert len(sound(video.path)[0]) == 512
 
 
-@pytest.mark.parametrize("name", ["a.gif", "%06d.png"])
-def test_formats_without_sound_raise(tmp_path: Path, name: str) -> None:
-    with pytest.raises(ValueError, match="has no sound; write it with sound=False"):
-        VideoWriter(tmp_path / name, (32, 32), NTSC, sound=True)
-    assert not list(tmp_path.iterdir())
-
-
 def test_16_bits_around_0() -> None:
     values: npt.NDArray[np.uint8] = np.array([128, 248, 0, 255], np.uint8)
     assert to_16_bit(values).tolist() == [0, 15360, -16384, 16256]

@@ -124,12 +124,6 @@ def test_a_png_sequence_is_a_file_a_screen(tmp_path: Path) -> None:
         assert np.array_equal(cv2.imread(str(file))[..., ::-1], enlarged(screen, 1))
 
 
-@pytest.mark.parametrize("name", ["%s.png", "%d%d.png", "%.png", "100%.png"])
-def test_a_png_sequence_needs_a_place_for_the_number(tmp_path: Path, name: str) -> None:
-    with pytest.raises(ValueError, match=r"must have a place for its number, such as '%06d\.png', got "):
-        VideoWriter(tmp_path / name, (210, 160), NTSC)
-
-
 def test_a_png_without_a_place_for_a_number_is_one_picture(tmp_path: Path) -> None:
     (written,) = screens(1)
     with VideoWriter(tmp_path / "100%" / "a.png", (210, 160), NTSC, caption_lines=1) as picture:

@@ -130,23 +130,26 @@ def test_a_logger_prints_each_video(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "error"),
+    ("name", "value", "error", "text"),
     [
-        ("episode_trigger", 3, TypeError),
-        ("step_trigger", "x", TypeError),
-        ("video_length", -1, ValueError),
-        ("video_length", 1.5, TypeError),
-        ("name_prefix", 3, TypeError),
+        ("episode_trigger", 3, TypeError, "episode_trigger is a function of a number, got 3"),
+        ("step_trigger", "x", TypeError, "step_trigger is a function"),
+        ("video_length", -1, ValueError, "video_length must be within"),
+        ("video_length", 1.5, TypeError, "video_length must be an integer"),
+        ("name_prefix", 3, TypeError, "name_prefix is a text"),
     ],
 )
-def test_a_wrong_value_changes_nothing(tmp_path: Path, name: str, value: Any, error: type[Exception]) -> None:
-    env = recorder(tmp_path)
+def test_a_wrong_value_changes_nothing(
+    tmp_path: Path, name: str, value: Any, error: type[Exception], text: str
+) -> None:
+    env = recorder(tmp_path / "a")
     before = getattr(env, name)
-    with pytest.raises(error, match=name):
+    with pytest.raises(error, match=text):
         setattr(env, name, value)
     assert getattr(env, name) == before
-    with pytest.raises(error, match=name):
-        recorder(tmp_path, **{name: value})
+    with pytest.raises(error, match=text):
+        recorder(tmp_path / "b", **{name: value})
+    assert not (tmp_path / "b").exists()
     env.close()
 
 

@@ -174,6 +174,12 @@ def test_missing_folders_are_made_and_an_old_file_replaced(tmp_path: Path) -> No
     ("arguments", "error", "text"),
     [
         ({"path": "a.avi"}, ValueError, r"name must end in one of .*, got '.*a\.avi'"),
+        *[
+            ({"path": name}, ValueError, r"must have a place for its number, such as '%06d\.png', got ")
+            for name in ("%s.png", "%d%d.png", "%.png", "100%.png")
+        ],
+        ({"path": "a.gif", "sound": True}, ValueError, "GIF has no sound; write it with sound=False"),
+        ({"path": "%06d.png", "sound": True}, ValueError, "PNG has no sound; write it with sound=False"),
         ({"size": (210, 160, 3)}, TypeError, r"size is a Game, or \(rows, columns\)"),
         ({"size": 210}, TypeError, r"size is a Game, or \(rows, columns\)"),
         ({"size": (0, 160)}, ValueError, "side of size must be within 1"),
