@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_tools import read, read_json, refused
+from cli_tools import Capture, Patch, read, read_json, refused
 
 import atari
 from atari.lab import write_dataset
@@ -16,7 +16,7 @@ h5py = pytest.importorskip("h5py", reason="h5py is not installed")
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def folder(tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.py").write_text(
         "class Images:\n    environment = {'preset': 'dopamine'}\n    def __call__(self, o, lanes): return lanes * 0\n"
@@ -24,7 +24,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     )
 
 
-def collected(capsys: pytest.CaptureFixture[str], game: str, *words: str) -> tuple[dict[str, Any], dict[str, Any]]:
+def collected(capsys: Capture, game: str, *words: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The output of the command, and the attributes and the actions of its data set."""
     file, own = f"{len(list(Path().glob('*.h5')))}.h5", ("game", "options", "labels", "sha256")
     shown = read_json(capsys, "collect", game, "--labels", "", "--frames", "grayscale", "-o", file, *words)
@@ -33,14 +33,14 @@ def collected(capsys: pytest.CaptureFixture[str], game: str, *words: str) -> tup
         return shown, {**facts, "actions": root["episode_0/actions"][:].tolist()}
 
 
-def test_a_data_set_has_task_policy_and_seeds(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_data_set_has_task_policy_and_seeds(capsys: Capture) -> None:
     shown, facts = collected(capsys, "pong", "--seed", "4294967294", "--episodes", "2", "--policy", "noop")
     task = Task.of("pong", preset="baselines", reward_clipping=False)
     assert Task.from_json(json.dumps(facts["task"])).differences(task) == {}
     assert (facts["policy"], facts["seeds"], shown["task"]) == ("noop", [2**32 - 2, 2**32 - 1], facts["task"])
 
 
-def test_a_parquet_file_has_task_policy_and_seeds(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_parquet_file_has_task_policy_and_seeds(capsys: Capture) -> None:
     parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
     text = read(capsys, "collect", "Pong-ram-v0", "--labels", "", "-o", "a.parquet")
     metadata = parquet.read_schema("a.parquet").metadata
@@ -49,9 +49,7 @@ def test_a_parquet_file_has_task_policy_and_seeds(capsys: pytest.CaptureFixture[
     assert text.startswith("pong: Pong, as Pong-ram-v0\n")
 
 
-def test_a_minari_dataset_has_task_policy_and_seeds(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_minari_dataset_has_task_policy_and_seeds(capsys: Capture, tmp_path: Path, monkeypatch: Patch) -> None:
     minari = pytest.importorskip("minari", reason="minari is not installed")
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "datasets"))
     read(capsys, "collect", "ALE/Pong-v5", "--labels", "", "--frames", "grayscale", "-o", "pong/own-v0")
@@ -60,7 +58,7 @@ def test_a_minari_dataset_has_task_policy_and_seeds(
     assert (metadata["policy"], metadata["seeds"]) == ('"random"', "[0]")
 
 
-def test_ids_are_played_as_they_are(capsys: pytest.CaptureFixture[str]) -> None:
+def test_ids_are_played_as_they_are(capsys: Capture) -> None:
     played = {name: collected(capsys, name)[1] for name in ("ALE/Pong-v5", "PongNoFrameskip-v4", "pong")}
     for name in ("ALE/Pong-v5", "PongNoFrameskip-v4"):
         assert Task.from_json(json.dumps(played[name]["task"])) == Task.of(name)
@@ -68,21 +66,21 @@ def test_ids_are_played_as_they_are(capsys: pytest.CaptureFixture[str]) -> None:
     assert len({json.dumps(facts["actions"]) for facts in played.values()}) == 3
 
 
-def test_mode_and_interventions(capsys: pytest.CaptureFixture[str]) -> None:
+def test_mode_and_interventions(capsys: Capture) -> None:
     _, facts = collected(capsys, "pong", "--mode", "1", "--intervention", "lazy_enemy")
     assert (facts["task"]["mode"], facts["task"]["interventions"][0]["name"]) == (1, "lazy_enemy")
     assert facts["task"]["fire"] == "after_noops"  # all else is as without the options
 
 
 @pytest.mark.parametrize("preset", ["baselines", "dqn2015"])
-def test_a_field_changes_the_preset_and_nothing_is_clipped(preset: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_field_changes_the_preset_and_nothing_is_clipped(preset: str, capsys: Capture) -> None:
     named = [] if preset == "baselines" else ["--preset", preset]
     _, facts = collected(capsys, "pong", "--max-episode-steps", "20", *named)
     task = Task.of("pong", preset=preset, max_episode_steps=20, reward_clipping=False)
     assert Task.from_json(json.dumps(facts["task"])) == task
 
 
-def test_a_policy_plays_what_it_was_trained_for(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_policy_plays_what_it_was_trained_for(capsys: Capture) -> None:
     _, facts = collected(capsys, "ALE/Pong-v5", "--policy", "mine:Sticky")
     assert (facts["task"]["repeat_action_probability"], facts["task"]["stack_num"]) == (0.25, 4)
 
@@ -101,7 +99,7 @@ def test_a_policy_plays_what_it_was_trained_for(capsys: pytest.CaptureFixture[st
         (["breakout", "--policy", "a.a26r"], "a.a26r is a replay of pong, not of breakout"),
     ],
 )
-def test_what_is_refused(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_refused(words: list[str], text: str, capsys: Capture) -> None:
     if "a.a26r" in words:
         from atari.learning import record_games
 
@@ -115,7 +113,7 @@ def test_what_is_refused(words: list[str], text: str, capsys: pytest.CaptureFixt
     assert not Path("a.h5").exists()
 
 
-def test_a_replay_says_what_was_played(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_replay_says_what_was_played(capsys: Capture) -> None:
     from atari.learning import record_games
 
     record_games("noop", "pong", "dopamine", [0], "a.a26r")

@@ -4,14 +4,14 @@ import json
 from pathlib import Path
 
 import pytest
-from cli_tools import read, read_json, refused
+from cli_tools import Capture, read, read_json, refused
 
 import atari
 from atari.registry import registration
 from atari.task import Task, env_ids
 
 
-def test_info_says_what_the_game_file_says(capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_says_what_the_game_file_says(capsys: Capture) -> None:
     lines = [line.strip() for line in read(capsys, "info", "breakout").splitlines()]
     assert lines[0] == "breakout: Breakout"
     for expected in (
@@ -35,7 +35,7 @@ def test_info_says_what_the_game_file_says(capsys: pytest.CaptureFixture[str]) -
         assert expected in lines
 
 
-def test_info_of_a_two_player_cartridge(capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_of_a_two_player_cartridge(capsys: Capture) -> None:
     out = read(capsys, "info", "combat")
     assert "controllers   joystick, both ports" in out
     assert "rules         none for a single player, so there is no environment" in out
@@ -44,7 +44,7 @@ def test_info_of_a_two_player_cartridge(capsys: pytest.CaptureFixture[str]) -> N
 
 
 @pytest.mark.parametrize("game", list(atari.games))
-def test_info_works_for_every_game(game: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_works_for_every_game(game: str, capsys: Capture) -> None:
     assert read(capsys, "info", game).startswith(f"{game}: {atari.games[game].title}\n")
     facts = read_json(capsys, "info", game)
     assert facts["id"] == game
@@ -53,11 +53,11 @@ def test_info_works_for_every_game(game: str, capsys: pytest.CaptureFixture[str]
     assert facts["ids"] == [env_id for env_id, (_, of) in env_ids.ids().items() if of == game]
 
 
-def test_info_takes_the_name_of_an_id(capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_takes_the_name_of_an_id(capsys: Capture) -> None:
     assert read(capsys, "info", "MsPacman") == read(capsys, "info", "ms_pacman")
 
 
-def test_info_says_what_the_manual_says(capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_says_what_the_manual_says(capsys: Capture) -> None:
     lines = [line.strip() for line in read(capsys, "info", "freeway").splitlines()]
     assert "released      1981, Activision" in lines
     assert any(line.startswith("about         A chicken crosses ten lanes") for line in lines)
@@ -68,7 +68,7 @@ def test_info_says_what_the_manual_says(capsys: pytest.CaptureFixture[str]) -> N
     assert lines[difficulties + 2] == "1  left switch at A: a hit chicken is thrown back to the start"
 
 
-def test_info_json_has_rules_labels_and_the_manual(capsys: pytest.CaptureFixture[str]) -> None:
+def test_info_json_has_rules_labels_and_the_manual(capsys: Capture) -> None:
     facts = read_json(capsys, "info", "breakout")
     assert facts["rules"]["lives_initial"] == 5
     assert ["reward", "points - score"] in facts["rules"]["step"]
@@ -81,7 +81,7 @@ def test_info_json_has_rules_labels_and_the_manual(capsys: pytest.CaptureFixture
     assert manual["sources"]["modes"] == ["general knowledge", "play"]
 
 
-def test_list_has_a_line_for_each_game(capsys: pytest.CaptureFixture[str]) -> None:
+def test_list_has_a_line_for_each_game(capsys: Capture) -> None:
     header, *lines = read(capsys, "info").splitlines()
     assert header.split() == ["game", "title", "actions", "modes", "difficulties"]
     assert [line.split()[0] for line in lines] == list(atari.games)
@@ -89,7 +89,7 @@ def test_list_has_a_line_for_each_game(capsys: pytest.CaptureFixture[str]) -> No
     assert "Combat (2 players: see --players)" in next(line for line in lines if line.startswith("combat"))
 
 
-def test_list_json(capsys: pytest.CaptureFixture[str]) -> None:
+def test_list_json(capsys: Capture) -> None:
     listed = read_json(capsys, "info")
     assert [game["id"] for game in listed] == list(atari.games)
     assert listed[list(atari.games).index("breakout")] == {
@@ -103,14 +103,14 @@ def test_list_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert sum(not game["single_player"] for game in listed) == 4
 
 
-def test_list_ids_has_every_id_once(capsys: pytest.CaptureFixture[str]) -> None:
+def test_list_ids_has_every_id_once(capsys: Capture) -> None:
     lines = read(capsys, "info", "--ids").splitlines()
     assert lines == list(env_ids.ids())
     assert len(set(lines)) == len(lines) == 952
     assert read_json(capsys, "info", "--ids") == lines
 
 
-def test_environments_of_several_players(capsys: pytest.CaptureFixture[str]) -> None:
+def test_environments_of_several_players(capsys: Capture) -> None:
     lines = read(capsys, "info", "--players", "4").splitlines()
     assert [line.split()[0] for line in lines[1:]][-2:] == ["volleyball_pong_v3", "warlords_v3"]
     names = [row["environment"] for row in read_json(capsys, "info", "--players", "2")]
@@ -121,13 +121,13 @@ def test_environments_of_several_players(capsys: pytest.CaptureFixture[str]) -> 
     ]  # fmt: skip
 
 
-def test_explain_prints_the_explanation(capsys: pytest.CaptureFixture[str]) -> None:
+def test_explain_prints_the_explanation(capsys: Capture) -> None:
     out = read(capsys, "info", "PongDeterministic-v4")
     assert out == registration.explain("PongDeterministic-v4") + "\n"
     assert "frame skip    4 frames a step" in out
 
 
-def test_explain_json(capsys: pytest.CaptureFixture[str]) -> None:
+def test_explain_json(capsys: Capture) -> None:
     facts = read_json(capsys, "info", "Pong-ram-v4")
     assert facts["id"] == "Pong-ram-v4"
     assert facts["observation"] == {"shape": [128], "dtype": "uint8"}
@@ -144,7 +144,7 @@ def test_explain_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert "Pong-ram-v4" not in facts["siblings"]
 
 
-def test_explain_takes_a_game_a_task_and_flags(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_explain_takes_a_game_a_task_and_flags(tmp_path: Path, capsys: Capture) -> None:
     task = Task.of("Pong-ram-v4", frameskip=3)
     assert read(capsys, "info", "Pong-ram-v4", "--frameskip", "3") == f"{task}\n"
     assert read(capsys, "info", "pong", "--preset", "dqn2015") == f"{Task.of('pong', preset='dqn2015')}\n"
@@ -158,9 +158,7 @@ def test_explain_takes_a_game_a_task_and_flags(tmp_path: Path, capsys: pytest.Ca
 
 @pytest.mark.parametrize("option", [[], ["--json"]])
 @pytest.mark.parametrize(("wrong", "right"), [("Breakout-v5", "'ALE/Breakout-v5'"), ("pong-v4", "'Pong-v4'")])
-def test_explain_of_a_wrong_id_names_the_right_one(
-    wrong: str, right: str, option: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_explain_of_a_wrong_id_names_the_right_one(wrong: str, right: str, option: list[str], capsys: Capture) -> None:
     text = f"there is no environment '{wrong}'; did you mean {right}"
     assert not refused(capsys, ["info", wrong, *option], text)
 
@@ -178,7 +176,7 @@ def test_explain_of_a_wrong_id_names_the_right_one(
         (["a.mp4", "--mode", "4"], "a video says what was played; leave the options of a task out"),
     ],
 )
-def test_words_that_do_not_go_together(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_words_that_do_not_go_together(words: list[str], text: str, capsys: Capture) -> None:
     assert not refused(capsys, ["info", *words], text)
 
 
@@ -191,11 +189,11 @@ def test_words_that_do_not_go_together(words: list[str], text: str, capsys: pyte
         ("Pong-ram-v4 --obs-type rgb --sound-obs", None),
     ],
 )
-def test_the_shape_of_observations(words: str, shape: list[int] | None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_shape_of_observations(words: str, shape: list[int] | None, capsys: Capture) -> None:
     assert read_json(capsys, "info", *words.split())["observation"]["shape"] == shape
 
 
-def test_a_game_alone_shows_facts_and_its_task_on_demand(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_game_alone_shows_facts_and_its_task_on_demand(capsys: Capture) -> None:
     assert read(capsys, "info", "pong").startswith("pong: Pong\n  released")
     assert read(capsys, "info", "pong", "--print-task") == f"{Task.of('pong')}\n"
     assert read(capsys, "info", "pong_v3") == f"{Task.of('pong_v3')}\n"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import gymnasium
 import pytest
-from cli_tools import refused
+from cli_tools import Capture, Patch, refused
 
 import atari
 from atari import cli
@@ -29,12 +29,12 @@ def run(*words: str, **options: object) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, **options)  # type: ignore[call-overload,no-any-return]
 
 
-def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+def test_version(capsys: Capture) -> None:
     assert main(["--version"]) == 0
     assert capsys.readouterr().out == f"atari-envs {atari.__version__}\n"
 
 
-def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_names_every_command(capsys: Capture) -> None:
     assert main(["--help"]) == 0
     out = capsys.readouterr().out
     assert out.startswith("usage: atari [-h] [--version] COMMAND")
@@ -52,7 +52,7 @@ def test_the_page_of_the_command_line_has_every_command() -> None:
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
-def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_each_command_has_help(command: list[str], capsys: Capture) -> None:
     assert main([*command, "--help"]) == 0
     captured = capsys.readouterr()
     assert captured.out.startswith(f"usage: atari {' '.join(command)}")
@@ -86,17 +86,17 @@ def test_each_command_has_help(command: list[str], capsys: pytest.CaptureFixture
         (["record", "pong", "--steps", "5", "--seconds", "5"], "not allowed with argument"),
     ],
 )
-def test_wrong_usage_is_2(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_usage_is_2(words: list[str], text: str, capsys: Capture) -> None:
     assert not refused(capsys, words, text, 2)
 
 
 @pytest.mark.parametrize("words", ["random --json pong", "random pong --json", "--json random pong"])
-def test_an_option_stands_before_between_or_after_the_arguments(words: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_option_stands_before_between_or_after_the_arguments(words: str, capsys: Capture) -> None:
     assert main(["evaluate", *words.split(), "--print-task"]) == 0
     assert Task.from_json(capsys.readouterr().out).game == "pong"
 
 
-def test_flags_are_in_groups_and_the_usage_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+def test_flags_are_in_groups_and_the_usage_is_one_line(capsys: Capture) -> None:
     assert main(["record", "--help"]) == 0
     usage, *rest = capsys.readouterr().out.splitlines()
     assert usage == "usage: atari record GAME [options]"
@@ -117,7 +117,7 @@ def test_flags_are_in_groups_and_the_usage_is_one_line(capsys: pytest.CaptureFix
     ],
 )
 def test_errors_of_the_library_are_one_line_and_1(
-    error: Exception, line: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    error: Exception, line: str, capsys: Capture, monkeypatch: Patch
 ) -> None:
     def fail(*_: object) -> None:
         raise error
@@ -129,13 +129,13 @@ def test_errors_of_the_library_are_one_line_and_1(
     assert captured.out == ""
 
 
-def test_a_bug_shows_its_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_bug_shows_its_traceback(monkeypatch: Patch) -> None:
     monkeypatch.setattr(record, "_play", lambda *_: 1 // 0)
     with pytest.raises(ZeroDivisionError):
         main(["record", "pong", "--no-video", "--json"])
 
 
-def test_ctrl_c_is_130(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_is_130(capsys: Capture, monkeypatch: Patch) -> None:
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 

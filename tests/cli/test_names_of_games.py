@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from cli_tools import read_json, refused
+from cli_tools import Capture, Patch, read_json, refused
 
 import atari
 import atari.roms
@@ -34,7 +34,7 @@ COMMANDS = {
 @pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file", "rom"])
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_command_takes_every_kind_of_name(
-    command: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    command: str, name: str, tmp_path: Path, monkeypatch: Patch, capsys: Capture
 ) -> None:
     monkeypatch.chdir(tmp_path)
     words = [name if word == "GAME" else word for word in COMMANDS[command]]
@@ -57,14 +57,14 @@ def test_a_training_resolves_names(name: str) -> None:
     assert TrainingOptions.of(read_game(name)).task.game == NAMES[name]
 
 
-def test_a_game_of_ones_own_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_game_of_ones_own_is_explained(capsys: Capture) -> None:
     for words in ([CATCH], [CATCH, "--frameskip", "2"]):
         assert main(["info", *words]) == 0
         assert "Catch-v5 and Catch-ram-v5, after atari.register_game(" in capsys.readouterr().out
         assert read_json(capsys, "info", *words)["ids"] == ["Catch-v5", "Catch-ram-v5"]
 
 
-def test_a_file_is_told_by_its_content(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_file_is_told_by_its_content(tmp_path: Path, monkeypatch: Patch) -> None:
     """The ending .a26 is the usual one of ROMs; a replay of this name opens all the same."""
     monkeypatch.chdir(tmp_path)
     assert main(["record", "pong", "--policy", "noop", "--seconds", "0.1", "-o", "game.a26r"]) == 0
@@ -77,9 +77,7 @@ def test_a_file_is_told_by_its_content(tmp_path: Path, monkeypatch: pytest.Monke
     assert read_game("Pong (1977).a26") == "pong"
 
 
-def test_a_file_that_names_no_game(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_file_that_names_no_game(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     monkeypatch.chdir(tmp_path)
     Path("mine.a26").write_bytes(bytes(4096))
     refused(capsys, ["info", "mine.a26"], "a game of your own is named by its definition (.toml), with --rom mine.a26")

@@ -5,6 +5,7 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from cli_tools import Capture, Patch
 
 import atari
 from atari.cli import main
@@ -14,12 +15,12 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no file has suc
 
 
 @pytest.fixture(autouse=True)
-def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def own(tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
     monkeypatch.chdir(tmp_path)
 
 
-def printed(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+def printed(capsys: Capture, *words: str) -> str:
     """What a command prints, which has no control characters."""
     main(words)
     out, err = capsys.readouterr()
@@ -27,7 +28,7 @@ def printed(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     return out + err
 
 
-def test_names_of_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_names_of_files(tmp_path: Path, capsys: Capture) -> None:
     definition = (Path(atari.games.__path__[0]) / "data" / "breakout.toml").read_text(encoding="utf-8")
     file = tmp_path / f"{ESCAPE}.toml"
     file.write_text(definition, encoding="utf-8")
@@ -38,9 +39,7 @@ def test_names_of_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert r"\x1b]0" in printed(capsys, "replay", "show", f"{ESCAPE}.a26r")
 
 
-def test_names_in_folders_and_archives(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_names_in_folders_and_archives(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     folder = tmp_path / "given"
     folder.mkdir()
     (folder / f"{ESCAPE}.bin").write_bytes(b"nothing")
@@ -52,7 +51,7 @@ def test_names_in_folders_and_archives(
     assert "breakout" in printed(capsys, "roms", "list")
 
 
-def test_other_alphabets_are_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_other_alphabets_are_printed(tmp_path: Path, capsys: Capture) -> None:
     definition = (Path(atari.games.__path__[0]) / "data" / "breakout.toml").read_text(encoding="utf-8")
     (tmp_path / "own.toml").write_text(definition.replace('"Breakout"', '"ブロック崩し, cassé"'), encoding="utf-8")
     assert "own: ブロック崩し, cassé" in printed(capsys, "info", "own.toml")

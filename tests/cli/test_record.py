@@ -1,17 +1,15 @@
 """`atari record`: every kind of policy, recorded as videos and replays."""
 
-import json
 import re
 import shutil
 import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import av
 import pytest
-from cli_tools import refused
+from cli_tools import Capture, Patch, record_json, refused
 from replay_tools import record
 from video_reader import video_frames
 
@@ -63,19 +61,14 @@ constant = 1
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: Patch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "policies_of_a_test.py").write_text(POLICIES)
     monkeypatch.delitem(sys.modules, "policies_of_a_test", raising=False)
     return tmp_path
 
 
-def record_json(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
-    assert main(["record", *words, "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
-
-
-def test_a_video_and_a_replay_of_the_same_play(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_video_and_a_replay_of_the_same_play(folder: Path, capsys: Capture) -> None:
     words = ("breakout", "--policy", "random", "--seconds", "2")
     result = record_json(capsys, *words, "-o", "a.mp4", "-o", "b/a.a26r", "--scale", "1")
     assert result["files"] == [str(folder / "a.mp4"), str(folder / "b" / "a.a26r")]
@@ -89,7 +82,7 @@ def test_a_video_and_a_replay_of_the_same_play(folder: Path, capsys: pytest.Capt
         assert audio.codec_context.name == "aac"
 
 
-def test_an_episode_is_a_game_and_the_default(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_episode_is_a_game_and_the_default(capsys: Capture) -> None:
     result = record_json(capsys, "breakout", "-o", "a.a26r", "--preset", "dqn2015", "--episodes", "2", "--seed", "3")
     assert len(result["scores"]) == 2
     assert [episode.end for episode in Replay.load("a.a26r").episodes] == ["game over"] * 2
@@ -97,7 +90,7 @@ def test_an_episode_is_a_game_and_the_default(capsys: pytest.CaptureFixture[str]
     assert (again["frames"], again["scores"]) == (result["frames"], result["scores"])
 
 
-def test_the_default_output_is_a_video(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_default_output_is_a_video(folder: Path, capsys: Capture) -> None:
     assert main(["record", "pong", "--seconds", "0.2"]) == 0
     out = capsys.readouterr().out
     assert out.startswith("pong: Pong, as 'pong' with preset='dqn2015'\n  policy  random, seed 0\n  played  ")
@@ -105,12 +98,12 @@ def test_the_default_output_is_a_video(folder: Path, capsys: pytest.CaptureFixtu
 
 
 @pytest.mark.parametrize("game", ["skiing", "PongNoFrameskip-v4"])
-def test_doing_nothing(game: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_doing_nothing(game: str, capsys: Capture) -> None:
     record_json(capsys, game, "--policy", "noop", "--seconds", "0.5", "-o", "a.a26r")
     assert {frame.action for frame in Replay.load("a.a26r").frames()} == {0}
 
 
-def test_functions_are_policies(capsys: pytest.CaptureFixture[str]) -> None:
+def test_functions_are_policies(capsys: Capture) -> None:
     words = ("--seconds", "0.5", "-o", "a.a26r")
     record_json(capsys, "breakout", "--policy", "policies_of_a_test:right", *words)
     assert {frame.action for frame in Replay.load("a.a26r").frames()} == {3}
@@ -119,13 +112,13 @@ def test_functions_are_policies(capsys: pytest.CaptureFixture[str]) -> None:
     assert "" not in sys.path
 
 
-def test_a_function_with_a_task_plays_it(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_function_with_a_task_plays_it(capsys: Capture) -> None:
     record_json(capsys, "pong", "--policy", "policies_of_a_test:of_ram", "-o", "a.a26r")
     assert Replay.load("a.a26r").task.obs_type == "ram"
 
 
 @pytest.mark.parametrize("seamless", [False, True])
-def test_policies_hear_of_games_and_episodes(seamless: bool, capsys: pytest.CaptureFixture[str]) -> None:
+def test_policies_hear_of_games_and_episodes(seamless: bool, capsys: Capture) -> None:
     words = ["breakout", "--policy", "policies_of_a_test:Listens", "-o", "a.a26r", "--episodic-life"]
     words += ["--on-reset", "continue", *(["--seamless-lives"] if seamless else [])]
     result = record_json(capsys, *words, "--episodes", "2", "--seed", str(2**32 - 1))
@@ -136,12 +129,12 @@ def test_policies_hear_of_games_and_episodes(seamless: bool, capsys: pytest.Capt
     assert result["scores"][1] == other["scores"][0]  # the second game has the next seed
 
 
-def test_a_lost_life_that_begins_a_new_game_ends_the_one_before(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_lost_life_that_begins_a_new_game_ends_the_one_before(capsys: Capture) -> None:
     record_json(capsys, "breakout", "--episodic-life", "--episodes", "2", "-o", "a.a26r")
     assert len(Replay.load("a.a26r").episodes) == 2
 
 
-def test_random_games_are_those_of_their_seeds(capsys: pytest.CaptureFixture[str]) -> None:
+def test_random_games_are_those_of_their_seeds(capsys: Capture) -> None:
     words = ("breakout", "--policy", "random")
     both = record_json(capsys, *words, "--episodes", "2", "--seed", "3", "-o", "a.a26r")
     ones = [record_json(capsys, *words, "--seed", seed, "-o", "b.a26r") for seed in ("3", "4")]
@@ -149,7 +142,7 @@ def test_random_games_are_those_of_their_seeds(capsys: pytest.CaptureFixture[str
     assert both["frames"] == sum(one["frames"] for one in ones)
 
 
-def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_replay_is_a_policy(folder: Path, capsys: Capture) -> None:
     record(folder / "a.a26r", "pong", 40)
     result = record_json(capsys, "pong", "--policy", "a.a26r", "--no-sound")
     assert (result["frames"], result["files"]) == (160, [str(folder / "videos" / "pong-a.mp4")])
@@ -186,17 +179,13 @@ def test_a_replay_is_a_policy(folder: Path, capsys: pytest.CaptureFixture[str]) 
         (["pong", "--policy", "noop", "--policy", "noop"], "a second --policy needs --players"),
     ],
 )
-def test_what_cannot_be_done_is_one_line(
-    words: list[str], text: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_cannot_be_done_is_one_line(words: list[str], text: str, folder: Path, capsys: Capture) -> None:
     record(folder / "seaquest.a26r", "seaquest", 2)
     record(folder / "a.a26r", "pong", 2)
     refused(capsys, ["record", *words], text)
 
 
-def test_the_scores_of_a_part_of_a_replay_are_those_of_the_part(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_scores_of_a_part_of_a_replay_are_those_of_the_part(folder: Path, capsys: Capture) -> None:
     record(folder / "a.a26r", "pong", 300)
     result = record_json(capsys, "pong", "--policy", "a.a26r", "--seconds", "2", "-o", "a.gif", "--scale", "1")
     *_, last = Replay.load("a.a26r").frames(0, result["frames"])
@@ -235,13 +224,13 @@ def test_ctrl_c_keeps_what_was_recorded(folder: Path, options: list[str]) -> Non
 CATCH = Path(__file__).parents[2] / "examples" / "catch"
 
 
-def test_a_game_definition_with_the_rom_beside_it(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_game_definition_with_the_rom_beside_it(capsys: Capture) -> None:
     result = record_json(capsys, str(CATCH / "catch.toml"), "--policy", "random", "--seconds", "1", "-o", "catch.a26r")
     assert (result["game"], result["frames"]) == ("catch", 60)
     assert Path("catch.a26r").stat().st_size > 0
 
 
-def test_a_game_definition_with_its_rom_elsewhere(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_game_definition_with_its_rom_elsewhere(capsys: Capture) -> None:
     shutil.copy(CATCH / "catch.toml", "mine.toml")
     assert main(["record", "mine.toml"]) == 1
     assert "rom" in capsys.readouterr().err
@@ -249,7 +238,7 @@ def test_a_game_definition_with_its_rom_elsewhere(capsys: pytest.CaptureFixture[
     assert record_json(capsys, *words)["frames"] >= 60
 
 
-def test_the_best_game_is_filmed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_best_game_is_filmed(capsys: Capture) -> None:
     words = ["breakout", "--policy", "random", "--episodes", "3", "--max-num-frames-per-episode", "300"]
     words += ["--best", "--scale", "1", "--overlay", "score,action,curve"]
     result = record_json(capsys, *words, "-o", "best.gif", "-o", "all.a26r")
@@ -266,7 +255,7 @@ def test_the_best_game_is_filmed(capsys: pytest.CaptureFixture[str]) -> None:
     assert sorted(path.name for path in Path().glob("*.a26r")) == ["all.a26r"]
 
 
-def test_wrong_videos_are_refused_before_the_games_are_played(capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_videos_are_refused_before_the_games_are_played(capsys: Capture) -> None:
     words = ["record", "pong", "--best", "--seconds", "1", "-o", "a.a26r", "-o"]
     refused(capsys, [*words, "%.png"], "must have a place for its number")
     refused(capsys, [*words, "a.gif", "--scale", "17"], "--scale: '17' is not a whole number within 1..16", 2)

@@ -1,15 +1,13 @@
 """`atari record` without a policy: its output, and a video with every played frame."""
 
-import json
 import re
 import sys
 from pathlib import Path
-from typing import Any
 
 import av
 import numpy as np
 import pytest
-from cli_tools import refused
+from cli_tools import Capture, Patch, record_json, refused
 from video_reader import video_frames
 
 import atari
@@ -19,17 +17,12 @@ from atari.recording.video.writer import frame_rate
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: Patch) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
-def record_json(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
-    assert main(["record", *words, "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
-
-
-def test_writes_a_video_of_breakout_and_says_where(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_writes_a_video_of_breakout_and_says_where(folder: Path, capsys: Capture) -> None:
     assert main(["record", "breakout", "--steps", "30"]) == 0
     captured = capsys.readouterr()
     path = folder / "videos" / "breakout-0.mp4"
@@ -45,7 +38,7 @@ def test_writes_a_video_of_breakout_and_says_where(folder: Path, capsys: pytest.
         assert stream.average_rate == frame_rate(atari.games["breakout"])
 
 
-def test_video_has_every_emulated_frame_in_colour(capsys: pytest.CaptureFixture[str]) -> None:
+def test_video_has_every_emulated_frame_in_colour(capsys: Capture) -> None:
     result = record_json(capsys, "breakout", "--steps", "20", "--seed", "3", "-o", "a/b.mp4")
     assert result["files"] == [str(Path("a/b.mp4").resolve())]
     assert 20 * 4 < result["frames"] <= 20 * 4 + 30  # the no-ops at the start are played too
@@ -56,7 +49,7 @@ def test_video_has_every_emulated_frame_in_colour(capsys: pytest.CaptureFixture[
     assert np.abs(blue_row.astype(int) - (66, 72, 200)).max() < 16
 
 
-def test_a_pal_game_has_its_own_size_and_rate(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_pal_game_has_its_own_size_and_rate(capsys: Capture) -> None:
     result = record_json(capsys, "air_raid", "--steps", "5")
     with av.open(result["files"][0]) as container:
         stream = container.streams.video[0]
@@ -65,30 +58,30 @@ def test_a_pal_game_has_its_own_size_and_rate(capsys: pytest.CaptureFixture[str]
         assert stream.frames == result["frames"]
 
 
-def test_the_same_seed_plays_the_same(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_same_seed_plays_the_same(capsys: Capture) -> None:
     facts = [record_json(capsys, "pong", "--steps", "150", "--no-video", "--seed", seed) for seed in "114"]
     assert facts[0]["files"] == []
     assert [facts[0][key] for key in ("frames", "scores")] == [facts[1][key] for key in ("frames", "scores")]
     assert facts[0]["frames"] != facts[2]["frames"]
 
 
-def test_the_score_is_the_games_and_not_the_clipped_reward(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_score_is_the_games_and_not_the_clipped_reward(capsys: Capture) -> None:
     (score,) = record_json(capsys, "ms_pacman", "--steps", "100", "--no-video")["scores"]
     assert score >= 50
     assert score % 10 == 0  # a dot is 10 points, and 1 after clipping
 
 
-def test_games_are_counted_and_not_lives(capsys: pytest.CaptureFixture[str]) -> None:
+def test_games_are_counted_and_not_lives(capsys: Capture) -> None:
     result = record_json(capsys, "breakout", "--steps", "600", "--no-video")
     assert 2 <= len(result["scores"]) <= 5  # of five lives each
 
 
-def test_seconds_are_those_of_the_console(capsys: pytest.CaptureFixture[str]) -> None:
+def test_seconds_are_those_of_the_console(capsys: Capture) -> None:
     assert 120 <= record_json(capsys, "pong", "--seconds", "2", "--no-video")["frames"] < 124
     assert 100 <= record_json(capsys, "air_raid", "--seconds", "2", "--no-video")["frames"] < 104
 
 
-def test_no_video_makes_no_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_video_makes_no_file(folder: Path, capsys: Capture) -> None:
     assert main(["record", "breakout", "--steps", "3", "--no-video"]) == 0
     assert "file" not in capsys.readouterr().out
     assert not list(folder.iterdir())
@@ -128,7 +121,7 @@ def test_observers_get_the_played_frames_and_none_after_the_end(folder: Path) ->
     ],
 )
 def test_what_cannot_be_done_is_refused_before_playing(
-    words: list[str], text: str, folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    words: list[str], text: str, folder: Path, capsys: Capture, monkeypatch: Patch
 ) -> None:
     (folder / "occupied").touch()
     (folder / "folder.mp4").mkdir()
@@ -137,9 +130,7 @@ def test_what_cannot_be_done_is_refused_before_playing(
     assert sorted(path.name for path in folder.iterdir()) == ["folder.mp4", "occupied"]
 
 
-def test_without_pyav_it_names_the_extra_and_the_way_without(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_without_pyav_it_names_the_extra_and_the_way_without(folder: Path, monkeypatch: Patch, capsys: Capture) -> None:
     monkeypatch.setitem(sys.modules, "av", None)
     refused(capsys, ["record", "breakout", "--steps", "3"], "pip install 'av>=14'; or play without a video: --no-video")
     assert not list(folder.iterdir())

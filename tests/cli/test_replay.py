@@ -6,7 +6,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from cli_tools import refused
+from cli_tools import Capture, Patch, refused
 from replay_tools import record
 from video_reader import video_frames
 
@@ -19,7 +19,7 @@ from atari.recording.video.overlay import CURVE_ROWS
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: Patch) -> Path:
     monkeypatch.chdir(tmp_path)
     record(Path("a.a26r"), "pong", 90, seed=1, max_num_frames_per_episode=200)
     return tmp_path
@@ -36,7 +36,7 @@ def tampered() -> str:
     return "b.a26r"
 
 
-def test_show(capsys: pytest.CaptureFixture[str]) -> None:
+def test_show(capsys: Capture) -> None:
     assert main(["replay", "show", "a.a26r"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "a.a26r: Pong"
@@ -52,7 +52,7 @@ def test_show(capsys: pytest.CaptureFixture[str]) -> None:
     ]
 
 
-def test_show_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+def test_show_as_json(capsys: Capture) -> None:
     assert main(["replay", "show", "a.a26r", "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)
     assert (shown["game"], shown["complete"], shown["frames"], shown["format"]) == ("pong", True, 360, 1)
@@ -63,13 +63,13 @@ def test_show_as_json(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize("core", ["native", "plain", "ale"])
-def test_verify(core: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_verify(core: str, capsys: Capture) -> None:
     atari.AtariEnv("pong", core=core).close()  # with an ale-py too old for `core="ale"`, the test ends here
     assert main(["replay", "verify", "a.a26r", "--core", core]) == 0
     assert capsys.readouterr().out == f"a.a26r: equal, 360 frames on core '{core}'\n"
 
 
-def test_a_difference_is_1_and_names_the_frame(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_difference_is_1_and_names_the_frame(capsys: Capture) -> None:
     assert main(["replay", "verify", "a.a26r", tampered()]) == 1
     assert capsys.readouterr().out.splitlines() == [
         "a.a26r: equal, 360 frames on core 'native'",
@@ -81,7 +81,7 @@ def test_a_difference_is_1_and_names_the_frame(capsys: pytest.CaptureFixture[str
     assert result["divergence"] == {"frame": 250, "since": 240, "what": "RAM"}
 
 
-def test_render(capsys: pytest.CaptureFixture[str]) -> None:
+def test_render(capsys: Capture) -> None:
     assert main(["replay", "render", "a.a26r", "--stop", "40"]) == 0
     assert capsys.readouterr().out == f"40 frames in {Path('a.mp4').resolve()}\n"
     assert main(["replay", "render", "a.a26r", "-o", "b.mkv", "--scale", "1", "--start", "300", "--stop", "999"]) == 0
@@ -92,7 +92,7 @@ def test_render(capsys: pytest.CaptureFixture[str]) -> None:
             assert sum(1 for _ in container.decode(video)) == frames
 
 
-def test_a_cut_replay_is_a_warning_of_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_cut_replay_is_a_warning_of_one_line(capsys: Capture) -> None:
     data = Path("a.a26r").read_bytes()
     Path("a.a26r").write_bytes(data[:-20])
     assert main(["replay", "show", "a.a26r"]) == 0
@@ -111,7 +111,7 @@ def test_a_cut_replay_is_a_warning_of_one_line(capsys: pytest.CaptureFixture[str
         (["show", "damaged.a26r"], "the replay is damaged at offset 8"),
     ],
 )
-def test_what_cannot_be_done_is_one_line(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_cannot_be_done_is_one_line(words: list[str], text: str, capsys: Capture) -> None:
     Path("text.txt").write_text("hello")
     data = bytearray(Path("a.a26r").read_bytes())
     data[40] ^= 1
@@ -119,7 +119,7 @@ def test_what_cannot_be_done_is_one_line(words: list[str], text: str, capsys: py
     refused(capsys, ["replay", *words], text)
 
 
-def test_rewound_frames_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
+def test_rewound_frames_are_counted(capsys: Capture) -> None:
     session = Session("pong", replay=Path("rewound.a26r"), seed=1)
     for _ in range(100):
         session.play(session.legal_actions[0])
@@ -135,7 +135,7 @@ def test_rewound_frames_are_counted(capsys: pytest.CaptureFixture[str]) -> None:
     assert f"{facts['frames_rewound']} frames of it played and then rewound" in capsys.readouterr().out
 
 
-def test_an_episode_alone(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_episode_alone(capsys: Capture) -> None:
     replay = Replay.load("a.a26r")
     best = replay.best_episode
     assert [episode.frames for episode in replay.episodes] == [200, 160]
@@ -154,7 +154,7 @@ def test_an_episode_alone(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(("start", "first"), [("best", None), ("30", 30)])
-def test_seconds_from_a_start(capsys: pytest.CaptureFixture[str], start: str, first: int | None) -> None:
+def test_seconds_from_a_start(capsys: Capture, start: str, first: int | None) -> None:
     replay = Replay.load("a.a26r")
     first = replay.best_start(60) if first is None else first
     assert (
@@ -181,12 +181,12 @@ def test_seconds_from_a_start(capsys: pytest.CaptureFixture[str], start: str, fi
         (["--episode", "bets"], "'bets' is not a whole number within 0..1000000000, nor best", 2),
     ],
 )
-def test_a_wrong_part(capsys: pytest.CaptureFixture[str], words: list[str], text: str, code: int) -> None:
+def test_a_wrong_part(capsys: Capture, words: list[str], text: str, code: int) -> None:
     refused(capsys, ["replay", "render", "a.a26r", *words], text, code)
     assert [path.name for path in Path().iterdir()] == ["a.a26r"]
 
 
-def test_the_best_part_of_an_episode(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_best_part_of_an_episode(capsys: Capture) -> None:
     replay = Replay.load("a.a26r")
     first = replay.best_start(60, episode=1)
     assert first >= replay.episodes[0].frames

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_tools import refused
+from cli_tools import Capture, Patch, refused
 
 import atari
 from atari.cli import main
@@ -17,7 +17,7 @@ from atari.roms.locations import path
 
 
 @pytest.fixture(autouse=True)
-def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def own(tmp_path: Path, monkeypatch: Patch) -> Path:
     """The user's own folder, in a home directory of the test."""
     monkeypatch.delenv("ATARI_ROMS", raising=False)
     for name in ("HOME", "USERPROFILE", "LOCALAPPDATA", "XDG_DATA_HOME"):
@@ -38,7 +38,7 @@ def collection(tmp_path: Path) -> Path:
     return folder
 
 
-def test_list_shows_a_file_for_every_game(capsys: pytest.CaptureFixture[str]) -> None:
+def test_list_shows_a_file_for_every_game(capsys: Capture) -> None:
     assert main(["roms", "list"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(atari.games)
@@ -47,12 +47,12 @@ def test_list_shows_a_file_for_every_game(capsys: pytest.CaptureFixture[str]) ->
     assert files == {game: str(atari.roms.find(game)) for game in atari.games}
 
 
-def test_verify_finds_all_right(capsys: pytest.CaptureFixture[str]) -> None:
+def test_verify_finds_all_right(capsys: Capture) -> None:
     assert main(["roms", "verify"]) == 0
     assert capsys.readouterr().out.endswith("108 of 108 ROM files are right\n")
 
 
-def test_verify_of_some_games_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+def test_verify_of_some_games_as_json(capsys: Capture) -> None:
     assert main(["roms", "verify", "pong", "qbert", "--json"]) == 0
     checks = json.loads(capsys.readouterr().out)
     assert list(checks) == ["pong", "qbert"]
@@ -60,9 +60,7 @@ def test_verify_of_some_games_as_json(capsys: pytest.CaptureFixture[str]) -> Non
     assert checks["pong"]["md5"] == atari.games["pong"].rom.md5
 
 
-def test_missing_and_wrong_files_fail(
-    collection: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_missing_and_wrong_files_fail(collection: Path, monkeypatch: Patch, capsys: Capture) -> None:
     (collection / "cut.bin").rename(collection / "asterix.bin")
     monkeypatch.setenv("ATARI_ROMS", str(collection))
     monkeypatch.setattr("atari.roms.locations._ale_py_folders", lambda: ())
@@ -79,18 +77,16 @@ def test_missing_and_wrong_files_fail(
     assert "missing" in next(line for line in capsys.readouterr().out.splitlines() if line.startswith("seaquest"))
 
 
-def test_verify_of_an_unknown_game_suggests_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+def test_verify_of_an_unknown_game_suggests_the_nearest(capsys: Capture) -> None:
     refused(capsys, ["roms", "verify", "pongg"], "there is no game 'pongg'; did you mean 'pong'?")
 
 
-def test_identify_names_the_game(collection: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_identify_names_the_game(collection: Path, capsys: Capture) -> None:
     assert main(["roms", "identify", str(collection / "b.rom")]) == 0
     assert capsys.readouterr().out == f"{collection / 'b.rom'} is Breakout\n"
 
 
-def test_identify_of_a_damaged_file_says_what_it_is_and_fails(
-    collection: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_identify_of_a_damaged_file_says_what_it_is_and_fails(collection: Path, capsys: Capture) -> None:
     files = [str(collection / "b.rom"), str(collection / "cut.bin")]
     assert main(["roms", "identify", *files]) == 1
     assert "cut.bin is Breakout cut short" in capsys.readouterr().out
@@ -100,9 +96,7 @@ def test_identify_of_a_damaged_file_says_what_it_is_and_fails(
     assert (cut["game"], cut["nearest"], cut["size"]) == (None, "breakout", 1000)
 
 
-def test_identify_goes_on_after_a_file_that_cannot_be_read(
-    collection: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_identify_goes_on_after_a_file_that_cannot_be_read(collection: Path, capsys: Capture) -> None:
     assert main(["roms", "identify", str(collection / "nothing"), str(collection / "b.rom")]) == 1
     captured = capsys.readouterr()
     assert captured.err.startswith("atari: error: ")
@@ -110,7 +104,7 @@ def test_identify_goes_on_after_a_file_that_cannot_be_read(
     assert captured.out == f"{collection / 'b.rom'} is Breakout\n"
 
 
-def test_import_copies_what_it_knows(own: Path, collection: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_import_copies_what_it_knows(own: Path, collection: Path, capsys: Capture) -> None:
     assert main(["roms", "import", str(collection)]) == 0
     out = capsys.readouterr().out
     assert "imported: 2 games" in out
@@ -125,7 +119,7 @@ def test_import_copies_what_it_knows(own: Path, collection: Path, capsys: pytest
     assert len(report["rejected"]) == 2
 
 
-def test_import_of_many_other_files_shows_some(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_import_of_many_other_files_shows_some(tmp_path: Path, capsys: Capture) -> None:
     for i in range(23):
         (tmp_path / f"{i}.bin").write_bytes(bytes([i]))
     assert main(["roms", "import", str(tmp_path)]) == 1
@@ -135,7 +129,7 @@ def test_import_of_many_other_files_shows_some(tmp_path: Path, capsys: pytest.Ca
     assert "  ... and 3 more (all with --json)\n" in out
 
 
-def test_import_from_nowhere(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_import_from_nowhere(tmp_path: Path, capsys: Capture) -> None:
     assert not refused(capsys, ["roms", "import", str(tmp_path / "nowhere")], str(tmp_path / "nowhere"))
 
 
@@ -150,15 +144,13 @@ def test_a_name_that_is_no_text_is_printed(tmp_path: Path) -> None:
     assert "\\udcff is unknown: its 5 bytes are near to no known game" in done.stdout
 
 
-def test_install_without_autorom_names_the_extra(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_install_without_autorom_names_the_extra(monkeypatch: Patch, capsys: Capture) -> None:
     monkeypatch.setitem(sys.modules, "AutoROM", None)
     refused(capsys, ["roms", "install"], "pip install 'autorom>=0.6'")
 
 
 def test_install_keeps_the_talk_of_autorom_out_of_the_result(
-    own: Path, collection: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    own: Path, collection: Path, monkeypatch: Patch, capsys: Capture
 ) -> None:
     accepted = []
 

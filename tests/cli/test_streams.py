@@ -9,6 +9,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from cli_tools import Capture, Patch
 
 from atari.base.program import ctrl_c_as_event, interruptible
 from atari.base.progress import ProgressBar
@@ -75,7 +76,7 @@ def test_ctrl_c_while_the_package_is_imported(words: list[str], tmp_path: Path) 
     assert (done.returncode, done.stderr) == (130, "atari: interrupted\n")
 
 
-def test_ctrl_c_is_reported_at_once_and_a_bounce_is_ignored(capfd: pytest.CaptureFixture[str]) -> None:
+def test_ctrl_c_is_reported_at_once_and_a_bounce_is_ignored(capfd: Capture) -> None:
     with interruptible():
         with ctrl_c_as_event() as stop:
             signal.raise_signal(signal.SIGINT)
@@ -85,7 +86,7 @@ def test_ctrl_c_is_reported_at_once_and_a_bounce_is_ignored(capfd: pytest.Captur
     assert capfd.readouterr().err == ""
 
 
-def test_a_ctrl_c_that_python_drops_is_raised_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_ctrl_c_that_python_drops_is_raised_again(monkeypatch: Patch) -> None:
     monkeypatch.setattr("atari.base.program._said", {})
 
     class Finalized:
@@ -102,7 +103,7 @@ def test_a_ctrl_c_that_python_drops_is_raised_again(monkeypatch: pytest.MonkeyPa
         drop()
 
 
-def test_ctrl_c_waits_for_the_end_of_an_import(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_waits_for_the_end_of_an_import(tmp_path: Path, monkeypatch: Patch) -> None:
     """Torch's C++ code would end the process."""
     monkeypatch.setattr("atari.base.program._said", {})
     monkeypatch.syspath_prepend(tmp_path)

@@ -5,7 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from cli_tools import refused
+from cli_tools import Capture, Patch, refused
 from replay_tools import record
 from video_reader import NTSC, frame_times
 
@@ -14,11 +14,11 @@ from atari.recording import Replay
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def folder(tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def test_the_best_frame_and_part_are_named(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_best_frame_and_part_are_named(capsys: Capture) -> None:
     record(Path("b.a26r"), "breakout", 200)
     rewards = [frame.reward for frame in Replay.load("b.a26r").frames()]
     best = rewards.index(max(rewards))
@@ -32,7 +32,7 @@ def test_the_best_frame_and_part_are_named(capsys: pytest.CaptureFixture[str]) -
 
 
 @pytest.mark.parametrize("words", [["record", "breakout", "--seconds", "1"], ["replay", "render", "b.a26r"]])
-def test_slow_motion_and_a_picture(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_slow_motion_and_a_picture(words: list[str], capsys: Capture) -> None:
     if words[0] == "replay":
         record(Path("b.a26r"), "breakout", 12)
         assert main([*words, "-o", "a.mkv", "--speed", "0.25", "--scale", "1"]) == 0
@@ -71,12 +71,12 @@ def test_the_picture_of_a_video_without_a_choice_is_its_last_frame() -> None:
         (["-o", "a.png", "--frame", "3", "--best"], "3 is a frame of all games; leave --best and --seconds out"),
     ],
 )
-def test_options_without_effect(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_options_without_effect(words: list[str], text: str, capsys: Capture) -> None:
     refused(capsys, ["record", "pong", *words], text)
     assert not list(Path().iterdir())
 
 
-def test_options_without_effect_in_other_commands(capsys: pytest.CaptureFixture[str]) -> None:
+def test_options_without_effect_in_other_commands(capsys: Capture) -> None:
     record(Path("a.a26r"), "pong", 3)
     for words, text in (
         (["record", "pong", "--no-video", "--speed", "2"], "--speed is for a video, and the command writes nothing"),

@@ -1,7 +1,6 @@
 """The window and its sound, with events on SDL's dummy display and dummy audio device."""
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +8,7 @@ import gymnasium
 import numpy as np
 import pygame
 import pytest
-from cli_tools import refused
+from cli_tools import Capture, Patch, refused
 
 from atari.cli import main
 from atari.play import Session, play
@@ -20,29 +19,12 @@ from atari.recording import Replay
 BARE = "pong: Pong, as PongNoFrameskip-v4, but actions='full', max_num_frames_per_episode=None\n"
 
 
-@pytest.fixture(autouse=True)
-def display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
-    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    monkeypatch.setenv("SDL_AUDIODRIVER", "dummy")
-    monkeypatch.chdir(tmp_path)
-    yield
-    pygame.quit()
+pytestmark = pytest.mark.usefixtures("display")
 
 
 def begin() -> None:
     """Press a key without a meaning, with which the game begins at the next tick."""
     pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_x))
-
-
-def run_loop(frames: int) -> Callable[[Loop], None]:
-    """A `Loop.run` that ends after some frames."""
-
-    def run(loop: Loop) -> None:
-        begin()
-        for _ in range(frames):
-            loop.tick()
-
-    return run
 
 
 class WindowDriver:
@@ -217,7 +199,7 @@ def test_the_window_can_have_any_size() -> None:
     driver.close()
 
 
-def test_sound_is_what_the_game_makes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_sound_is_what_the_game_makes(monkeypatch: Patch) -> None:
     blocks: list[bytes] = []
 
     class Channel:
@@ -261,7 +243,7 @@ def test_sound_that_comes_too_early_is_not_kept_for_ever() -> None:
     speaker.close()
 
 
-def test_without_a_sound_card_it_is_silent(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_sound_card_it_is_silent(monkeypatch: Patch) -> None:
     monkeypatch.setenv("SDL_AUDIODRIVER", "none_such")
     driver = WindowDriver(sound=True)
     driver.tick(5)
@@ -297,8 +279,8 @@ def test_play_runs_until_the_window_is_closed() -> None:
     assert session.frames == 0
 
 
-def test_the_command_writes_a_replay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(Loop, "run", run_loop(30))
+def test_the_command_writes_a_replay(end_after: Any, capsys: Capture) -> None:
+    end_after(30)
     assert main(["play", "pong", "--scale", "1", "--no-sound"]) == 0
     (path,) = Path("replays").iterdir()
     assert path.name.startswith("pong-")
@@ -306,8 +288,8 @@ def test_the_command_writes_a_replay(monkeypatch: pytest.MonkeyPatch, capsys: py
     assert Replay.load(path).verify("ale")
 
 
-def test_the_command_plays_what_an_id_says(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(Loop, "run", run_loop(30))
+def test_the_command_plays_what_an_id_says(end_after: Any, capsys: Capture) -> None:
+    end_after(30)
     words = ["--scale", "1", "--no-sound", "--replay", "a.a26r", "--mode", "1", "--seed", "4294967295"]
     assert main(["play", "Pong-ram-v0", *words]) == 0
     assert capsys.readouterr().out.startswith("pong: Pong, as Pong-v0, but mode=1, without obs_type='ram'\nPong: 30 f")
@@ -325,18 +307,18 @@ def test_the_command_plays_what_an_id_says(monkeypatch: pytest.MonkeyPatch, caps
         (["--noops", "3"], "noops must be (low, high)"),
     ],
 )
-def test_flags_without_a_meaning(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_flags_without_a_meaning(words: list[str], text: str, capsys: Capture) -> None:
     refused(capsys, ["play", "pong", *words], text, 1 if "--obs-type" in words else 2)
 
 
-def test_no_frame_no_file(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_frame_no_file(monkeypatch: Patch) -> None:
     monkeypatch.setattr(Loop, "run", lambda loop: None)
     for words in (["--replay", "a.a26r"], ["--replay", "a/b/c.a26r"], ["--no-replay"], []):
         assert main(["play", "pong", "--scale", "1", "--no-sound", *words]) == 0
         assert not list(Path().iterdir())
 
 
-def test_without_a_frame_only_folders_that_were_made_for_it_go(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_frame_only_folders_that_were_made_for_it_go(monkeypatch: Patch) -> None:
     monkeypatch.setattr(Loop, "run", lambda loop: loop._session.save())
     Path("replays").mkdir()
     assert main(["play", "pong", "--scale", "1", "--no-sound"]) == 0
@@ -352,12 +334,12 @@ def test_without_a_frame_only_folders_that_were_made_for_it_go(monkeypatch: pyte
         (["pong", "--replay", "a.mp4"], "must end in '.a26r'"),
     ],
 )
-def test_wrong_words_are_one_line(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrong_words_are_one_line(words: list[str], text: str, capsys: Capture) -> None:
     refused(capsys, ["play", *words], text)
     assert not list(Path().iterdir())
 
 
-def test_without_pygame_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_pygame_the_extra_is_named(monkeypatch: Patch, capsys: Capture) -> None:
     monkeypatch.setitem(sys.modules, "pygame", None)
     refused(capsys, ["play", "pong"], "pip install 'pygame-ce>=2.4'")
     assert not list(Path().iterdir())
@@ -365,7 +347,7 @@ def test_without_pygame_the_extra_is_named(monkeypatch: pytest.MonkeyPatch, caps
 
 @pytest.mark.parametrize(("driver", "options"), [(None, []), ("x11", ["--replay", "best.a26r"])])
 def test_without_a_display_it_raises_and_touches_no_file(
-    driver: str | None, options: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    driver: str | None, options: list[str], monkeypatch: Patch, capsys: Capture
 ) -> None:
     for name in ("DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"):
         monkeypatch.delenv(name, raising=False)
@@ -379,7 +361,7 @@ def test_without_a_display_it_raises_and_touches_no_file(
     assert {path.name: path.read_bytes() for path in Path().iterdir()} == {"best.a26r": b"of yesterday"}
 
 
-def test_a_display_that_is_lost_is_an_error_of_gymnasium(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_display_that_is_lost_is_an_error_of_gymnasium(monkeypatch: Patch) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "none_such")
     with pytest.raises(gymnasium.error.Error, match="playing needs a display"):
         GameWindow(pygame, Session("pong").game, 1)

@@ -8,7 +8,7 @@ import av
 import numpy as np
 import pygame
 import pytest
-from cli_tools import refused
+from cli_tools import Capture, refused
 
 from atari.cli import main
 from atari.games.actions import PLAYER_ACTIONS, Action
@@ -38,14 +38,12 @@ def fails(observations):
 """
 
 
+pytestmark = pytest.mark.usefixtures("display")
+
+
 @pytest.fixture(autouse=True)
-def display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
-    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    monkeypatch.setenv("SDL_AUDIODRIVER", "dummy")
-    monkeypatch.chdir(tmp_path)
+def policies(display: None) -> None:
     Path("policies_of_two.py").write_text(POLICY)
-    yield
-    pygame.quit()
 
 
 def event(kind: int, **facts: Any) -> Any:
@@ -299,19 +297,8 @@ def test_policies_alone_do_not_wait_for_a_key() -> None:
     assert session.frames == 1
 
 
-def run_loop(frames: int) -> Any:
-    def run(loop: Loop) -> None:
-        pygame.event.post(event(pygame.KEYDOWN, key=pygame.K_x))  # the game begins
-        for _ in range(frames):
-            loop.tick()
-
-    return run
-
-
-def test_the_command_plays_and_prints_both_scores(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(Loop, "run", run_loop(30))
+def test_the_command_plays_and_prints_both_scores(end_after: Any, capsys: Capture) -> None:
+    end_after(30)
     assert main(["play", "combat", "--players", "2", "--scale", "1", "--no-sound"]) == 0
     assert capsys.readouterr().out == "combat: Combat, 2 players\nCombat   player 1: 0   player 2: 0   (30 frames)\n"
     words = "pong_v3 --players 4 --opponent random --opponent policies_of_two:up --obs-type ram".split()
@@ -324,10 +311,8 @@ def test_the_command_plays_and_prints_both_scores(
     assert sorted(path.name for path in Path().iterdir() if path.suffix) == ["policies_of_two.py"]
 
 
-def test_the_mode_says_how_many_players_there_are(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(Loop, "run", run_loop(3))
+def test_the_mode_says_how_many_players_there_are(end_after: Any, capsys: Capture) -> None:
+    end_after(3)
     opponents = [word for _ in range(3) for word in ("--opponent", "noop")]
     assert main(["play", "pong", "--mode", "6", *opponents, "--json", "--scale", "1", "--no-sound"]) == 0
     assert json.loads(capsys.readouterr().out)["scores"] == [0] * 4
@@ -358,14 +343,12 @@ def test_the_mode_says_how_many_players_there_are(
         (["pong", "--opponent", "policies_of_two:fails"], "the policy of player 2 failed: ValueError: no idea"),
     ],
 )
-def test_wrong_words_are_one_line(
-    words: list[str], text: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(Loop, "run", run_loop(3))
+def test_wrong_words_are_one_line(words: list[str], text: str, end_after: Any, capsys: Capture) -> None:
+    end_after(3)
     refused(capsys, ["play", *words, "--scale", "1", "--no-sound"], text)
 
 
-def test_a_match_of_policies_is_recorded(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_match_of_policies_is_recorded(capsys: Capture) -> None:
     words = ["record", "combat", "--players", "2", "--seconds", "2", "-o", "match.mp4", "--scale", "1", "--json"]
     assert main([*words, "--policy", "random", "--policy", "noop"]) == 0
     result = json.loads(capsys.readouterr().out)
@@ -375,7 +358,7 @@ def test_a_match_of_policies_is_recorded(capsys: pytest.CaptureFixture[str]) -> 
         assert container.streams.audio
 
 
-def test_replays_of_several_players_are_recorded_shown_and_rendered(capsys: pytest.CaptureFixture[str]) -> None:
+def test_replays_of_several_players_are_recorded_shown_and_rendered(capsys: Capture) -> None:
     words = "record pong --players 4 --seconds 1 -o a.a26r -o a.mkv --scale 1 --json".split()
     assert main([*words, "--seed", "3"]) == 0
     frames = json.loads(capsys.readouterr().out)["frames"]
@@ -419,5 +402,5 @@ def test_a_game_played_by_hand_is_recorded_with_its_rewinds(tmp_path: Path) -> N
         (["pong", "--policy", "noop", "--policy", "noop"], "a second --policy needs --players"),
     ],
 )
-def test_matches_that_cannot_be_recorded(words: list[str], text: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_matches_that_cannot_be_recorded(words: list[str], text: str, capsys: Capture) -> None:
     refused(capsys, ["record", *words], text)

@@ -5,6 +5,7 @@ from typing import Any
 
 import pygame
 import pytest
+from cli_tools import Patch
 
 import atari
 from atari.play import loop
@@ -12,7 +13,7 @@ from atari.recording import RecordReplay, Replay
 
 
 @pytest.fixture
-def replay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Replay:
+def replay(tmp_path: Path, monkeypatch: Patch) -> Replay:
     monkeypatch.setattr(loop.Pacer, "wait", lambda self: None)
     env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r")
     env.reset(seed=0)
@@ -22,7 +23,7 @@ def replay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Replay:
     return Replay.load(tmp_path / "a.a26r")
 
 
-def test_every_frame_is_shown(replay: Replay, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_frame_is_shown(replay: Replay, monkeypatch: Patch) -> None:
     shown: list[Any] = []
     monkeypatch.setattr(loop.GameWindow, "show", lambda self, rgb, title, text="": shown.append((rgb.copy(), title)))
     assert loop.show_replay(replay, sound=False)
@@ -32,7 +33,7 @@ def test_every_frame_is_shown(replay: Replay, monkeypatch: pytest.MonkeyPatch) -
 
 
 @pytest.mark.parametrize("event", [{"type": pygame.QUIT}, {"type": pygame.KEYDOWN, "key": pygame.K_ESCAPE}])
-def test_the_window_can_be_closed(replay: Replay, event: dict[str, int], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_window_can_be_closed(replay: Replay, event: dict[str, int], monkeypatch: Patch) -> None:
     shown: list[Any] = []
 
     def show(self: Any, rgb: Any, title: str, text: str = "") -> None:

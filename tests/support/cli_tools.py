@@ -1,25 +1,34 @@
 """Helpers of the tests of the command line: run a command and read its output."""
 
 import json
-from typing import Any
+from typing import Any, TypeAlias
 
 import pytest
 
 from atari.cli import main
 
+Capture: TypeAlias = pytest.CaptureFixture[str]
+Patch: TypeAlias = pytest.MonkeyPatch
 
-def read(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+
+def read(capsys: Capture, *words: str) -> str:
     assert main(words) == 0
     captured = capsys.readouterr()
     assert captured.err == ""
     return captured.out
 
 
-def read_json(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
+def read_json(capsys: Capture, *words: str) -> Any:
     return json.loads(read(capsys, *words, "--json"))
 
 
-def refused(capsys: pytest.CaptureFixture[str], words: list[str], text: str, code: int = 1) -> str:
+def record_json(capsys: Capture, *words: str) -> Any:
+    """The result of `atari record`, which prints its progress to stderr."""
+    assert main(["record", *words, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def refused(capsys: Capture, words: list[str], text: str, code: int = 1) -> str:
     """Check that a command ends with an error that has a text, of one line unless it is about the usage.
 
     Returns its output before that.
