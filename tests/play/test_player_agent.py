@@ -25,12 +25,7 @@ def player(scores: Any, **options: Any) -> PlayerAgent:
 @pytest.mark.parametrize(
     "options",
     [
-        {"preset": "baselines"},
-        {"preset": "dqn2015"},
-        {"preset": "dopamine"},
-        {"preset": "envpool"},
-        {"preset": "gymnasium"},
-        {"preset": "machado2018"},
+        *[{"preset": name} for name in ("baselines", "dqn2015", "dopamine", "envpool", "gymnasium", "machado2018")],
         {"preset": "dqn2015", "frameskip": 3, "img_height": 42, "img_width": 40, "stack_num": 2},
         {"preset": "gymnasium", "maxpool": False, "padding": "zero"},
         {"preset": "dqn2015", "obs_type": "ram", "stack_num": 3, "padding": "reset"},

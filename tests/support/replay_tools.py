@@ -1,5 +1,8 @@
-"""Helpers of the tests of replays: record a short game."""
+"""Helpers of the tests of recordings: record a short game; a disk without space."""
 
+import resource
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -28,3 +31,14 @@ def record(path: Path, game: str = "breakout", steps: int = 100, seed: int | Non
     play(env, steps, seed)
     env.close()
     return path
+
+
+@contextmanager
+def full_disk(limit: int) -> Iterator[None]:
+    """Let no file of this process grow beyond `limit` bytes."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)

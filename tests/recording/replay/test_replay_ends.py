@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from replay_tools import play, record
+from replay_tools import full_disk, play, record
 
 import atari
 from atari.recording import RecordReplay, Replay
@@ -52,38 +52,23 @@ def test_a_cut_file_plays_up_to_the_cut(tmp_path: Path) -> None:
     assert np.array_equal(part, whole[: len(part)])
 
 
-FULL_DISK = """if True:
-    import resource, sys
-    import atari
-    from atari.recording import RecordReplay
-    resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[2]),) * 2)
-    env = RecordReplay(atari.AtariEnv("breakout"), sys.argv[1])
-    env.reset(seed=3)
-    frames = []
-    for step in range(400):
-        try:
-            _, _, over, _, info = env.step(step % 4)
-        except OSError as error:
-            print(error.strerror, error.filename)
-            _, _, over, _, info = env.step(step % 4)
-        frames.append(info["frame_number"])
-        if over:
-            env.reset()
-    print(frames[-1], len(frames))
-    env.close()
-"""
-
-
 def test_a_full_disk_is_a_deferred_error_once_and_the_game_continues(tmp_path: Path) -> None:
-    path = tmp_path / "a.a26r"
-    words = [sys.executable, "-c", FULL_DISK, str(path), "900"]
-    result = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
-    assert result.stderr == ""
-    error, last = result.stdout.splitlines()
-    assert error == f"File too large; the replay ends before this, the game goes on {path}"
-    assert last.endswith(" 400")
+    env = RecordReplay(atari.AtariEnv("breakout"), tmp_path / "a.a26r")
+    env.reset(seed=3)
+    errors = []
+    with full_disk(900):
+        for step in range(400):
+            try:
+                over = env.step(step % 4)[2]
+            except OSError as error:
+                errors.append((error.strerror, error.filename))
+                over = env.step(step % 4)[2]
+            if over:
+                env.reset()
+        env.close()
+    assert errors == [("File too large; the replay ends before this, the game goes on", str(env.path))]
     with pytest.warns(UserWarning, match="was cut"):
-        replay = Replay.load(path)
+        replay = Replay.load(env.path)
     assert replay.frames_total >= 240
     assert replay.verify()
 

@@ -88,22 +88,15 @@ def test_options_may_be_numpy_s(tmp_path: Path) -> None:
 
 
 def test_options_are_kept(tmp_path: Path) -> None:
-    options: dict[str, Any] = {
-        "mode": 4,
-        "seed": 3,
-        "repeat_action_probability": [0.5, 0.0],
-        "difficulty": 1,
-        "max_num_frames_per_episode": 200,
-        "mode_numbers": "ale_py",
-        "end_of_reset": "ale_py",
-        "random_words": "ale_py",
-    }
-    played = record(tmp_path / "a.a26r", "pong", 500, **{**options, "mode": 3})
+    options: dict[str, Any] = {"mode": 3, "seed": 3, "repeat_action_probability": [0.5, 0.0], "difficulty": 1}
+    options |= dict.fromkeys(("mode_numbers", "end_of_reset", "random_words"), "ale_py")
+    options["max_num_frames_per_episode"] = 200
+    played = record(tmp_path / "a.a26r", "pong", 500, **options)
     replay = Replay.load(tmp_path / "a.a26r")
     assert replay.verify()
     assert frames_of(replay) == played
     assert {episode.end for episode in replay.episodes[:-1]} == {"truncated"}
-    kept = MultiplayerCore("pong", **{**options, "mode": 3}).options
+    kept = MultiplayerCore("pong", **options).options
     assert replay.options == kept
     assert MultiplayerCore("pong", **kept).options == kept
     with RecordReplay(MultiplayerCore("flag_capture", corrected_scores=True), tmp_path / "b.a26r") as match:

@@ -4,7 +4,6 @@ import copy
 import gc
 import inspect
 import pickle
-import subprocess
 import sys
 import warnings
 from collections.abc import Callable
@@ -17,6 +16,7 @@ import gymnasium.utils
 import numpy as np
 import pytest
 from env_tools import data_equivalence, needs_gymnasium_1
+from replay_tools import full_disk
 from video_reader import NTSC, Screen, sound, video_frames
 
 import atari
@@ -438,40 +438,23 @@ def test_a_video_that_cannot_be_begun_is_an_error_and_the_game_goes_on(tmp_path:
 
 
 def test_a_full_disk_ends_the_video_and_the_game_continues(tmp_path: Path) -> None:
-    program = """if True:
-        import resource, sys
-        import gymnasium, numpy as np
-        from gymnasium.utils.env_checker import data_equivalence
-        import atari
-        from atari.recording import RecordVideo
-        plain = atari.make("breakout")
-        env = RecordVideo(atari.make("breakout"), sys.argv[1], format="mkv", episode_trigger=lambda episode: True)
-        expected, results, errors = [plain.reset(seed=1)], [env.reset(seed=1)], []
-        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, -1))
+    plain, env = atari.make("breakout"), record_video(atari.make("breakout"), tmp_path, format="mkv")
+    expected, results, errors = [plain.reset(seed=1)], [env.reset(seed=1)], []
+    with full_disk(20_000):
         for i in range(40):
             expected.append(plain.step(i % 4))
             try:
                 results.append(env.step(i % 4))
             except OSError as error:
-                errors.append(error)
+                errors.append((error.strerror, error.filename))
                 results.append(env.step(i % 4))
-        assert data_equivalence(results, expected)
-        assert not env.recording
-        print(len(errors), errors[0].strerror.partition(" after ")[0], errors[0].strerror.partition(": ")[2])
-        print(errors[0].filename)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (-1, -1))
-        env.reset()
-        env.step(0)
-        env.close()
-    """
-    words = [sys.executable, "-W", "ignore", "-c", program, str(tmp_path / "videos")]
-    result = subprocess.run(words, capture_output=True, text=True, timeout=120, check=False)
-    path = tmp_path / "videos" / "rl-video-episode-0.mkv"
-    assert (result.stdout, result.stderr, result.returncode) == (
-        f"1 the recording has ended File too large; incomplete, after 17 frames\n{path}\n",
-        "",
-        0,
-    )
+    assert data_equivalence(results, expected)
+    assert not env.recording
+    text = "the recording has ended after 17 frames: File too large; incomplete, after 17 frames"
+    assert errors == [(text, str(tmp_path / "videos" / "rl-video-episode-0.mkv"))]
+    env.reset()
+    env.step(0)
+    env.close()
     assert len(video_frames(tmp_path / "videos" / "rl-video-episode-1.mkv")) == 5
 
 
