@@ -5,7 +5,6 @@ import warnings
 import zlib
 from binascii import crc_hqx
 from pathlib import Path
-from typing import Any
 
 import pytest
 from replay_tools import record
@@ -160,20 +159,6 @@ def _with_right_checksums(data: bytes) -> bytes:
     return bytes(out)
 
 
-@pytest.mark.parametrize(
-    ("data", "text"),
-    [
-        (b"", "is no replay of atari-envs"),
-        (b"RIFF....WAVE", "is no replay of atari-envs"),
-        (b"ATARIRPL", "ends within its header"),
-    ],
-)
-def test_what_is_no_replay(tmp_path: Path, data: bytes, text: str) -> None:
-    (tmp_path / "a.a26r").write_bytes(data)
-    with pytest.raises(Corrupt, match=text):
-        read(tmp_path / "a.a26r")
-
-
 def test_another_version_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(file_format, "FORMAT", 2)
     path = write(tmp_path / "a.a26r")
@@ -182,21 +167,29 @@ def test_another_version_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
         read(path)
 
 
+HEADER = b"H", b'{"format":1}'
+
+
 @pytest.mark.parametrize(
-    ("chunks", "text"),
+    ("data", "text"),
     [
+        (b"", "is no replay of atari-envs"),
+        (b"RIFF....WAVE", "is no replay of atari-envs"),
+        (b"ATARIRPL", "ends within its header"),
         ([(b"P", b"")], "must be the first chunk"),
-        ([(b"H", b'{"format":1}'), (b"H", b'{"format":1}')], "the only one of its kind"),
+        ([HEADER, HEADER], "the only one of its kind"),
         ([(b"H", b"[1]")], "JSON object"),
         ([(b"H", b"[" * 100_000)], "nested more than 32 deep"),
-        ([(b"H", b'{"format":1}'), (b"X", b"")], "no kind of chunk b'X'"),
-        ([(b"H", b'{"format":1}'), (b"P", b"abc")], "too short"),
-        ([(b"H", b'{"format":1}'), (b"P", b"\1\0\0\0\0\0\0\0")], "does not fit the chunk before"),
-        ([(b"H", b'{"format":1}'), (b"E", b"{}"), (b"S", b"")], "after the end"),
+        ([HEADER, (b"X", b"")], "no kind of chunk b'X'"),
+        ([HEADER, (b"P", b"abc")], "too short"),
+        ([HEADER, (b"P", b"\1\0\0\0\0\0\0\0")], "does not fit the chunk before"),
+        ([HEADER, (b"E", b"{}"), (b"S", b"")], "after the end"),
     ],
 )
-def test_chunks_that_make_no_sense(tmp_path: Path, chunks: list[tuple[bytes, bytes]], text: str) -> None:
-    (tmp_path / "a.a26r").write_bytes(b"ATARIRPL" + b"".join(file_format._chunk(*chunk) for chunk in chunks))
+def test_what_is_no_replay(tmp_path: Path, data: bytes | list[tuple[bytes, bytes]], text: str) -> None:
+    if isinstance(data, list):
+        data = b"ATARIRPL" + b"".join(file_format._chunk(*chunk) for chunk in data)
+    (tmp_path / "a.a26r").write_bytes(data)
     with pytest.raises(Corrupt, match=text):
         read(tmp_path / "a.a26r")
 
@@ -210,19 +203,10 @@ def test_a_wrong_name_and_a_bad_place(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file"]
 
 
-def stored_options(path: Path) -> Any:
-    return read(path).header["options"]
-
-
 def test_the_header_says_what_was_played(tmp_path: Path) -> None:
     path = record(tmp_path / "a.a26r", "seaquest", 3, mode=0, frameskip=(2, 5), obs_type="ram")
     header = read(path).header
-    assert {name: header[name] for name in ("game", "core", "source", "id")} == {
-        "game": "seaquest",
-        "core": "native",
-        "source": "AtariEnv",
-        "id": None,
-    }
-    assert header["rom"] == "240bfbac5163af4df5ae713985386f92"
-    assert stored_options(path)["frameskip"] == [2, 5]
+    named = [header[name] for name in ("game", "core", "source", "id", "rom")]
+    assert named == ["seaquest", "native", "AtariEnv", None, "240bfbac5163af4df5ae713985386f92"]
+    assert header["options"]["frameskip"] == [2, 5]
     assert Replay.load(path).options["frameskip"] == (2, 5)

@@ -407,14 +407,15 @@ class AtariVecEnv:
 
 
 def test_wrong_uses(tmp_path: Path) -> None:
-    with pytest.raises(TypeError, match="records an AtariEnv or an AtariVectorEnv, got CartPoleEnv"):
-        RecordReplay(gymnasium.make("CartPole-v1"), tmp_path / "a.a26r")
-    with pytest.raises(TypeError, match="records an AtariEnv or an AtariVectorEnv, got str"):
-        RecordReplay("pong", tmp_path / "a.a26r")  # type: ignore[call-overload]
-    with pytest.raises(TypeError, match="index"):
-        RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r", index=1)  # type: ignore[call-overload]
-    with pytest.raises(TypeError, match=r"no AtariVecEnv of Stable-Baselines3; use atari\.sb3\.RecordReplay"):
-        RecordReplay(AtariVecEnv(), tmp_path / "a.a26r")  # type: ignore[call-overload]
+    path = tmp_path / "a.a26r"
+    for env, options, text in (
+        (gymnasium.make("CartPole-v1"), {}, "records an AtariEnv or an AtariVectorEnv, got CartPoleEnv"),
+        ("pong", {}, "records an AtariEnv or an AtariVectorEnv, got str"),
+        (atari.AtariEnv("pong"), {"index": 1}, "index"),
+        (AtariVecEnv(), {}, r"no AtariVecEnv of Stable-Baselines3; use atari\.sb3\.RecordReplay"),
+    ):
+        with pytest.raises(TypeError, match=text):
+            RecordReplay(env, path, **options)  # type: ignore[call-overload]
     with pytest.raises(ValueError, match="must end in"):
         RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.mp4")
     env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r")
@@ -476,9 +477,8 @@ def test_a_game_of_your_own(tmp_path: Path) -> None:
 
 
 def test_it_knows_its_seeds(tmp_path: Path) -> None:
-    env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r")
-    words = [int(env.reset(seed=seed)[1]["seeds"][1]) for seed in (3, 4)]
-    env.close()
+    with RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r") as env:
+        words = [int(env.reset(seed=seed)[1]["seeds"][1]) for seed in (3, 4)]
     assert list(Replay.load(env.path).seeds) == words
 
 
@@ -494,23 +494,17 @@ def test_the_task_is_kept_with_its_wrappers(tmp_path: Path) -> None:
     assert replay.verify()
 
 
-def test_settings_of_ale_are_part_of_the_task(tmp_path: Path) -> None:
-    env = atari.AtariEnv("breakout")
-    env.ale.setFloat("repeat_action_probability", 0.0)
-    env.load_game()
-    env.ale.setMode(4)
-    assert env.task == atari.AtariEnv("breakout", repeat_action_probability=0.0, mode=4).task
-
-
-def test_settings_of_ale_before_the_recording_are_in_it(tmp_path: Path) -> None:
+def test_settings_of_ale_are_part_of_the_task_and_of_a_recording(tmp_path: Path) -> None:
     env = atari.AtariEnv("breakout", repeat_action_probability=0.5)
     env.ale.setFloat("repeat_action_probability", 0.0)
     env.load_game()
+    env.ale.setMode(4)
+    task = env.task
+    assert task == atari.AtariEnv("breakout", repeat_action_probability=0.0, mode=4).task
     env.reset(seed=0)
     with RecordReplay(env, tmp_path / "a.a26r") as recorder:
-        recorder.reset(seed=1)
-        for step in range(30):
-            recorder.step(step % 4)
+        play(recorder, 30, seed=1)
     replay = Replay.load(tmp_path / "a.a26r")
-    assert replay.task.repeat_action_probability == replay.options["repeat_action_probability"] == 0.0
+    assert replay.task == task
+    assert replay.options["repeat_action_probability"] == 0.0
     assert replay.verify()
