@@ -64,8 +64,8 @@ def show_replay(replay: Replay, *, scale: int = 3, sound: bool = True) -> bool:
         gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.
         gymnasium.error.Error: there is no display.
     """
-    pacer, score = Pacer(float(frame_rate(replay.game))), 0
     with _outputs(replay.game, scale, sound) as (pygame, window, speaker):
+        pacer, score = Pacer(float(frame_rate(replay.game))), 0
         for frame in replay.frames(sound=sound):
             for event in pygame.event.get():
                 if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):

@@ -83,6 +83,7 @@ def test_each_command_has_help(command: list[str], capsys: Capture) -> None:
         (["replay", "show", "a.a26r", "--core", "ale"], "usage: atari replay show FILE [options] "),
         (["roms", "identify"], "arguments are required: FILE"),
         (["record", "pong", "--seconds", "nan"], "'nan' is not a number within 0.1..1000000000"),
+        (["record", "pong", "--seconds", "inf"], "'inf' is not a number within 0.1..1000000000"),
         (["record", "pong", "--steps", "5", "--seconds", "5"], "not allowed with argument"),
     ],
 )

@@ -134,4 +134,5 @@ def test_without_pyav_it_names_the_extra_and_the_way_without(folder: Path, monke
     monkeypatch.setitem(sys.modules, "av", None)
     refused(capsys, ["record", "breakout", "--steps", "3"], "pip install 'av>=14'; or play without a video: --no-video")
     assert not list(folder.iterdir())
-    assert main(["record", "breakout", "--steps", "3", "--no-video"]) == 0
+    for output in (["--no-video"], ["-o", "a.a26r"]):
+        assert main(["record", "breakout", "--steps", "3", *output]) == 0

@@ -125,6 +125,13 @@ def test_no_samples_are_silence(tmp_path: Path) -> None:
     assert [bool(decoded[i : i + 512].any()) for i in (0, 512, 1024)] == [True, False, True]
 
 
+def test_samples_are_not_looked_at_in_a_silent_video(tmp_path: Path) -> None:
+    with VideoWriter(tmp_path / "a.mp4", (32, 32), NTSC) as video:
+        video.write(BLACK, TONE)
+    with av.open(str(video.path)) as container:
+        assert not container.streams.audio
+
+
 @pytest.mark.parametrize(
     ("samples", "error", "text"),
     [
