@@ -79,8 +79,8 @@ class Session(BaseSession):
         inner.unwrapped.driver.make_sound()
         self._inner, self._atari = inner, inner.unwrapped
         played = inner if replay is None else RecordReplay(inner, replay)
-        game, files = self._atari.game, {"state": state, "videos": videos}
-        super().__init__(game, played, self.task.action_set, game.minimal_actions, players=1, scale=scale, **files)
+        found, files = self._atari.game, {"state": state, "videos": videos}
+        super().__init__(found, played, self.task.action_set, found.minimal_actions, players=1, scale=scale, **files)
         self._unseen: deque[tuple[ByteArray, ByteArray, int]] = deque()  # frames not yet shown
         self._ended = self._truncated = False  # the episode; the game may continue
         self._atari.driver.observers.append(self)
