@@ -115,10 +115,11 @@ class RecordVectorReplay(VectorWrapper):
         if self._added.slots:
             raise ValueError("the environment has a Freeze or a Poke; release it, and make it after RecordReplay")
         self._seeded = not inner.started
-        self._recorded: Any = RecordReplay(_shadow_env(inner.options, self._index), path)
+        self._recorded = RecordReplay(_shadow_env(inner.options, self._index), path)
         self._recorder = self._recorded.recorder
         self.path = self._recorder.path
-        self._core = self._recorded.unwrapped.core
+        shadow: Any = self._recorded.unwrapped
+        self._core = shadow.core
         self._episode = make_episode(inner.options.tasks[self._index], observed=False)
         self._added.shadows.append(self._core)
 
