@@ -64,8 +64,8 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/cli/sweep.py": ("tests/learning/sweep/test_sweeps.py",),
     "atari/policy/__init__.py": ("tests/learning/test_policies.py", "tests/testing/test_policy.py"),
     "atari/policy/needs.py": ("tests/learning/evaluation", "tests/testing/test_policy.py"),
-    "atari/observations": (
-        "tests/vector/test_layout.py",
+    "atari/env/settings.py": (
+        "tests/vector/test_tasks.py",
         "tests/learning/test_frame_agent.py",
         "tests/play/test_player_agent.py",
     ),

@@ -15,7 +15,7 @@ from package_modules import SOURCES
 ORDER = """
     base
     games roms _emulator cores
-    task observations env wrappers
+    task env wrappers
     vector multiplayer registry
     atari
     ale_py policy testing

@@ -7,12 +7,10 @@ frame skip, too.
 from collections import deque
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.env.episode_env import EpisodeEnv
-from atari.env.restorable import Restorable, State, layers, warn_of_restore
+from atari.env.restorable import RestorableWrapper, State, layers
 from atari.task.fields import CHECKS
 from atari.wrappers._checks import Environment, draw, require_atari
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
@@ -22,7 +20,7 @@ _NOOP = 0, 1.0
 """The ALE action and the strength before an agent's first action has arrived."""
 
 
-class ActionDelay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class ActionDelay(RestorableWrapper):
     """In each frame the console gets the action that the agent held `delay` frames ago; before that, NOOP.
 
     Frames are the emulator's, also inside a frame skip: with `delay=2` and a skip of 4, the first two frames of a step
@@ -65,8 +63,7 @@ class ActionDelay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConst
                 )
             if isinstance(layer, ActionDelay):
                 raise ValueError("the environment has an ActionDelay already; use one with the sum of both delays")
-        RecordConstructorArgs.__init__(self, delay=list(delay) if isinstance(delay, tuple) else delay)
-        super().__init__(env)
+        super().__init__(env, delay=list(delay) if isinstance(delay, tuple) else delay)
         self._range: tuple[int, int] = delay if isinstance(delay, tuple) else (delay, delay)
         self._skip = next((layer for layer in layers(env) if isinstance(layer, DqnPreprocessing)), None)
         self._line: deque[tuple[int, float]] = deque()
@@ -83,8 +80,7 @@ class ActionDelay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConst
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step; the frames get the delayed actions."""
         driver = self._atari.driver
-        if driver.restored:
-            warn_of_restore(self.env, "ActionDelay")
+        self._warn_if_restored()
         driver.convert = self._delayed
         try:
             return self.env.step(action)

@@ -5,13 +5,12 @@ from collections.abc import Callable
 from typing import Any, SupportsFloat
 
 import gymnasium
-from gymnasium.utils import RecordConstructorArgs
 
-from atari.env.restorable import Restorable
+from atari.env.restorable import RestorableWrapper
 from atari.wrappers._checks import Environment
 
 
-class ClipReward(Restorable, gymnasium.RewardWrapper[Any, Any], RecordConstructorArgs):
+class ClipReward(RestorableWrapper, gymnasium.RewardWrapper[Any, Any]):
     """Clip each reward to `min_reward`..`max_reward`, None for no limit; the result is a Python float.
 
     Scores are whole numbers, for which clipping to -1..1 and taking the sign (as Baselines does) are the same.
@@ -35,8 +34,7 @@ class ClipReward(Restorable, gymnasium.RewardWrapper[Any, Any], RecordConstructo
         high = math.inf if max_reward is None else float(max_reward)
         if not low < high:
             raise ValueError(f"min_reward must be less than max_reward, got {min_reward} and {max_reward}")
-        RecordConstructorArgs.__init__(self, min_reward=min_reward, max_reward=max_reward)
-        super().__init__(env)
+        super().__init__(env, min_reward=min_reward, max_reward=max_reward)
         self._min, self._max = low, high
 
     @property

@@ -16,16 +16,15 @@ import cv2
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.utils import RecordConstructorArgs
 from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
 import atari._emulator as _emulator
 from atari.base.validation import check_integer, check_name
 from atari.cores import ByteArray
 from atari.env import AtariEnv
-from atari.env.restorable import Restorable, State, layers, warn_of_restore
+from atari.env.restorable import RestorableWrapper, State, layers
+from atari.env.settings import filled, pixel_format
 from atari.games.game import Screen
-from atari.observations.settings import filled, pixel_format
 from atari.task.observation_kinds import KINDS
 from atari.wrappers._checks import Environment, require_atari, require_pixels, require_single_frames
 from atari.wrappers.episodic_life import EpisodicLife
@@ -39,7 +38,7 @@ ScreenSize = int | tuple[int | None, int | None] | None
 _TRANSPARENT = (OrderEnforcing, PassiveEnvChecker, EpisodicLife)
 
 
-class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class DqnPreprocessing(RestorableWrapper):
     """Frame skip, max-pooling, grayscale, resizing and frame stack.
 
     Observations are (stack_size, rows, columns) uint8, with `grayscale=False` (stack_size, rows, columns, 3), with
@@ -126,8 +125,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             name: list(value) if isinstance(value, tuple) else value  # the form of JSON
             for name, value in {**arguments, **given}.items()
         }
-        RecordConstructorArgs.__init__(self, **recorded)
-        super().__init__(env)
+        super().__init__(env, **recorded)
         self.frame_skip = frame_skip
         self._max_frames = max_frames
         self._direct = _can_drive_directly(env, self._atari)
@@ -196,8 +194,7 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Play the action until the skip or the episode ends."""
         driver, images, seamless, most = self._atari.driver, self._images, self._seamless_life, self._max_frames
-        if driver.restored:
-            warn_of_restore(self.env, "DqnPreprocessing")
+        self._warn_if_restored()
         play = self._play_direct if self._direct else self._play_through
         move = driver.ale_action(action) if self._direct else action
         left = self.frame_skip if isinstance(self.frame_skip, int) else driver.draw(*self.frame_skip)
@@ -239,12 +236,10 @@ class DqnPreprocessing(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         return reward, played, terminated, truncated
 
     def _play_through(self, action: Any, frames: int) -> tuple[float, int, bool, bool]:
-        """Play a frame through the inner wrappers."""
         _, reward, terminated, truncated, self._info = self.env.step(action)
         return float(reward), 1, terminated, truncated
 
     def _observation(self) -> ByteArray:
-        """A new array of the images or of RAM."""
         if self._images is None:
             return self._atari.driver.observed.ram()
         stack = self._images.observation()
@@ -270,7 +265,6 @@ _ALSO_OF_RAM = ("frame_skip", "stack_size", "padding_type", "seamless_lives", "m
 
 
 def _check_observations(env: Environment, arguments: dict[str, Any]) -> None:
-    """Check that the environment and the arguments fit the observations."""
     if check_name("obs_type", arguments["obs_type"], get_args(DqnObsType)) == "image":
         require_pixels(env, "DqnPreprocessing")
         return

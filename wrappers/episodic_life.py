@@ -7,20 +7,18 @@ can also be inside `DqnPreprocessing`, which then ends the skip at the frame in 
 
 from typing import Any, Literal, get_args
 
-import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.base.validation import check_name
 from atari.env import AtariEnv
-from atari.env.restorable import Restorable, State, warn_of_restore
+from atari.env.restorable import RestorableWrapper, State
 from atari.wrappers._checks import Environment, has_noop, step_named
 
 OnReset = Literal["noop", "continue", "new_game"]
 
 
-class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class EpisodicLife(RestorableWrapper):
     """Terminate when a life is lost.
 
     A reset after a lost life continues the same game, so that agents reach all of it. A reset with a seed, and
@@ -54,11 +52,9 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
 
     def __init__(self, env: Environment, on_reset: OnReset = "noop", *, last_life: bool = False) -> None:
         check_name("on_reset", on_reset, get_args(OnReset))
-        RecordConstructorArgs.__init__(self, on_reset=on_reset, last_life=last_life)
-        super().__init__(env)
+        super().__init__(env, on_reset=on_reset, last_life=last_life)
         self._on_reset = on_reset
         self._last_life = last_life
-        self._atari = env.unwrapped if isinstance(env.unwrapped, AtariEnv) else None
         self._lives = 0
         self._last: tuple[Any, dict[str, Any]] = (None, {})
         self.life_lost = False
@@ -68,10 +64,10 @@ class EpisodicLife(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step; also terminate if a life was lost."""
-        if self._atari is not None and self._atari.driver.restored:
-            warn_of_restore(self.env, "EpisodicLife")
+        self._warn_if_restored()
         observation, reward, terminated, truncated, info = self.env.step(action)
-        if self._atari is not None and self._atari.driver.replacement is not None and not has_noop(self.env):
+        inner = self.unwrapped
+        if isinstance(inner, AtariEnv) and inner.driver.replacement is not None and not has_noop(self.env):
             return observation, reward, terminated, truncated, info  # if the game has no NOOP, no step is played
         self._last = observation, info
         return observation, reward, self.observe(info["lives"], terminated, truncated), truncated, info

@@ -4,16 +4,15 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores.compiled import reward_formula
 from atari.env.episode_env import EpisodeEnv
-from atari.env.restorable import Restorable, State, layers, warn_of_restore
+from atari.env.restorable import RestorableWrapper, State, layers
 from atari.games.rewards import as_one_line
 from atari.wrappers._checks import Environment, require_atari
 
 
-class ExpressionReward(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class ExpressionReward(RestorableWrapper):
     """Pay the value of an expression, which docs/rewards.md describes, instead of the game's reward.
 
     The value is a Python float, computed once a step: put it outside a frame skip, and `ClipReward` around it.
@@ -44,14 +43,14 @@ class ExpressionReward(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
         if not isinstance(reward, str):
             raise TypeError(f"reward must be an expression such as 'reward - 5 * lives_lost', got {reward!r:.80}")
         for layer in layers(env):
-            own = isinstance(layer, EpisodeEnv) and layer.changes_reward
+            task = layer.preprocessing if isinstance(layer, EpisodeEnv) else None
+            own = task is not None and (task.reward is not None or task.reward_clipping)
             if own or isinstance(layer, (gymnasium.RewardWrapper, ExpressionReward)):
                 raise ValueError(
                     f"the `reward` of an expression is the game's, and {type(layer).__name__} inside ExpressionReward "
                     "changes it; put ExpressionReward inside, as atari.make(..., reward=...) does"
                 )
-        RecordConstructorArgs.__init__(self, reward=reward)
-        super().__init__(env)
+        super().__init__(env, reward=reward)
         self._text = as_one_line(reward)
         self._formula = reward_formula(self._atari.game, self._text)
         self._inputs = np.zeros(self._formula.inputs)  # after the last step or reset
@@ -65,8 +64,7 @@ class ExpressionReward(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Step, and pay the value of the expression."""
-        if self._atari.driver.restored:
-            warn_of_restore(self.env, "ExpressionReward")
+        self._warn_if_restored()
         observation, reward, terminated, truncated, info = self.env.step(action)
         core = self._atari.core
         paid = self._formula.pay(self._inputs, core.ram(), core.lives, float(reward))

@@ -5,16 +5,14 @@ Some games, such as Breakout, wait until FIRE is pressed; an agent that never pr
 
 from typing import Any
 
-import gymnasium
 from gymnasium import spaces
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.env.env import options_of_reset
-from atari.env.restorable import Restorable
+from atari.env.restorable import RestorableWrapper
 from atari.wrappers._checks import Environment, begin_meanings, step_named
 
 
-class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class FireReset(RestorableWrapper):
     """After a reset, play one step of FIRE. Games without a FIRE action are not changed.
 
     The game decides, not the agent: if the `actions` of an `AtariEnv` are some of the game's, FIRE and action 2 are the
@@ -39,8 +37,7 @@ class FireReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
     """
 
     def __init__(self, env: Environment, *, then_action_2: bool = False) -> None:
-        RecordConstructorArgs.__init__(self, then_action_2=then_action_2)
-        super().__init__(env)
+        super().__init__(env, then_action_2=then_action_2)
         names = begin_meanings(env)
         self._actions = ["FIRE"] if "FIRE" in names else []
         if self._actions and then_action_2:

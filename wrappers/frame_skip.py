@@ -6,16 +6,14 @@ so the observation is the maximum of the last two frames (Mnih et al. 2015).
 
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.base.validation import check_integer
-from atari.env.restorable import Restorable
+from atari.env.restorable import RestorableWrapper
 from atari.wrappers._checks import Environment, require_pixels, require_single_frames
 
 
-class FrameSkip(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class FrameSkip(RestorableWrapper):
     """Play each action for `frame_skip` steps and sum the rewards.
 
     The observation is the maximum, pixel by pixel, of the last two frames played, also when the episode ends inside the
@@ -44,8 +42,7 @@ class FrameSkip(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         require_single_frames(env, "FrameSkip")
         if max_pool:
             require_pixels(env, "FrameSkip(max_pool=True)")
-        RecordConstructorArgs.__init__(self, frame_skip=frame_skip, max_pool=max_pool)
-        super().__init__(env)
+        super().__init__(env, frame_skip=frame_skip, max_pool=max_pool)
         self.frame_skip = frame_skip
         self._max_pool = max_pool
 

@@ -7,22 +7,19 @@ eight times with the next observations; `lazy` stacks have it once.
 from collections import deque
 from typing import Any, Literal, get_args
 
-import gymnasium
 import numpy as np
 import numpy.typing as npt
 from gymnasium import spaces
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.base.validation import check_integer, check_name
-from atari.env import AtariEnv
-from atari.env.restorable import Restorable, State, warn_of_restore
+from atari.env.restorable import RestorableWrapper, State
 from atari.wrappers._checks import Environment
 
 Padding = Literal["reset", "zero"]
 Array = npt.NDArray[Any]
 
 
-class FrameStack(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class FrameStack(RestorableWrapper):
     """Observations become (stack_size, *shape), the oldest frame first.
 
     Each is a new array with copies of the frames, as Gymnasium requires. With `lazy` no frame is
@@ -55,15 +52,13 @@ class FrameStack(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
             raise TypeError(f"FrameStack stacks the arrays of a Box space, got {space}; put it inside other wrappers")
         stack_size = check_integer("stack_size", stack_size, 1, 10_000)
         check_name("padding_type", padding_type, get_args(Padding))
-        RecordConstructorArgs.__init__(self, stack_size=stack_size, padding_type=padding_type, lazy=lazy)
-        super().__init__(env)
+        super().__init__(env, stack_size=stack_size, padding_type=padding_type, lazy=lazy)
         low, high = (np.repeat(bound[None], stack_size, axis=0) for bound in (space.low, space.high))
         self.observation_space = spaces.Box(low, high, dtype=space.dtype)
         self._padding = None if padding_type == "reset" else np.zeros(space.shape, space.dtype)
         self.stack_size = stack_size
         self._lazy = lazy
         self._frames: deque[Array] = deque(maxlen=stack_size)
-        self._atari = env.unwrapped if isinstance(env.unwrapped, AtariEnv) else None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset and begin a new stack."""
@@ -74,8 +69,7 @@ class FrameStack(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step and stack the observation."""
-        if self._atari is not None and self._atari.driver.restored:
-            warn_of_restore(self.env, "FrameStack")
+        self._warn_if_restored()
         observation, reward, terminated, truncated, info = self.env.step(action)
         return self._push(observation), reward, terminated, truncated, info
 

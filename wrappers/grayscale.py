@@ -6,14 +6,13 @@ import cv2
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores import ByteArray
-from atari.env.restorable import Restorable
+from atari.env.restorable import RestorableWrapper
 from atari.wrappers._checks import Environment, require_image, require_pixels
 
 
-class Grayscale(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
+class Grayscale(RestorableWrapper, gymnasium.ObservationWrapper[Any, Any, Any]):
     """RGB images (rows, columns, 3) become gray ones (rows, columns), uint8, by OpenCV.
 
     The brightness is 0.299 red + 0.587 green + 0.114 blue, as in OpenAI's Baselines. ALE has its own table of gray
@@ -41,8 +40,7 @@ class Grayscale(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordC
         self._source = shape = require_pixels(env, "Grayscale")
         if shape[2:] != (3,):
             raise ValueError(f"Grayscale needs RGB images (rows, columns, 3), got shape {shape}; leave it out")
-        RecordConstructorArgs.__init__(self, keep_dim=keep_dim)
-        super().__init__(env)
+        super().__init__(env, keep_dim=keep_dim)
         self._shape = shape[:2] + ((1,) if keep_dim else ())
         self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)
 

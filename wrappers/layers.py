@@ -19,11 +19,14 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import gymnasium
+from gymnasium import spaces
+from gymnasium.wrappers import TimeLimit
 
-from atari.env.episode_env import EpisodeEnv, can_play
-from atari.wrappers._ale_seeding import AleSeeding
-from atari.wrappers._checks import Environment
-from atari.wrappers._game_statistics import GameStatistics
+from atari.base.gymnasium_versions import adds_episode
+from atari.cores.ale_random import AleRandom
+from atari.env.episode_env import STEPS_WITHOUT_PROGRESS, EpisodeEnv, WaitingCheck, can_play
+from atari.env.restorable import Restorable, RestorableWrapper
+from atari.wrappers._checks import Environment, action_meanings, require_atari
 from atari.wrappers.action_delay import ActionDelay
 from atari.wrappers.clip_reward import ClipReward
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
@@ -35,7 +38,6 @@ from atari.wrappers.life_loss_info import LifeLossInfo
 from atari.wrappers.noop_reset import NoopReset
 from atari.wrappers.observation_delay import ObservationDelay
 from atari.wrappers.ram_observation import RamObservation
-from atari.wrappers.step_limit import StepLimit
 
 Layer = tuple[type[gymnasium.Wrapper[Any, Any, Any, Any]], Mapping[str, Any]]
 
@@ -57,12 +59,13 @@ def wrap(env: Environment, task: Any, *, nested: bool = False) -> Environment:
 
 def layers_of(task: Any) -> Iterator[Layer]:
     """The wrappers of a task and their arguments, from the inside out."""
-    outside = [*_of_unit(_lives(task), task.lives_unit, "skip"), *_of_unit(_fire(task), task.fire_unit, "skip")]
+    lives, fire, noops = _lives(task), _fire(task), _noops(task)
+    outside = lives * (task.lives_unit == "skip") + fire * (task.fire_unit == "skip")
     if task.seeding == "ale":
         yield AleSeeding, {}
-    yield from _of_unit(_lives(task), task.lives_unit, "frame")
-    fire = _of_unit(_fire(task), task.fire_unit, "frame")
-    yield from fire + _noops(task) if task.fire == "before_noops" else _noops(task) + fire
+    yield from lives * (task.lives_unit == "frame")
+    inside = fire * (task.fire_unit == "frame")
+    yield from inside + noops if task.fire == "before_noops" else noops + inside
     yield DqnPreprocessing, _preprocessing(task, stacks=not outside)
     yield from outside
     if outside and task.stack_num is not None:
@@ -73,17 +76,20 @@ def layers_of(task: Any) -> Iterator[Layer]:
         yield ActionDelay, {"delay": task.action_delay}
     if task.observation_delay:
         yield ObservationDelay, {"delay": task.observation_delay}
-    yield from _reports(task)
-
-
-def _of_unit(layers: list[Layer], unit: str, wanted: str) -> list[Layer]:
-    return layers if unit == wanted else []
+    if task.life_loss_info:
+        yield LifeLossInfo, {"last_life": task.last_life}
+    if task.max_episode_steps is not None:
+        yield StepLimit, {"max_episode_steps": task.max_episode_steps}
+    yield GameStatistics, {}
+    if task.reward is not None:
+        yield ExpressionReward, {"reward": task.reward}
+    if task.reward_clipping:
+        yield ClipReward, {}
 
 
 def _lives(task: Any) -> list[Layer]:
-    if not task.episodic_life:
-        return []
-    return [(EpisodicLife, {"on_reset": task.on_reset, "last_life": task.last_life})]
+    arguments = {"on_reset": task.on_reset, "last_life": task.last_life}
+    return [(EpisodicLife, arguments)] if task.episodic_life else []
 
 
 def _fire(task: Any) -> list[Layer]:
@@ -117,14 +123,78 @@ def _preprocessing(task: Any, *, stacks: bool) -> dict[str, Any]:
     }
 
 
-def _reports(task: Any) -> Iterator[Layer]:
-    """The layers that change no frame: the reports of each step, and the limit of steps."""
-    if task.life_loss_info:
-        yield LifeLossInfo, {"last_life": task.last_life}
-    if task.max_episode_steps is not None:
-        yield StepLimit, {"max_episode_steps": task.max_episode_steps}
-    yield GameStatistics, {}
-    if task.reward is not None:
-        yield ExpressionReward, {"reward": task.reward}
-    if task.reward_clipping:
-        yield ClipReward, {}
+class AleSeeding(RestorableWrapper):
+    """`reset(seed=...)` seeds the emulator, and the numbers of no-ops and frames, with the seed itself.
+
+    So does ale-py's vector environment, whose random draws these are. The `AtariEnv` keeps the generator, for its
+    snapshots and copies; this wrapper sets it, also when `gymnasium.make(env.spec)` makes the environment again. Seeds
+    are below 2**31.
+
+    Args:
+        env: an `AtariEnv`, possibly wrapped.
+    """
+
+    def __init__(self, env: Environment) -> None:
+        super().__init__(env)
+        require_atari(env, "AleSeeding").driver.ale_random = AleRandom()
+
+
+class StepLimit(Restorable, TimeLimit):
+    """Truncate episodes after `max_episode_steps` steps of the agent.
+
+    The spec of a `TimeLimit` is the environment's spec with another `max_episode_steps`, which `gymnasium.make` applies
+    inside all other wrappers. The steps would then be frames. `gymnasium.make(env.spec)` puts this one in its place.
+
+    Args:
+        env: the environment.
+        max_episode_steps: the most steps of an episode, which begins with each reset.
+    """
+
+    _state = ("_elapsed_steps",)
+
+    spec = gymnasium.Wrapper.spec
+
+
+class GameStatistics(RestorableWrapper):
+    """Add the counts of `AtariEnv` to `info`: rewards before clipping, and whole games, across lost lives.
+
+    Each `info` has, under EnvPool's names: "reward", the reward before clipping, a float; "elapsed_step", the steps of
+    the game despite lost lives; "terminated", whether the game is over. When a game has ended, in the step or inside
+    the reset, `info` has "episode", see `atari.wrappers.preset`. Gymnasium's `RecordEpisodeStatistics` adds this key
+    itself: inside it, the info of a step has none.
+
+    In games with FIRE, the first 9,000 frames in which nothing happens give a warning: the game may wait for it.
+
+    Args:
+        env: an `AtariEnv` with wrappers that do not change the reward.
+    """
+
+    def __init__(self, env: Environment) -> None:
+        super().__init__(env)
+        self._atari = require_atari(env, "GameStatistics")
+        meanings = action_meanings(env) if isinstance(env.action_space, spaces.Discrete) else []
+        self._waiting = WaitingCheck(self._atari, meanings)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """Reset, and add the statistics to `info`."""
+        observation, info = self.env.reset(seed=seed, options=options)
+        return observation, self._with_statistics(info, 0.0, truncated=False)
+
+    def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
+        """Step, and add the statistics to `info`."""
+        observation, reward, terminated, truncated, info = self.env.step(action)
+        game = self._atari.driver.played
+        game.steps += 1
+        if game.steps % STEPS_WITHOUT_PROGRESS == 0:
+            self._waiting.warn(action)
+        return observation, reward, terminated, truncated, self._with_statistics(info, reward, truncated)
+
+    def _with_statistics(self, info: dict[str, Any], reward: Any, truncated: bool) -> dict[str, Any]:
+        driver = self._atari.driver
+        over, ended = driver.core.game_over, driver.ended
+        info = {**info, "reward": reward, "elapsed_step": driver.played.steps, "terminated": over}
+        if ended is not None or truncated:  # `truncated` may come from a wrapper, unseen by the environment
+            if not adds_episode(self):
+                info["episode"] = ended or driver.played.statistics(driver.core)
+            driver.ended = None
+        return info

@@ -6,16 +6,13 @@ each life; this is `life_loss_info` of ale-py's vector environment.
 
 from typing import Any
 
-import gymnasium
-from gymnasium.utils import RecordConstructorArgs
-
 from atari.env.episode_env import EpisodeEnv
-from atari.env.restorable import Restorable, layers
+from atari.env.restorable import RestorableWrapper, layers
 from atari.wrappers._checks import Environment, require_atari
 from atari.wrappers.episodic_life import EpisodicLife
 
 
-class LifeLossInfo(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class LifeLossInfo(RestorableWrapper):
     """Report a lost life as `terminated`. The next step continues the game; only a reset begins a new one.
 
     The lives after a step are compared with the lives before it. Put it outside a frame skip, and leave `EpisodicLife`
@@ -48,12 +45,11 @@ class LifeLossInfo(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
     def __init__(self, env: Environment, *, last_life: bool = False) -> None:
         self._atari = require_atari(env, "LifeLossInfo")
         if any(
-            isinstance(layer, EpisodicLife) or (isinstance(layer, EpisodeEnv) and layer.ends_at_lives)
+            isinstance(layer, EpisodicLife) or (isinstance(layer, EpisodeEnv) and layer.preprocessing.episodic_life)
             for layer in layers(env)
         ):
             raise ValueError("an inner EpisodicLife ends the episodes that LifeLossInfo lets go on; leave one out")
-        RecordConstructorArgs.__init__(self, last_life=last_life)
-        super().__init__(env)
+        super().__init__(env, last_life=last_life)
         self._last_life = last_life
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:

@@ -6,18 +6,15 @@ The console starts every game in the same state; a few idle frames make the star
 
 from typing import Any
 
-import gymnasium
-from gymnasium.utils import RecordConstructorArgs
-
 from atari.base.validation import check_integer
 from atari.env.env import options_of_reset
 from atari.env.episode_env import EpisodeEnv
-from atari.env.restorable import Restorable, layers
+from atari.env.restorable import RestorableWrapper, layers
 from atari.wrappers._checks import Environment, begin_meanings, draw, step_named
 from atari.wrappers.fire_reset import FireReset
 
 
-class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class NoopReset(RestorableWrapper):
     """After a reset, play between `noop_min` and `noop_max` steps of NOOP.
 
     The number is drawn from `env.unwrapped.np_random` as in Gymnasium's and Stable-Baselines3's wrappers, so equal
@@ -57,14 +54,11 @@ class NoopReset(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstru
         noop_max = check_integer("noop_max", noop_max, 0, 1_000_000)
         noop_min = min(noop_min, noop_max) if noop_max == 0 else check_integer("noop_min", noop_min, 0, noop_max)
         if not fire_again and not any(
-            isinstance(layer, FireReset) or (isinstance(layer, EpisodeEnv) and layer.presses_fire)
+            isinstance(layer, FireReset) or (isinstance(layer, EpisodeEnv) and layer.preprocessing.fire != "never")
             for layer in layers(env)
         ):
             raise ValueError("fire_again=False is about an inner FireReset, and there is none; leave it out")
-        RecordConstructorArgs.__init__(
-            self, noop_max=noop_max, noop_min=noop_min, fire_counts=fire_counts, fire_again=fire_again
-        )
-        super().__init__(env)
+        super().__init__(env, noop_max=noop_max, noop_min=noop_min, fire_counts=fire_counts, fire_again=fire_again)
         self.noop_max, self.noop_min = noop_max, noop_min
         self._fire_again = fire_again
         self._fires = int(fire_counts and "FIRE" in begin_meanings(env))

@@ -4,13 +4,11 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.cores import ByteArray
 from atari.env.episode_env import EpisodeEnv
-from atari.env.restorable import Restorable, State, layers, warn_of_restore
+from atari.env.restorable import RestorableWrapper, State, layers
 from atari.task.fields import CHECKS
 from atari.wrappers._checks import Environment, draw, require_atari
 from atari.wrappers.dqn_preprocessing import DqnPreprocessing
@@ -18,10 +16,10 @@ from atari.wrappers.dqn_preprocessing import DqnPreprocessing
 _CHECK: Any = CHECKS["observation_delay"]
 
 FrameArrays = dict[str, ByteArray]
-"""What a core's methods of these names returned after a frame."""
+"""Arrays of a core after a frame, by the name of the method."""
 
 
-class ObservationDelay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class ObservationDelay(RestorableWrapper):
     """Observations are made of the screen, or of RAM and sound, of `delay` frames ago.
 
     Frames are the emulator's, also inside a frame skip. The wrappers inside apply their rules to the frames that have
@@ -64,8 +62,7 @@ class ObservationDelay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
                 )
             if isinstance(layer, ObservationDelay):
                 raise ValueError("the environment has an ObservationDelay already; use one with the sum of both delays")
-        RecordConstructorArgs.__init__(self, delay=list(delay) if isinstance(delay, tuple) else delay)
-        super().__init__(env)
+        super().__init__(env, delay=list(delay) if isinstance(delay, tuple) else delay)
         self._range: tuple[int, int] = delay if isinstance(delay, tuple) else (delay, delay)
         self._skip = next((layer for layer in layers(env) if isinstance(layer, DqnPreprocessing)), None)
         shown = "screen" if self._skip is not None else self._atari.task.kind.method
@@ -89,8 +86,7 @@ class ObservationDelay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
 
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step; the observation is made of the frames that have arrived."""
-        if self._atari.driver.restored:
-            warn_of_restore(self.env, "ObservationDelay")
+        self._warn_if_restored()
         result: tuple[Any, Any, bool, bool, dict[str, Any]] = self._watched(lambda: self.env.step(action))
         return result
 
@@ -105,7 +101,7 @@ class ObservationDelay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], Record
             self._line.append(self._read())
 
     def arrived(self, name: str) -> ByteArray:
-        """What a core's method of this name returned after the frame that has arrived.
+        """The array of a core's method after the frame that has arrived.
 
         In a reset that is the present frame, unless the reset goes on with the stack or plays no frame.
         """

@@ -121,7 +121,6 @@ def preset_options(name: str) -> dict[str, Any]:
 
 
 def _require_options(atari: AtariEnv, name: str) -> None:
-    """Raise an error for an environment that does not fit a preset."""
     chosen, wanted = find_preset(name), preset_options(name)
     minimal, full = atari.game.minimal_actions, atari.game.legal_actions
     fits = {

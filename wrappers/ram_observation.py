@@ -5,13 +5,12 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.utils import RecordConstructorArgs
 
-from atari.env.restorable import Restorable
+from atari.env.restorable import RestorableWrapper
 from atari.wrappers._checks import Environment, require_atari
 
 
-class RamObservation(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
+class RamObservation(RestorableWrapper, gymnasium.ObservationWrapper[Any, Any, Any]):
     """Observations become `{"image": the pixels, "ram": (128,) uint8}`.
 
     The RAM is read at the time of the observation. With `sound_obs`, "ram" joins "image" and "sound". Put it outside
@@ -34,7 +33,6 @@ class RamObservation(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], Re
         ram = spaces.Box(0, 255, (128,), np.uint8)
         if env.observation_space == ram:
             raise ValueError("the observations are RAM already; make the environment with obs_type='rgb' to have both")
-        RecordConstructorArgs.__init__(self)
         super().__init__(env)
         space = env.observation_space
         self._with_sound = isinstance(space, spaces.Dict)

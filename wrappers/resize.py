@@ -6,15 +6,14 @@ import cv2
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.base.validation import check_integer
 from atari.cores import ByteArray
-from atari.env.restorable import Restorable
+from atari.env.restorable import RestorableWrapper
 from atari.wrappers._checks import Environment, require_image, require_pixels
 
 
-class Resize(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordConstructorArgs):
+class Resize(RestorableWrapper, gymnasium.ObservationWrapper[Any, Any, Any]):
     """Scale images to `shape` by averaging areas (OpenCV's INTER_AREA).
 
     It equals Gymnasium's `ResizeObservation`, which cannot be pickled.
@@ -38,8 +37,7 @@ class Resize(Restorable, gymnasium.ObservationWrapper[Any, Any, Any], RecordCons
         if not isinstance(shape, (tuple, list)) or len(shape) != 2:
             raise TypeError(f"shape must be two integers (rows, columns), got {shape!r}")
         rows, columns = (check_integer("shape", length, 1, 10_000) for length in shape)
-        RecordConstructorArgs.__init__(self, shape=(rows, columns))
-        super().__init__(env)
+        super().__init__(env, shape=(rows, columns))
         self._size = columns, rows
         self._shape = (rows, columns, *self._source[2:])
         self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)

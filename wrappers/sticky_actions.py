@@ -7,18 +7,16 @@ Learning Environment", section 5). `AtariEnv` does it inside the emulator, frame
 
 from typing import Any
 
-import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.base.validation import check_action_index, check_probability
 from atari.env import AtariEnv
-from atari.env.restorable import Restorable, State, warn_of_restore
+from atari.env.restorable import RestorableWrapper, State
 from atari.wrappers._checks import Environment, action_meanings, noop_action
 
 
-class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class StickyActions(RestorableWrapper):
     """With some probability, play the action of the previous step again.
 
     An episode starts with NOOP as the previous action. One number is drawn from `np_random` each step. If no inner
@@ -53,10 +51,8 @@ class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCon
                 "StickyActions starts an episode with NOOP, which is no action of this game; make the environment with "
                 "full_action_space=True, or with repeat_action_probability instead of this wrapper"
             )
-        RecordConstructorArgs.__init__(self, repeat_action_probability=repeat_action_probability)
-        super().__init__(env)
+        super().__init__(env, repeat_action_probability=repeat_action_probability)
         self._probability = repeat_action_probability
-        self._atari = inner if isinstance(inner, AtariEnv) else None
         self._action = noop_action(env)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
@@ -75,8 +71,7 @@ class StickyActions(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCon
             check_action_index(action, int(space.n), "StickyActions")
         elif np.shape(action) != space.shape:
             raise TypeError(f"an action is an array of shape {space.shape}, got {action!r}")
-        if self._atari is not None and self._atari.driver.restored:
-            warn_of_restore(self.env, "StickyActions")
+        self._warn_if_restored()
         if self.np_random.random() < self._probability:
             action = self._action
         result = self.env.step(action)

@@ -13,7 +13,9 @@ from io import FileIO
 from pathlib import Path
 from typing import BinaryIO
 
-_NEW = os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
+_NO_LINK = getattr(os, "O_NOFOLLOW", 0)
+_PLAIN = os.O_CREAT | getattr(os, "O_BINARY", 0) | _NO_LINK
+_NEW = os.O_WRONLY | os.O_EXCL | _PLAIN
 
 
 def write(file: int, data: bytes | memoryview) -> int:
@@ -115,7 +117,7 @@ def begin(path: Path) -> Path:
     check_target(path)
     with _successor(path) as part:
         remove(part)  # if it is a link, its target does not change
-        os.close(os.open(part, os.O_WRONLY | _NEW, 0o666))
+        os.close(os.open(part, _NEW, 0o666))
     return part
 
 
@@ -133,7 +135,7 @@ def write_part(path: Path, data: bytes, *, lasting: bool = True) -> Path:
     check_target(path)
     with _successor(path) as part:
         remove(part)
-        file = os.open(part, os.O_WRONLY | _NEW, 0o666)
+        file = os.open(part, _NEW, 0o666)
         try:
             left = memoryview(data)
             while left:
@@ -179,7 +181,7 @@ def replacing(path: Path) -> Iterator[Path]:
     begin(path)
     with _successor(path) as part:
         yield part
-        file = os.open(part, os.O_RDWR | getattr(os, "O_NOFOLLOW", 0))
+        file = os.open(part, os.O_RDWR | _NO_LINK)
         try:
             sync(file)
         finally:
@@ -223,8 +225,7 @@ def open_to_append(path: Path) -> int:
     Raises:
         OSError: the file cannot be opened, or is a symbolic link.
     """
-    flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
-    return os.open(path, flags, 0o666)
+    return os.open(path, os.O_WRONLY | os.O_APPEND | _PLAIN, 0o666)
 
 
 def lock_file(path: Path, in_use: str) -> BinaryIO:
@@ -234,8 +235,7 @@ def lock_file(path: Path, in_use: str) -> BinaryIO:
         BlockingIOError: see `lock`.
         OSError: the file is a symbolic link, or the folder is read-only.
     """
-    flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
-    file = os.fdopen(os.open(path, flags, 0o666), "r+b", buffering=0)
+    file = os.fdopen(os.open(path, os.O_RDWR | _PLAIN, 0o666), "r+b", buffering=0)
     try:
         lock(file, in_use)
     except BaseException:

@@ -140,7 +140,6 @@ def _float(digits: str) -> float:
 
 
 def _check_texts(value: Any, most: int) -> None:
-    """Check all texts of a value, keys included."""
     if isinstance(value, str):
         check_text(value, "a text", most)
     elif isinstance(value, dict):

@@ -199,30 +199,6 @@ class _OutputError(Exception):
         self.error = error
 
 
-class _Output:
-    """Stdout, with control characters as escapes: texts of files and names of files cannot steer a terminal."""
-
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
-
-    def write(self, text: str) -> int:
-        """Write a text."""
-        try:
-            return self._stream.write(_escaped(text))
-        except OSError as error:
-            raise _OutputError(error) from None
-
-    def flush(self) -> None:
-        """Write what is buffered."""
-        try:
-            self._stream.flush()
-        except OSError as error:
-            raise _OutputError(error) from None
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._stream, name)
-
-
 class _Messages:
     """Stderr; messages that cannot be written are dropped, because there is no place to report it."""
 
@@ -233,19 +209,33 @@ class _Messages:
         """Write a text."""
         try:
             return self._stream.write(text)
-        except OSError:
-            _abandon(2, self._stream)
+        except OSError as error:
+            self._fail(error)
             return len(text)
 
     def flush(self) -> None:
         """Write what is buffered."""
         try:
             self._stream.flush()
-        except OSError:
-            _abandon(2, self._stream)
+        except OSError as error:
+            self._fail(error)
+
+    def _fail(self, error: OSError) -> None:
+        _abandon(2, self._stream)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._stream, name)
+
+
+class _Output(_Messages):
+    """Stdout, with control characters as escapes: texts of files and names of files cannot steer a terminal."""
+
+    def write(self, text: str) -> int:
+        """Write a text."""
+        return super().write(_escaped(text))
+
+    def _fail(self, error: OSError) -> None:
+        raise _OutputError(error) from None
 
 
 def _abandon(number: int, stream: TextIO) -> None:

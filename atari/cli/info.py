@@ -11,13 +11,13 @@ from atari.base.text_table import fact_lines
 from atari.base.typed_table import check_type
 from atari.cli.arguments import GAME_HELP, Commands, add_command
 from atari.cli.printing import print_json, print_table, to_json_types
+from atari.env.settings import observation_space
 from atari.games.catalog import games
 from atari.games.game import Controllers, Game
 from atari.games.manual import Manual
 from atari.games.multiplayer import Multiplayer
 from atari.games.pettingzoo import ENVIRONMENTS
 from atari.games.rules import Rules
-from atari.observations.settings import observation_space
 from atari.recording import video_facts
 from atari.recording.video.formats import FORMATS
 from atari.registry import registration

@@ -257,7 +257,6 @@ class Driver(AleGame):
         self.restored = True
 
     def _count(self, reward: float) -> None:
-        """Count a reward, and check whether the game has ended."""
         if reward:
             self.played.score += reward
             self.played.rewards += 1

@@ -23,10 +23,10 @@ from atari.cores.ale_interface import AleInterface
 from atari.cores.options import check_difficulty, check_mode
 from atari.env.driver import Driver
 from atari.env.rendering import Window
+from atari.env.settings import observation_space, pixel_format
 from atari.env.state import EnvState
 from atari.games.actions import PLAYER_ACTIONS, Action, make_action_space
 from atari.games.interventions import Intervention
-from atari.observations.settings import observation_space, pixel_format
 from atari.roms import find
 from atari.task import Task
 from atari.task.fields import UNSET, AddedOptions, Interventions
@@ -104,8 +104,7 @@ class AtariEnv(EnvState):
         **options: Unpack[AddedOptions],
     ) -> None:
         named = {name: value for name, value in locals().items() if name in ALE_OPTIONS and value is not UNSET}
-        others = ("render_mode", "core", "rom")
-        task = look_up(game).task(None, {**named, **options}, _BASE, owner="AtariEnv", others=others)
+        task = look_up(game).task(None, {**named, **options}, _BASE, owner="AtariEnv", others=_OTHERS)
         _require_no_wrappers(task)
         check_name("core", core, CORES)
         if render_mode is not None:
@@ -125,7 +124,6 @@ class AtariEnv(EnvState):
                 setattr(cls, other, vars(cls)[name])
 
     def _begin(self, task: Task, render_mode: RenderMode | None, core: str, rom: str | PathLike[str] | None) -> None:
-        """Make the core and the spaces."""
         self._made_with = {"task": task, "render_mode": render_mode, "core": core, "rom": rom}
         self._task = self.whole_task = task
         self.game = task.definition
@@ -404,14 +402,10 @@ _IN_ONE_CALL = (NativeCore, PlainCore)
 _BASE = {"max_num_frames_per_episode": None}
 """The fields in which a game's name differs from its v5 ID, as in ale-py."""
 
-ALE_OPTIONS = frozenset(inspect.signature(AtariEnv.__init__).parameters) - {
-    "self",
-    "game",
-    "render_mode",
-    "core",
-    "rom",
-    "options",
-}
+_OTHERS = ("render_mode", "core", "rom")
+"""The options that are no fields of a task."""
+
+ALE_OPTIONS = frozenset(inspect.signature(AtariEnv.__init__).parameters) - {"self", "game", "options", *_OTHERS}
 """The options of an `AtariEnv` by ale-py's names, and `interventions`."""
 
 
@@ -441,7 +435,6 @@ def check_reset_options(options: Any) -> None:
 
 
 def _require_no_wrappers(task: Task) -> None:
-    """Refuse what an `AtariEnv` does not play alone."""
     if task.players > 1:
         raise ValueError(
             f"AtariEnv is for one player, got players={task.players}; "

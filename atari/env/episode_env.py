@@ -7,10 +7,8 @@ lane of `AtariVectorEnv` does, on the `AtariEnv`'s own core. The nested wrappers
 from collections.abc import Sequence
 from typing import Any
 
-import gymnasium
 import numpy as np
 from gymnasium import logger
-from gymnasium.utils import RecordConstructorArgs
 from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker
 
 import atari._emulator as _emulator
@@ -18,8 +16,8 @@ from atari.base.gymnasium_versions import adds_episode
 from atari.base.validation import check_integer
 from atari.cores.ale_random import AleRandom
 from atari.env.env import AtariEnv, options_of_reset
-from atari.env.restorable import Environment, Restorable, State, layers, warn_of_restore
-from atari.observations.settings import make_episode, observation_space
+from atari.env.restorable import Environment, RestorableWrapper, State, layers, warn_of_restore
+from atari.env.settings import make_episode, observation_space
 from atari.task import Task
 
 STEPS_WITHOUT_PROGRESS = 2250  # 9,000 frames, two and a half minutes of play
@@ -27,7 +25,7 @@ STEPS_WITHOUT_PROGRESS = 2250  # 9,000 frames, two and a half minutes of play
 Result = tuple[Any, float, bool, bool, dict[str, Any]]
 
 
-class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class EpisodeEnv(RestorableWrapper):
     """A task's preprocessing around an `AtariEnv`; `atari.make` returns it for every preset.
 
     Observations, rewards, ends and `info` are described in `atari.Task` and `atari.wrappers.preset`.
@@ -52,10 +50,10 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
 
     def __init__(self, env: Environment, task: Task | str) -> None:
         task = Task.from_json(task) if isinstance(task, str) else task
-        RecordConstructorArgs.__init__(self, task=_recorded(task))
-        super().__init__(env)
+        super().__init__(env, task=_recorded(task))
         self._atari: AtariEnv = env.unwrapped  # type: ignore[assignment]  # as `can_play` says
-        self._task = task
+        self.preprocessing = task
+        """The task whose preprocessing this object plays."""
         self.frame_skip = task.frameskip
         if task.seeding == "ale":  # the AtariEnv keeps the generator, for its snapshots and copies
             self._atari.driver.ale_random = AleRandom()
@@ -77,11 +75,11 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
             gymnasium.error.Error: the seed is no integer of 0 or more.
             TypeError, ValueError: there is no such option, or a value is out of range; nothing is reset.
         """
-        rest = options_of_reset(options)
-        noops = rest.pop("noops", None) if self._task.noops[1] or self._task.seeding == "ale" else None
+        task, rest = self.preprocessing, options_of_reset(options)
+        noops = rest.pop("noops", None) if task.noops[1] or task.seeding == "ale" else None
         if noops is not None:
             noops = check_integer("noops", noops, 0, 1_000_000)
-        fire = bool(rest.pop("fire", True)) if self.presses_fire else True
+        fire = bool(rest.pop("fire", True)) if task.fire != "never" else True
         new_game = self._atari.reopen() or seed is not None or bool(rest.get("new_game"))
         begun: dict[str, Any] = {}
 
@@ -91,13 +89,9 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
             return self._atari.driver.core
 
         driver, before = self._atari.driver, self._episode.score
+        on_frame = self._frame_played if driver.observers or self._shows else None
         observation, info = self._episode.reset(
-            driver.core,
-            begin,
-            new_game=new_game,
-            noops=noops,
-            fire=fire,
-            on_frame=self._frame_played if driver.observers or self._shows else None,
+            driver.core, begin, new_game=new_game, noops=noops, fire=fire, on_frame=on_frame
         )
         self._count(self._episode.score - (0 if begun else before))
         return observation, self._finished({**begun, **info})
@@ -111,7 +105,7 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
         """
         driver = self._atari.driver
         if driver.restored:
-            warn_of_restore(self.env, "EpisodeEnv")
+            warn_of_restore(self._atari, "EpisodeEnv")
         number, strength = driver.ale_action(action)
         was_over = driver.phase != "playing" and driver.check_phase()
         on_frame = self._frame_played if driver.observers or self._shows else None
@@ -135,21 +129,6 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
             self._finished(info)
         return result
 
-    @property
-    def ends_at_lives(self) -> bool:
-        """Whether a lost life ends an episode."""
-        return self._task.episodic_life
-
-    @property
-    def presses_fire(self) -> bool:
-        """Whether an episode begins with FIRE, in games that have it."""
-        return self._task.fire != "never"
-
-    @property
-    def changes_reward(self) -> bool:
-        """Whether rewards are not the game's."""
-        return self._task.reward is not None or self._task.reward_clipping
-
     def _frame_played(self, action: int, reward: int) -> None:
         for observer in self._atari.driver.observers:
             observer.frame_played(action, reward)
@@ -157,7 +136,6 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
             self._atari.show()
 
     def _count(self, reward: float) -> None:
-        """Count a reward in the record of the game."""
         game = self._atari.driver.played
         game.score += reward
         game.rewards += bool(reward)
@@ -172,18 +150,14 @@ class EpisodeEnv(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstr
         return info
 
     def _make_episode(self) -> _emulator.Episode:
-        atari, task = self._atari, self._task
-        return make_episode(
-            task,
-            begin_actions=atari.task.begin_actions,
-            stacked=task.stack_num is not None,
-            draw=atari.driver.draw,
-        )
+        task, inner = self.preprocessing, self._atari
+        stacked = task.stack_num is not None
+        return make_episode(task, begin_actions=inner.task.begin_actions, stacked=stacked, draw=inner.driver.draw)
 
     @property
     def snapshot_arguments(self) -> dict[str, Any]:
         """The arguments that a snapshot must have in common with this wrapper, beside the task's fields."""
-        return {"images": self._task.kind.image or self._task.obs_type}
+        return {"images": self.preprocessing.kind.image or self.preprocessing.obs_type}
 
     def _save_state(self) -> State:
         return {"episode": np.frombuffer(self._episode.save(), np.uint8)}

@@ -8,7 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 
-from atari.base.extras import install_extra
+from atari.base.extras import import_extra, install_extra
 from atari.cores.core import ByteArray
 from atari.games.game import Game
 
@@ -40,13 +40,7 @@ def import_pygame(use: str, instead: str) -> Any:
         gymnasium.error.DependencyNotInstalled: it is not installed; the message names the extra.
     """
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
-    try:
-        import pygame
-    except ImportError:
-        raise gymnasium.error.DependencyNotInstalled(
-            f"{use} needs pygame-ce: {install_extra('play')}; {instead}"
-        ) from None
-    return pygame
+    return import_extra("pygame", f"{use} needs pygame-ce: {install_extra('play')}; {instead}")
 
 
 def open_display(pygame: Any) -> None:

@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 import gymnasium
 import numpy as np
 from gymnasium import logger, wrappers
+from gymnasium.utils import RecordConstructorArgs
 from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker, TimeLimit
 
 from atari.cores import snapshot
@@ -114,6 +115,19 @@ class Restorable:
         return dict(state)
 
 
+class RestorableWrapper(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+    """A wrapper that the environment's spec makes again, from `arguments`."""
+
+    def __init__(self, env: Environment, **arguments: Any) -> None:
+        RecordConstructorArgs.__init__(self, **arguments)
+        super().__init__(env)
+
+    def _warn_if_restored(self) -> None:
+        inner = self.unwrapped
+        if isinstance(inner, AtariEnv) and inner.driver.restored:
+            warn_of_restore(inner, type(self).__name__)
+
+
 def layers(env: Environment) -> Iterator[Environment]:
     """The environment and everything that it wraps, from the outside in."""
     while isinstance(env, gymnasium.Wrapper):
@@ -122,9 +136,9 @@ def layers(env: Environment) -> Iterator[Environment]:
     yield env
 
 
-def warn_of_restore(env: Environment, wrapper: str) -> None:
-    """Warn that the `AtariEnv` was restored, but not the wrapper around it."""
-    env.unwrapped.driver.restored = False  # type: ignore[attr-defined]  # an AtariEnv's
+def warn_of_restore(env: AtariEnv, wrapper: str) -> None:
+    """Warn that an `AtariEnv` was restored, but not the wrapper around it."""
+    env.driver.restored = False
     logger.warn(
         f"the AtariEnv in {wrapper} was restored without its wrappers, whose frames, lives and counters may be of "
         "another state; use snapshot() and restore() of the outermost wrapper, or call reset()"
@@ -160,7 +174,6 @@ def _stateful(env: Environment) -> Iterator[Environment]:
 
 
 def _identity(layer: Environment) -> dict[str, Any]:
-    """The class and the arguments of a wrapper, as JSON has them."""
     arguments: Any = layer.snapshot_arguments if isinstance(layer, Restorable) else layer._saved_kwargs  # type: ignore[attr-defined]
     return {"wrapper": type(layer).__name__, "arguments": json.loads(json.dumps(arguments))}
 
@@ -231,7 +244,6 @@ def _state(layer: Environment, number: int, scalars: dict[str, Any], blobs: Mapp
 
 
 def _array(blob: bytes, like: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-    """The array of a blob, with the shape and the dtype of `like`."""
     unpacker = zlib.decompressobj()
     try:
         data = unpacker.decompress(blob, like.nbytes + 1)

@@ -136,7 +136,6 @@ class EnvState(gymnasium.Env[Any, Any]):
         return data if facts.items() >= made.items() else snapshot.pack({**facts, **made}, blobs)
 
     def _continue(self, facts: Mapping[str, Any], blobs: Mapping[str, bytes], own_blobs: Mapping[str, bytes]) -> None:
-        """Continue from the facts and blobs of a snapshot of the same task."""
         snapshot.require_blobs(blobs, "core", *own_blobs)
         phase: Any = facts.get("phase")
         if phase not in get_args(Phase):
@@ -205,7 +204,6 @@ class EnvState(gymnasium.Env[Any, Any]):
 
 
 def _read_game(values: Any) -> Played:
-    """The counts of a game in a snapshot."""
     kinds = [type(value) for value in values] if isinstance(values, list) else []
     if kinds != [float, int, int] or min(values[1:]) < 0:
         raise ValueError(f"the snapshot is damaged: a game's score, steps and first frame cannot be {values!r}")

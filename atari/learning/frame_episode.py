@@ -6,7 +6,7 @@ from typing import Any
 
 import atari._emulator as _emulator
 from atari.cores import ByteArray, Core
-from atari.observations.settings import episode_settings, make_episode
+from atari.env.settings import episode_settings, make_episode
 from atari.task import Task
 
 ReadScreen = Callable[[Core], ByteArray]

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 import torch
 
+from atari.env.settings import image_shape
 from atari.learning.agent import Agent, kept_agent, read_options
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.run_folder import RunFolder
-from atari.observations.settings import image_shape
 from atari.policy import Accepted, ScoresPolicy
 
 

@@ -16,17 +16,17 @@ from typing_extensions import Self
 import atari._emulator as _emulator
 from atari.base.validation import check_integer, check_known, check_name
 from atari.cores import snapshot
+from atari.env.settings import make_episode
 from atari.games.actions import PLAYER_ACTIONS
 from atari.multiplayer.ale import Console, MultiplayerAle
 from atari.multiplayer.core import OF_CORE, OWN_OPTIONS, REFERENCES, MultiplayerCore
 from atari.multiplayer.names import OBS_TYPES, PettingZooNames
 from atari.multiplayer.resolution import resolve_several
-from atari.observations.layout import Layout
-from atari.observations.settings import make_episode
 from atari.task import Task
 from atari.task.checks import NO_LIMIT
 from atari.task.json_form import identity, require_same
 from atari.task.task import GameLike
+from atari.vector.layout import Layout
 from atari.vector.results import indexed, zero_sum
 from atari.vector.seeds import words_of
 

@@ -9,7 +9,6 @@ from typing import Any
 from atari.base.validation import check_known
 from atari.games.game import Game
 from atari.games.players import rules_of
-from atari.observations.layout import Layout
 from atari.task import Task
 from atari.task.fields import DEFAULTS, FIELDS, GROUPS
 from atari.task.resolution import ALIASES, OPTIONS
@@ -17,6 +16,7 @@ from atari.task.rules import default_ineffective
 from atari.task.task import FoundGame
 from atari.vector import AtariVectorEnv
 from atari.vector.ale_names import NAMES
+from atari.vector.layout import Layout
 from atari.vector.options import task_of_lane
 
 _LAYOUT = ("channels_last", "dtype", "rom")

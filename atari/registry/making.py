@@ -2,7 +2,6 @@
 
 import inspect
 from collections.abc import Mapping
-from functools import cache
 from os import PathLike
 from typing import Any
 
@@ -20,8 +19,9 @@ from atari.task.task import FoundGame, GameLike, look_up
 from atari.vector import AtariVectorEnv
 from atari.vector.options import OF_TASKS
 
-_RUN_OPTIONS = ("render_mode", "core", "rom")
-"""Options of an environment that do not change the task."""
+_OF_GYMNASIUM = (name for name in inspect.signature(gymnasium.make).parameters if name not in ("id", "kwargs"))
+_OTHER_OPTIONS = ("render_mode", "core", "rom", *_OF_GYMNASIUM)
+"""Options of an environment that do not change the task, and those of `gymnasium.make`."""
 
 Env = gymnasium.Env[Any, Any]
 
@@ -58,7 +58,7 @@ def make(game_or_id: GameLike, *, preset: str | None = None, **options: Unpack[M
             if preset is not None:
                 raise ValueError(f"a preset is for Atari games, and {env_id!r} is none; make it without {preset=}")
             return gymnasium.make(env_id, **options)
-    known = ("preset", *OPTIONS, *ALIASES, *_RUN_OPTIONS, *_options_of_gymnasium())
+    known = ("preset", *OPTIONS, *ALIASES, *_OTHER_OPTIONS)
     check_known("atari.make", [name for name in options if name not in known], known)
     fields = {name: value for name, value in options.items() if name in OPTIONS or name in ALIASES}
     others = {name: value for name, value in options.items() if name not in fields}
@@ -74,14 +74,8 @@ def make_found(found: FoundGame, task: Task, options: dict[str, Any]) -> Env:
     env_id = None if found.env_id is None else found.env_id.removeprefix(env_ids.MODULE_PREFIX)
     if found.bare and task.definition.file is None:
         env_id = f"ALE/{env_ids.stem(task.game)}-v5"
-    if task.preprocessed:
-        from atari.wrappers.layers import wrap  # it imports OpenCV
-
-        env = wrap(_make_unwrapped(task.emulator_task(), env_id, options), task)
-    else:
-        env = _make_unwrapped(task, env_id, options)
-    env.unwrapped.whole_task = task  # type: ignore[attr-defined]
-    return env
+    inner = task.emulator_task() if task.preprocessed else task
+    return _with_wrappers(_make_unwrapped(inner, env_id, options), task)
 
 
 def _make_unwrapped(task: Task, env_id: str | None, options: dict[str, Any]) -> Env:
@@ -118,14 +112,18 @@ def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str
     """An environment of a task: an `AtariEnv`, with wrappers around it where the task needs them."""
     inner = task.emulator_task() if task.preprocessed else task.replace(max_episode_steps=None)
     env: Env = AtariEnv(inner, render_mode=render_mode, core=core, rom=rom)
+    if not task.preprocessed and task.max_episode_steps is not None:
+        from atari.wrappers.layers import StepLimit  # it imports OpenCV
+
+        env = StepLimit(env, task.max_episode_steps)
+    return _with_wrappers(env, task)
+
+
+def _with_wrappers(env: Env, task: Task) -> Env:
     if task.preprocessed:
         from atari.wrappers.layers import wrap  # it imports OpenCV
 
         env = wrap(env, task)
-    elif task.max_episode_steps is not None:
-        from atari.wrappers.step_limit import StepLimit  # it imports OpenCV
-
-        env = StepLimit(env, task.max_episode_steps)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]
     return env
 
@@ -207,9 +205,3 @@ def given_beside(env_id: str | None, options: Mapping[str, Any]) -> dict[str, An
 def _same(own: Any, value: Any) -> bool:
     """Whether a value is an ID's own. 4.0 and True equal integers, and are checked as the values that they are."""
     return bool(own == value) and (type(own) is type(value) or not isinstance(own, int))
-
-
-@cache
-def _options_of_gymnasium() -> tuple[str, ...]:
-    """The options of `gymnasium.make`."""
-    return tuple(name for name in inspect.signature(gymnasium.make).parameters if name not in ("id", "kwargs"))

@@ -151,7 +151,6 @@ def explain(env_id: str) -> str:
 
 
 def _difference(family: Family, other: Family, game: str) -> str:
-    """The options whose values in `other` differ, as text."""
     words = []
     if other.ram != family.ram:
         words.append("RAM" if other.ram else "RGB screen")

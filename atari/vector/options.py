@@ -18,10 +18,9 @@ from atari.base.gymnasium_versions import AutoresetMode, autoreset_mode
 from atari.base.validation import check_integer, check_known, check_no_name
 from atari.cores.compiled import compiled, compiled_for_players, reward_formula
 from atari.cores.writes import make_writes
+from atari.env.settings import episode_settings, filled, observation_settings, observation_space
 from atari.games.actions import PLAYER_ACTIONS, Action, in_continuous_space, joystick_action, make_action_space
 from atari.games.game import Game
-from atari.observations.layout import Layout
-from atari.observations.settings import episode_settings, filled, observation_settings, observation_space
 from atari.roms import find
 from atari.roms.image import read_image
 from atari.task import Task
@@ -30,6 +29,7 @@ from atari.task.json_form import identity
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.task.task import FoundGame, GameLike, look_up
 from atari.vector.ale_names import NAMES, ale_defaults, as_task_options
+from atari.vector.layout import Layout
 
 _INT64, _ndarray = np.dtype(np.int64), np.ndarray  # looked up once, because every step uses them
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 import atari
 import atari._emulator as _emulator
-from atari.observations.settings import observation_settings
+from atari.env.settings import observation_settings
 from atari.recording import Replay
 
 TOP = Path(__file__).resolve().parents[2]

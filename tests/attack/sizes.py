@@ -28,8 +28,8 @@ from guarded import Guards
 
 import atari
 import atari._emulator as _emulator
+from atari.env.settings import filled
 from atari.games.catalog import games
-from atari.observations.settings import filled
 from atari.task.fields import GROUPS
 from atari.task.task import Task
 

@@ -11,7 +11,7 @@ from own_process import run_program
 
 import atari._emulator as _emulator
 from atari.cores import CORES, ByteArray, NativeCore
-from atari.observations.settings import filled
+from atari.env.settings import filled
 
 GRAY, RGB, PAIRS = _emulator.PixelFormat.GRAY, _emulator.PixelFormat.RGB, _emulator.PixelFormat.GRAY_OF_RGB
 ENDS = list(_emulator.EndFrames)
@@ -187,7 +187,7 @@ def test_calls_in_any_order_with_any_core_crash_nothing() -> None:
         import gc, numpy as np
         import atari._emulator as _emulator
         from atari.cores import NativeCore
-        from atari.observations.settings import filled
+        from atari.env.settings import filled
         random = np.random.default_rng(0)
         for ends in _emulator.EndFrames:
             for pixels in list(_emulator.PixelFormat)[1:]:

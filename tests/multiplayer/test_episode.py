@@ -11,8 +11,8 @@ import atari._emulator as _emulator
 from atari import Task
 from atari.cores import NativeCore
 from atari.cores.compiled import reward_formula
+from atari.env.settings import filled_by_name, make_episode, observation_settings
 from atari.multiplayer import MultiplayerCore
-from atari.observations.settings import filled_by_name, make_episode, observation_settings
 
 FOUR: dict[str, Any] = {"game": "warlords", "players": 4, "obs_type": "ram", "frameskip": 1, "reward_clipping": False}
 SEED = [5, 1, 2, 3, 4, 5, 6, 7, 8]

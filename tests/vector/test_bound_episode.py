@@ -16,7 +16,7 @@ from tasks import nested
 import atari
 import atari._emulator as _emulator
 from atari.cores import AleCore, NativeCore
-from atari.observations.settings import make_episode
+from atari.env.settings import make_episode
 from atari.task import Task
 from atari.vector.seeds import seed_words
 

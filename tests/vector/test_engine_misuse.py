@@ -6,7 +6,7 @@ SETUP = """
 import sys, numpy as np, atari
 import atari._emulator as _emulator
 from atari.vector.results import Results
-from atari.observations.settings import filled
+from atari.env.settings import filled
 
 def make(num_envs=4, **options):
     envs = atari.AtariVectorEnv("pong", num_envs, **options)

@@ -8,7 +8,7 @@ import pytest
 
 import atari
 import atari._emulator as _emulator
-from atari.observations.settings import episode_settings, filled_by_name
+from atari.env.settings import episode_settings, filled_by_name
 from atari.task import Task
 from atari.task.fields import FIELDS
 from atari.task.task import look_up

@@ -15,8 +15,7 @@ from atari import AtariEnv, AtariVectorEnv
 from atari.cores import snapshot
 from atari.cores.ale_random import AleRandom
 from atari.wrappers import DqnPreprocessing, NoopReset
-from atari.wrappers._ale_seeding import AleSeeding
-from atari.wrappers.layers import wrap
+from atari.wrappers.layers import AleSeeding, wrap
 
 INFO = ("lives", "episode_frame_number", "frame_number")
 

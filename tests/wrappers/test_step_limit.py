@@ -3,7 +3,7 @@ import pytest
 from gymnasium.wrappers import TimeLimit
 
 from atari.wrappers import DqnPreprocessing, FrameStack
-from atari.wrappers.step_limit import StepLimit
+from atari.wrappers.layers import StepLimit
 
 
 def ends(env, steps):

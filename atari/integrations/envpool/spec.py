@@ -14,9 +14,9 @@ import numpy as np
 
 from atari.base.extras import import_extra, pip_install
 from atari.base.validation import check_integer
+from atari.env.settings import image_shape
 from atari.games.catalog import playable_ids
 from atari.integrations.envpool.arrays import ArraySpec, action_arrays, state_arrays
-from atari.observations.settings import image_shape
 from atari.task import Task
 from atari.task.checks import check_bool
 from atari.task.env_ids import stem

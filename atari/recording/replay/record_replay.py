@@ -13,8 +13,8 @@ from atari.base.validation import check_arguments, check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.env import AtariEnv
 from atari.env.restorable import Restorable
+from atari.env.settings import make_episode
 from atari.multiplayer.core import MultiplayerCore
-from atari.observations.settings import make_episode
 from atari.recording.recordable import not_recorded, recorded_vector
 from atari.recording.replay.events import Kind
 from atari.recording.replay.players import RecordMatch

@@ -1,1 +1,0 @@
-"""From frames to observations, for every core: settings of the C++ pipeline, axes and dtype."""
