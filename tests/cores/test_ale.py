@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import ale_py
 import numpy as np
@@ -11,6 +12,8 @@ from core_tools import play, some_actions, unchanged, visible
 
 import atari
 from atari.cores import AleCore
+
+ROMS = Path(ale_py.__file__).parent / "roms"
 
 
 class TestAleCore(CoreContract):
@@ -99,32 +102,29 @@ def test_a_reset_makes_it_small_again() -> None:
     assert len(core.snapshot()) < long - 1500
 
 
-def test_a_rom_path_that_is_a_folder_raises(tmp_path: Path) -> None:
-    with pytest.raises(IsADirectoryError):
-        AleCore("breakout", rom=tmp_path)
-
-
-def test_a_rom_path_that_does_not_exist_raises(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        AleCore("breakout", rom=tmp_path / "breakout.bin")
-
-
-@pytest.mark.parametrize("content", [b"", b"\0" * 2048, b"x" * 2**20])
-def test_a_rom_of_another_content_raises(tmp_path: Path, content: bytes) -> None:
-    (tmp_path / "breakout.bin").write_bytes(content)
-    with pytest.raises(ValueError, match="breakout"):
-        AleCore("breakout", rom=tmp_path / "breakout.bin")
-
-
-def test_the_rom_of_another_game_raises() -> None:
-    with pytest.raises(ValueError, match="Pong"):
-        AleCore("breakout", rom=Path(ale_py.__file__).parent / "roms" / "pong.bin")
+@pytest.mark.parametrize(
+    ("game", "rom", "error", "text"),
+    [
+        ("breakout", ".", IsADirectoryError, "is a folder"),
+        ("breakout", "breakout.bin", FileNotFoundError, "there is no file"),
+        *(("breakout", content, ValueError, "breakout") for content in (b"", b"\0" * 2048, b"x" * 2**20)),
+        ("breakout", ROMS / "pong.bin", ValueError, "Pong"),
+        ("warlords", None, ValueError, "'warlords' is a two-player cartridge without single-player rules"),
+        (replace(atari.games["breakout"], id="mine"), None, ValueError, "ale-py has only its own games, not 'mine'"),
+    ],
+)
+def test_a_game_that_cannot_be_played_is_refused(tmp_path: Path, game: Any, rom: Any, error: Any, text: str) -> None:
+    if isinstance(rom, bytes):
+        (tmp_path / "breakout.bin").write_bytes(rom)
+        rom = "breakout.bin"
+    with pytest.raises(error, match=text):
+        AleCore(game, rom=None if rom is None else tmp_path / rom)
 
 
 def test_a_rom_file_that_goes_away_raises_at_the_next_seed(tmp_path: Path) -> None:
     """A seed makes ale-py read the file again, and it would end the process."""
     copy = tmp_path / "breakout.bin"
-    copy.write_bytes((Path(ale_py.__file__).parent / "roms" / "breakout.bin").read_bytes())
+    copy.write_bytes((ROMS / "breakout.bin").read_bytes())
     core = AleCore("breakout", rom=copy)
     core.reset()
     saved = core.snapshot()
@@ -150,16 +150,6 @@ def test_a_seed_before_the_first_use_loads_the_game_once(monkeypatch: pytest.Mon
 def test_a_rom_of_any_file_name_is_played(tmp_path: Path) -> None:
     """ale-py chooses the rules by the file name; the core does not."""
     copy = tmp_path / "game (1978).a26"
-    copy.write_bytes((Path(ale_py.__file__).parent / "roms" / "breakout.bin").read_bytes())
+    copy.write_bytes((ROMS / "breakout.bin").read_bytes())
     core, usual = AleCore("breakout", rom=copy), AleCore("breakout")
     assert play(core, [1, 3, 3, 0] * 10) == play(usual, [1, 3, 3, 0] * 10)
-
-
-def test_a_two_player_cartridge_is_refused() -> None:
-    with pytest.raises(ValueError, match="'warlords' is a two-player cartridge without single-player rules"):
-        AleCore("warlords")
-
-
-def test_a_game_that_ale_py_does_not_have_is_refused() -> None:
-    with pytest.raises(ValueError, match="ale-py has only its own games, not 'mine'; use core='native'"):
-        AleCore(replace(atari.games["breakout"], id="mine"))

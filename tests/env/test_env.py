@@ -31,12 +31,6 @@ def test_options_and_defaults_are_those_of_ale_py() -> None:
         assert AtariEnv("breakout", **{name: value}).task == AtariEnv("breakout").task, name
 
 
-def test_fields_that_need_wrappers_are_refused() -> None:
-    for field, value in (("noops", (1, 30)), ("stack_num", 4), ("reward_clipping", True), ("max_episode_steps", 9)):
-        with pytest.raises(ValueError, match=f"{field}=.* needs them; use atari.make"):
-            AtariEnv("breakout", **{field: value})
-
-
 @pytest.mark.parametrize(
     ("option", "value", "error", "text"),
     [
@@ -371,13 +365,6 @@ def test_what_is_no_continuous_action_is_refused(action: Any, error: type[Except
     with unchanged(env), pytest.raises(error) as caught:
         env.step(action)
     assert text in str(caught.value)
-
-
-def test_play_frames_is_step_without_observation() -> None:
-    first, second = started("seaquest", seed=1), started("seaquest", seed=1)
-    for action in (1, 2, 17, 5):
-        assert first.driver.play_frames(action, frames=4) == second.step(action)[1]
-    assert first.snapshot() == second.snapshot()
 
 
 # The order of calls.

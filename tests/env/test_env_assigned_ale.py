@@ -7,7 +7,6 @@ from typing import Any
 from unittest import mock
 
 import ale_py.env
-import gymnasium
 import numpy as np
 import pytest
 from env_tools import data_equivalence, needs_new_ale_py
@@ -261,11 +260,6 @@ def test_the_score_begins_anew_when_the_game_is_reset_through_ale() -> None:
     assert env.step(0)[1] == 7
     env.ale.reset_game()
     assert env.driver.played.score == 0
-
-
-def test_before_any_reset_a_step_is_refused() -> None:
-    with pytest.raises(gymnasium.error.ResetNeeded):
-        AtariEnv("pong").step(0)
 
 
 @pytest.mark.parametrize("ale", [5, {"act": 1}, object()])

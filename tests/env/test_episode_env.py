@@ -1,7 +1,5 @@
 """`EpisodeEnv`, which `atari.make` returns for presets, beside the nested wrappers: what a user of either could notice."""
 
-import copy
-import pickle
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -83,11 +81,6 @@ def test_it_has_the_spaces_and_attributes_of_the_wrappers() -> None:
             assert type(nests.get_wrapper_attr(name)) is type(one.get_wrapper_attr(name)), name
         assert type(one.unwrapped) is AtariEnv
         assert nests.unwrapped.task == one.unwrapped.task
-
-
-def test_a_second_frame_skip_is_refused() -> None:
-    with pytest.raises(ValueError, match="EpisodeEnv inside it already plays 4 a step"):
-        atari.wrappers.FrameSkip(atari.make("pong", preset="dqn2015", stack_num=None), 4)
 
 
 class Observer:
@@ -213,28 +206,6 @@ def test_the_actions_of_the_environment_may_change() -> None:
     assert play(nests, 50) == play(one, 50)
 
 
-def test_snapshots_copies_and_pickles_continue() -> None:
-    for preset in PRESETS:
-        task = Task.of("breakout", preset=preset, episodic_life=True, reward="reward - lives_lost")
-        env, other = make_env(task), make_env(task)
-        play(env, 45)
-        other.reset(seed=9)
-        copies = [copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
-        other.restore(env.snapshot())  # type: ignore[attr-defined]
-        expected = _continued(env)
-        assert [_continued(each) for each in (*copies, other)] == [expected] * 3
-
-
-def _continued(env: Any) -> list[Any]:
-    numbers, results = np.random.default_rng(2), []
-    for _ in range(40):
-        result = env.step(int(numbers.integers(env.action_space.n)))
-        results.append(shown(result))
-        if result[2] or result[3]:
-            results.append(shown(env.reset()))
-    return results
-
-
 def test_a_snapshot_of_nested_wrappers_is_refused() -> None:
     nests, one = both(Task.of("breakout", preset="dqn2015"))
     for first, second in ((nests, one), (one, nests)):
@@ -260,17 +231,6 @@ def test_a_snapshot_fits_tasks_that_play_alike(options: dict[str, Any], accepted
     else:
         with pytest.raises(ValueError, match="the snapshot was taken with"):
             other.restore(env.snapshot())  # type: ignore[attr-defined]
-
-
-def test_a_warning_after_the_environment_alone_was_restored() -> None:
-    _, env = both(Task.of("breakout", preset="dqn2015"))
-    env.reset(seed=0)
-    env.unwrapped.restore(env.unwrapped.snapshot())
-    with pytest.warns(UserWarning, match="the AtariEnv in EpisodeEnv was restored without its wrappers"):
-        env.step(0)
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        env.step(0)
 
 
 def test_a_game_that_waits_for_fire_gives_a_warning() -> None:
@@ -354,16 +314,6 @@ def test_recorders_of_gymnasium_add_their_own_episode() -> None:
             *_, terminated, truncated, info = recorded.step(1)
             ended, length = terminated or truncated, length + 1
         assert info["episode"]["l"] == length
-
-
-def test_the_spec_makes_the_environment_again() -> None:
-    for env in (atari.make("breakout", preset="dqn2015"), make_env(Task.of("breakout", preset="baselines"))):
-        if env.spec is None:
-            continue
-        again = gymnasium.make(gymnasium.envs.registration.EnvSpec.from_json(env.spec.to_json()))
-        assert any(type(layer) is EpisodeEnv for layer in atari.env.restorable.layers(again))
-        assert play(again, 30) == play(env, 30)
-    assert str(atari.make("breakout", preset="dqn2015")).startswith("<EpisodeEnv<")
 
 
 def test_replays_and_videos_have_the_same_bytes(tmp_path: Path) -> None:

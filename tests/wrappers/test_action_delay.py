@@ -173,40 +173,8 @@ def test_an_action_that_does_not_exist_is_refused_when_it_is_given() -> None:
     assert nest.unwrapped.driver.convert is None
 
 
-def test_wrong_delays_are_refused() -> None:
-    plain = AtariEnv("pong")
-    for delay, error, text in (
-        (-1, ValueError, r"delay must be within 0\.\.60, got -1"),
-        ((5, 61), ValueError, r"delay must be within 0\.\.60, got 61"),
-        ((5, 2), ValueError, "low of at most high"),
-        ("5", TypeError, r"a number such as 3, or \(low, high\)"),
-        (1.5, TypeError, "delay must be an integer"),
-    ):
-        with pytest.raises(error, match=text):
-            wrappers.ActionDelay(plain, delay)  # type: ignore[arg-type]
-        with pytest.raises(error, match=text.replace("delay must", "action_delay must")):
-            Task("pong", action_delay=delay)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="the sum of both delays"):
-        wrappers.ActionDelay(wrappers.ActionDelay(plain, 1), 1)
-    with pytest.raises(ValueError, match="make the environment with action_delay=2"):
-        wrappers.ActionDelay(atari.make("pong", preset="dqn2015"), 2)
-    with pytest.raises(ValueError, match=r"action_delay=3 needs them; use atari\.make"):
-        AtariEnv("pong", action_delay=3)
-    with pytest.raises(ValueError, match="sound_obs=True is for an AtariEnv without wrappers, and action_delay=3"):
-        Task("pong", action_delay=3, sound_obs=True)
-
-
 def test_equal_delays_are_equal_tasks() -> None:
     assert Task("pong", action_delay=(5, 5)) == Task("pong", action_delay=5)
     task = Task.from_json(Task("pong", action_delay=(2, 5)).to_json())
     assert task.action_delay == (2, 5)
     assert "they arrive (2, 5) frames later" in str(task)
-
-
-def test_a_damaged_snapshot_is_refused() -> None:
-    env = wrappers.ActionDelay(AtariEnv("pong"), 3)
-    env.reset(seed=0)
-    state = dict(env._save_state())
-    for name, value in (("delay", 4), ("moves", np.full((3, 2), 18, np.float32))):
-        with pytest.raises(ValueError, match="the snapshot is damaged"):
-            env._load_state({**state, name: value})

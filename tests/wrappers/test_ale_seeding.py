@@ -1,14 +1,11 @@
 """Seeds of ale-py's vector environment: starts, frame skips and sticky actions of a seed, and what keeps them."""
 
 import copy
-import pickle
 from typing import Any
 
 import ale_py
-import gymnasium
 import numpy as np
 import pytest
-from env_tools import data_equivalence
 from tasks import ALE, task
 
 from atari import AtariEnv, AtariVectorEnv
@@ -104,22 +101,6 @@ def played(env: Any, steps: int = 60) -> list[Any]:
 FIELDS: dict[str, Any] = {"frameskip": (1, 5), "episodic_life": True}
 
 
-def test_copies_and_snapshots_continue() -> None:
-    env, other = made(**FIELDS), made(**FIELDS)
-    env.reset(seed=5)
-    played(env)
-    saved = env.snapshot()
-    copies = [copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
-    expected = played(env)
-    for again in copies:
-        assert again.snapshot() == saved
-        assert data_equivalence(played(again), expected)
-    for restored in (env, other):
-        restored.restore(saved)
-        assert restored.snapshot() == saved
-        assert data_equivalence(played(restored), expected)
-
-
 def test_a_copy_has_a_generator_of_its_own() -> None:
     env = made(**FIELDS)
     env.reset(seed=5)
@@ -127,16 +108,6 @@ def test_a_copy_has_a_generator_of_its_own() -> None:
     before = twin.snapshot()
     played(env)
     assert twin.snapshot() == before
-
-
-def test_the_spec_has_it() -> None:
-    base = gymnasium.make("BreakoutNoFrameskip-v4", disable_env_checker=True)
-    env = wrap(base, task(**ALE, **FIELDS))
-    remade = gymnasium.make(env.spec)
-    for each in (env, remade):
-        each.reset(seed=5)
-    assert data_equivalence(played(env), played(remade))
-    assert remade.unwrapped.driver.ale_random is not None
 
 
 def test_a_snapshot_of_the_other_seeding_is_refused() -> None:
@@ -181,8 +152,3 @@ def test_a_state_of_atari_play_keeps_the_generator(tmp_path: Any) -> None:
     env.unwrapped.restore(state)
     assert env.unwrapped.driver.ale_random.state() == before
     np.testing.assert_array_equal(env.unwrapped.core.ram(), played_env.core.ram())
-
-
-def test_refuses_other_environments(scripted: Any) -> None:
-    with pytest.raises(TypeError, match=r"AleSeeding reads the emulator of an atari\.AtariEnv"):
-        AleSeeding(scripted())

@@ -49,6 +49,7 @@ TASKS = {
     "both outside": task(
         fire="after_noops", third_action=True, fire_unit="skip", episodic_life=True, lives_unit="skip", on_reset="noop"
     ),
+    "a reward of its own": task(episodic_life=True, on_reset="continue", reward="reward + lives - 2 * before.lives"),
     "RAM": task(obs_type="ram", stack_num=None, life_loss_info=True, max_episode_steps=30, reward_clipping=True),
 }
 
@@ -59,6 +60,7 @@ def contract(make):
         warnings.simplefilter("error")
         check_env(make)
     env = make()
+    assert str(gymnasium.make(type(env.spec).from_json(env.spec.to_json()))) == str(env)
     env.reset(seed=4)
     for _ in range(40):
         _, *signals, _ = env.step(env.action_space.sample())
@@ -70,7 +72,9 @@ def contract(make):
 
 @pytest.mark.parametrize("name", TASKS)
 def test_task(name):
-    contract(partial(make, wrap=lambda env: wrap(env, TASKS[name])))
+    """The wrappers one in the other, and the one object that plays them."""
+    for nested in (False, True):
+        contract(partial(make, wrap=lambda env, nested=nested: wrap(env, TASKS[name], nested=nested)))
 
 
 @pytest.mark.parametrize("name", SINGLE)

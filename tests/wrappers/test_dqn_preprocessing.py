@@ -255,17 +255,6 @@ def test_stacks_of_ram(game_env, layer, padding, core):
     assert ends > 1
 
 
-def test_a_snapshot_has_the_stack_of_ram(game_env):
-    env = DqnPreprocessing(game_env("breakout"), stack_size=3, obs_type="ram")
-    env.reset(seed=3)
-    env.step(1)
-    taken = env.snapshot()
-    expected = env.step(2)[0]
-    env.reset(seed=4)
-    env.restore(taken)
-    np.testing.assert_array_equal(env.step(2)[0], expected)
-
-
 @pytest.mark.parametrize("name", atari.PRESETS)
 def test_driving_the_emulator_and_going_through_wrappers_give_the_same(game_env, name):
     for game, limit in (("breakout", None), ("bank_heist", 403)):
@@ -389,46 +378,3 @@ def test_step_needs_a_reset_and_an_action_of_the_space(game_env):
     with pytest.raises(TypeError, match="an action is an integer"):
         env.step("UP")
     assert env.unwrapped.snapshot() == state
-
-
-@pytest.mark.parametrize(
-    ("options", "arguments", "error", "text"),
-    [
-        ({"obs_type": "ram"}, {}, ValueError, r"works on pixels.*obs_type='rgb' \(not 'ram'\)"),
-        ({"sound_obs": True}, {}, ValueError, "sound_obs=False"),
-        ({"frameskip": 4}, {}, ValueError, "AtariEnv inside it already plays 4 a step.*frameskip=1"),
-        ({}, {"frame_skip": 0}, ValueError, "frame_skip must be within 1"),
-        ({}, {"frame_skip": (0, 3)}, ValueError, "frame_skip must be within 1"),
-        ({}, {"frame_skip": (3, 3)}, ValueError, r"low..high-1 frames and needs low < high, got \(3, 3\)"),
-        ({}, {"frame_skip": (1, 2, 3)}, ValueError, r"an integer or \(low, high\), got \(1, 2, 3\)"),
-        ({}, {"frame_skip": 2.5}, TypeError, "frame_skip must be an integer"),
-        ({}, {"obs_type": "rgb"}, ValueError, "obs_type must be one of 'image', 'ram', got 'rgb'"),
-        ({"sound_obs": True}, {"obs_type": "ram"}, ValueError, "has no sound; make .* sound_obs=False"),
-        ({}, {"obs_type": "ram", "grayscale": False}, ValueError, "grayscale=False is about images and has no effect"),
-        ({}, {"obs_type": "ram", "stack_size": 0}, ValueError, "stack_size must be within 1"),
-        ({}, {"obs_type": "ram", "screen_size": None}, ValueError, "screen_size=None is about images"),
-        ({}, {"obs_type": "ram", "end_frames": "envpool"}, ValueError, "end_frames='envpool' is about images"),
-        ({"frameskip": 4}, {"obs_type": "ram"}, ValueError, "AtariEnv inside it already plays 4 a step"),
-        ({}, {"screen_size": 0}, ValueError, "screen_size must be within 1"),
-        ({}, {"screen_size": (84, 84, 84)}, ValueError, r"an integer or \(width, height\)"),
-        ({}, {"screen_size": 84.5}, TypeError, "screen_size must be an integer"),
-        ({}, {"stack_size": 0}, ValueError, "stack_size must be within 1"),
-        ({}, {"max_frames": 0}, ValueError, "max_frames must be within 1"),
-        ({}, {"padding_type": "first"}, ValueError, "padding_type must be one of 'reset', 'zero'"),
-        (
-            {},
-            {"pool_rgb": True, "end_frames": "envpool"},
-            ValueError,
-            "end_frames='last' or 'baselines', got 'envpool'",
-        ),
-        ({}, {"end_frames": "stale"}, ValueError, "'last', 'gymnasium', 'baselines', 'envpool', got 'stale'"),
-    ],
-)
-def test_refuses(game_env, options, arguments, error, text):
-    with pytest.raises(error, match=text):
-        DqnPreprocessing(game_env("pong", **options), **arguments)
-
-
-def test_refuses_other_environments(scripted):
-    with pytest.raises(TypeError, match=r"DqnPreprocessing reads the emulator of an atari.AtariEnv.*atari.make"):
-        DqnPreprocessing(scripted())

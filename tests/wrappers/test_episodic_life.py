@@ -138,8 +138,3 @@ def test_outside_of_a_frame_skip_the_noop_is_a_whole_one(game_env, reduced):
     np.testing.assert_array_equal(observation, expected)
     assert info == expected_info
     np.testing.assert_array_equal(env.step(2 - reduced)[0], twin.step(2)[0])
-
-
-def test_refuses(scripted):
-    with pytest.raises(ValueError, match=r"on_reset must be one of 'noop', 'continue', 'new_game', got 'fire'"):
-        EpisodicLife(scripted(), "fire")

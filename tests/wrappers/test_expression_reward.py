@@ -1,7 +1,5 @@
 """`ExpressionReward`: the reward of a single environment as an expression."""
 
-import copy
-import pickle
 from pathlib import Path
 from typing import Any
 
@@ -47,12 +45,6 @@ def test_the_games_reward_is_in_the_info() -> None:
         assert not truncated
 
 
-@pytest.mark.parametrize("make", [ClipReward, lambda env: ExpressionReward(env, "reward")])
-def test_a_reward_that_was_changed_is_refused(make: Any) -> None:
-    with pytest.raises(ValueError, match=r"the `reward` of an expression is the game's, and .* changes it"):
-        ExpressionReward(make(atari.make("breakout")), "reward")
-
-
 @pytest.mark.parametrize("core", ["native", "plain", "ale"])
 def test_the_cores_pay_the_same(core: str) -> None:
     env = atari.make("breakout", reward=TEXT, core=core)
@@ -80,18 +72,6 @@ def test_gymnasium_makes_it_again_from_its_spec() -> None:
     assert rewards(env) == rewards(again)
 
 
-def test_snapshots_copies_and_pickles_continue() -> None:
-    env: Any = atari.make("breakout", reward="reward + lives - 2 * before.lives + 0.1 * before.ram[0x90]")
-    env.reset(seed=1)
-    rewards(env, 50)
-    saved, copies = env.snapshot(), [pickle.loads(pickle.dumps(env)), copy.deepcopy(env)]
-    expected = rewards(env, 60)
-    assert [rewards(one, 60) for one in copies] == [expected] * 2
-    env.reset()
-    env.restore(saved)
-    assert rewards(env, 60) == expected
-
-
 def test_a_snapshot_of_another_expression_is_refused() -> None:
     made: list[Any] = [atari.make("breakout", reward=text, reward_clipping=True) for text in ("reward", "lives", None)]
     for env in made:
@@ -115,22 +95,3 @@ def test_a_replay_has_the_expression_and_the_games_own_rewards(tmp_path: Path) -
     replay = Replay.load(tmp_path / "game.a26r")
     assert replay.task == atari.Task.of("breakout", reward="-1", reward_clipping=True)
     assert {frame.reward for frame in replay.frames()} <= {0, 1}
-
-
-def test_a_restored_inner_environment_warns() -> None:
-    env: Any = atari.make("breakout", reward="before.lives")
-    env.reset(seed=1)
-    env.unwrapped.restore(env.unwrapped.snapshot())
-    with pytest.warns(UserWarning, match="the AtariEnv in EpisodeEnv was restored without its wrappers"):
-        env.step(0)
-
-
-def test_wrong_arguments_are_refused() -> None:
-    with pytest.raises(TypeError, match="reads the emulator of an"):
-        ExpressionReward(gymnasium.make("CartPole-v1"), "reward")
-    with pytest.raises(TypeError, match="reward must be an expression"):
-        ExpressionReward(atari.make("pong"), None)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match=r"'lives_lst'.*did you mean 'lives_lost'\?"):
-        ExpressionReward(atari.make("pong"), "lives_lst")
-    with pytest.raises(ValueError, match=r"reward='lives'.*atari\.make"):
-        atari.AtariEnv("pong", reward="lives")

@@ -87,10 +87,3 @@ def test_presses_the_button_of_a_stick(game_env):
     env.reset(seed=0)
     discrete.reset(seed=0)
     np.testing.assert_array_equal(env.unwrapped.core.ram(), discrete.unwrapped.core.ram())
-
-
-def test_refuses_action_2_where_there_is_none(scripted, game_env):
-    with pytest.raises(ValueError, match="at least three discrete actions"):
-        FireReset(scripted(meanings=["NOOP", "FIRE"]), then_action_2=True)
-    with pytest.raises(ValueError, match="at least three discrete actions"):
-        FireReset(game_env("breakout", continuous=True), then_action_2=True)

@@ -1,8 +1,7 @@
-import gymnasium
 import numpy as np
 import pytest
 
-from atari.wrappers import DqnPreprocessing, FrameSkip
+from atari.wrappers import FrameSkip
 
 
 def test_plays_the_action_so_often_and_sums_the_rewards(scripted):
@@ -44,32 +43,6 @@ def test_one_frame_is_left_as_it_is(scripted):
 
 
 def test_ram_is_not_pooled(game_env):
-    with pytest.raises(ValueError, match=r"FrameSkip\(max_pool=True\) works on pixels.*obs_type='rgb'"):
-        FrameSkip(game_env("pong", obs_type="ram"))
     env = FrameSkip(game_env("pong", obs_type="ram"), max_pool=False)
     env.reset(seed=0)
     np.testing.assert_array_equal(env.step(0)[0], env.unwrapped.core.ram())
-
-
-def test_refuses_to_skip_twice(game_env, scripted):
-    single = game_env("pong")
-    twice = [
-        (game_env("pong", frameskip=4), "AtariEnv inside it already plays 4"),
-        (game_env("pong", frameskip=(2, 5)), r"AtariEnv inside it already plays \(2, 5\)"),
-        (gymnasium.make("ALE/Pong-v5"), "AtariEnv inside it already plays 4"),
-        (FrameSkip(single, 2), "FrameSkip inside it already plays 2"),
-        (DqnPreprocessing(single, stack_size=None), "DqnPreprocessing inside it already plays 4"),
-        (gymnasium.wrappers.AtariPreprocessing(single, frame_skip=3), "AtariPreprocessing inside it already plays 3"),
-        (gymnasium.wrappers.RepeatAction(single, 5), "RepeatAction inside it already plays 5"),
-        (gymnasium.wrappers.MaxAndSkipObservation(single, 6), "MaxAndSkipObservation inside it already plays 6"),
-    ]
-    for env, text in twice:
-        with pytest.raises(ValueError, match=text + ".*frameskip=1 or from a NoFrameskip ID"):
-            FrameSkip(env)
-    FrameSkip(FrameSkip(gymnasium.wrappers.StickyAction(single, 0.25), 1), 4)
-
-
-@pytest.mark.parametrize(("frame_skip", "error"), [(0, ValueError), ("4", TypeError), (True, TypeError)])
-def test_refuses(scripted, frame_skip, error):
-    with pytest.raises(error, match="frame_skip must be"):
-        FrameSkip(scripted(), frame_skip)

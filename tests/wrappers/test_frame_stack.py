@@ -4,7 +4,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from atari.wrappers import FrameStack, RamObservation
+from atari.wrappers import FrameStack
 from atari.wrappers.frame_stack import LazyStack
 
 
@@ -87,21 +87,3 @@ class TestLazyStack:
         assert 100 * 84 * 84 < len(data) < 103 * 84 * 84
         again = pickle.loads(data)
         assert all((a == b).all() for a, b in zip(again, memory, strict=True))
-
-
-@pytest.mark.parametrize(
-    ("arguments", "error", "text"),
-    [
-        ((0,), ValueError, "stack_size must be within 1"),
-        ((2.0,), TypeError, "stack_size must be an integer"),
-        ((4, "first"), ValueError, "padding_type must be one of 'reset', 'zero', got 'first'"),
-    ],
-)
-def test_refuses(scripted, arguments, error, text):
-    with pytest.raises(error, match=text):
-        FrameStack(scripted(), *arguments)
-
-
-def test_refuses_a_dict(game_env):
-    with pytest.raises(TypeError, match="put it inside other wrappers"):
-        FrameStack(RamObservation(game_env("pong")))

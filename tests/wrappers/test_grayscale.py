@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-import atari
 from atari.wrappers import Grayscale
 
 
@@ -31,24 +30,3 @@ def test_is_near_ales_own_table(game_env):
     ours, theirs = gray.reset(seed=0)[0], ale.reset(seed=0)[0]
     assert ours.shape == theirs.shape == (210, 160)
     assert np.abs(ours.astype(int) - theirs).max() <= 1
-
-
-@pytest.mark.parametrize("obs_type", ["ram", "grayscale"])
-def test_refuses(game_env, obs_type):
-    with pytest.raises(ValueError, match="Grayscale"):
-        Grayscale(game_env("pong", obs_type=obs_type))
-
-
-@pytest.mark.parametrize("keep_dim", [2**31, -1, 1, None, "no"])
-def test_refuses_a_keep_dim_that_is_no_bool(game_env, keep_dim):
-    with pytest.raises(TypeError, match="keep_dim must be True or False"):
-        Grayscale(game_env("pong", obs_type="rgb"), keep_dim)
-
-
-@pytest.mark.parametrize(
-    ("image", "error"),
-    [(3, TypeError), (np.zeros((210, 160, 3)), TypeError), (np.zeros((160, 210, 3), np.uint8), ValueError)],
-)
-def test_another_image_is_refused(image, error):
-    with pytest.raises(error, match=r"^Grayscale takes images .* got"):
-        Grayscale(atari.make("pong")).observation(image)

@@ -3,15 +3,12 @@
 import itertools
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 from gymnasium import spaces
-from tasks import ALE, task
+from tasks import task
 
-import atari
 from atari import AtariEnv
-from atari.wrappers import EpisodicLife
 from atari.wrappers.layers import layers_of, wrap
 
 
@@ -299,13 +296,6 @@ class TestStack:
         np.testing.assert_array_equal(stack[-1], image)
         np.testing.assert_array_equal(stack[:-1], [image if padding == "reset" else 0 * image] * 3)
 
-    def test_seamless_lives_keep_it(self) -> None:
-        env = made(episodic_life=True, on_reset="continue", seamless_lives=True)
-        env.reset(seed=0)
-        lose_a_life(env)
-        last = env.env._images.observation()
-        np.testing.assert_array_equal(env.reset()[0][:3], last[1:])
-
 
 class TestMaxEpisodeSteps:
     def test_truncates_and_ends_the_statistics_of_the_game(self) -> None:
@@ -392,58 +382,3 @@ def test_an_end_in_a_skip_of_fire_begins_again_and_the_third_action_follows() ->
     _, info = env.reset(seed=0)
     assert info["episode_frame_number"] == 5
     assert env.step(2)[3]
-
-
-def test_a_game_that_has_no_noop() -> None:
-    """Outside of the skip, a reset after a lost life plays a whole skip of ALE's action 0."""
-    fields = {"episodic_life": True, "lives_unit": "skip", "on_reset": "noop"}
-    inner = AtariEnv("breakout", frameskip=1, repeat_action_probability=0.0)
-    inner.driver.actions = inner.driver.actions[1:]
-    inner.action_space = spaces.Discrete(3)
-    env, full = wrap(inner, task(**fields)), made(**fields)
-    env.reset(seed=0)
-    full.reset(seed=0)
-    terminated = False
-    for step in itertools.count():
-        result, expected = env.step(0 if step == 0 else 1), full.step(1 if step == 0 else 2)
-        np.testing.assert_array_equal(result[0], expected[0])
-        assert result[1:4] == expected[1:4]
-        if terminated := result[2]:
-            break
-    assert terminated
-    (observation, info), (expected, expected_info) = env.reset(), full.reset()
-    np.testing.assert_array_equal(observation, expected)
-    assert info == expected_info
-
-
-def test_an_environment_that_skips_frames_is_refused() -> None:
-    with pytest.raises(ValueError, match="already plays 4 a step"):
-        wrap(atari.AtariEnv("pong"), task())
-
-
-def test_everything_is_in_the_spec() -> None:
-    base = gymnasium.make("BreakoutNoFrameskip-v4", disable_env_checker=True)
-    fields = {**ALE, "frameskip": (2, 5), "max_episode_steps": 9, "life_loss_info": True}
-    env = wrap(base, task(**fields))
-    remade = gymnasium.make(type(env.spec).from_json(env.spec.to_json()))
-    assert str(remade) == str(env)
-    assert [layer.class_name() for layer in _wrappers(remade)] == [layer.class_name() for layer in _wrappers(env)]
-    for each in (env, remade):
-        each.reset(seed=1)
-    for _ in range(12):
-        np.testing.assert_array_equal(env.step(2)[0], remade.step(2)[0])
-
-
-def _wrappers(env: Any) -> list[Any]:
-    found = []
-    while isinstance(env, gymnasium.Wrapper):
-        found.append(env)
-        env = env.env
-    return found
-
-
-def test_a_layer_of_lives_is_found_inside_and_outside() -> None:
-    inside = made(episodic_life=True)
-    outside = made(episodic_life=True, lives_unit="skip")
-    assert isinstance(outside.env.env, EpisodicLife)
-    assert not isinstance(inside.env, EpisodicLife)

@@ -2,7 +2,7 @@ import ale_py
 import numpy as np
 import pytest
 
-from atari.wrappers import DqnPreprocessing, EpisodicLife, FireReset, LifeLossInfo, preset
+from atari.wrappers import DqnPreprocessing, FireReset, LifeLossInfo
 
 
 def play(env, steps, action=2):
@@ -78,12 +78,3 @@ def test_a_loss_in_the_step_of_a_limit_is_both(game_env):
     rows = play(made(1000), 60)
     lost = rows.index((True, False, 4))
     assert play(made(4 * (lost + 2)), lost + 1)[-1] == (True, True, 4)
-
-
-def test_refuses(game_env, scripted):
-    with pytest.raises(ValueError, match="an inner EpisodicLife ends the episodes that LifeLossInfo lets go on"):
-        LifeLossInfo(EpisodicLife(game_env("breakout")))
-    with pytest.raises(ValueError, match="an inner EpisodicLife"):
-        LifeLossInfo(preset(game_env("breakout"), "baselines"))
-    with pytest.raises(TypeError, match=r"LifeLossInfo reads the emulator of an atari\.AtariEnv"):
-        LifeLossInfo(scripted())

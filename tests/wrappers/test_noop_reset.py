@@ -156,15 +156,6 @@ def test_a_noop_that_fails_leaves_the_actions(game_env):
 class TestFireAgain:
     """Breakout with a limit of 5 frames, which ends the episode in its no-ops."""
 
-    @pytest.mark.parametrize(
-        ("arguments", "frames"),
-        # FIRE and 4 no-ops, twice, then FIRE and 2; or FIRE and 4, then 5, then 1.
-        [({}, 3), ({"fire_again": True}, 3), ({"fire_again": False}, 1)],
-    )
-    def test_frames(self, game_env, arguments, frames):
-        env = NoopReset(FireReset(game_env("breakout", max_num_frames_per_episode=5)), **arguments)
-        assert env.reset(seed=0, options={"noops": 10})[1]["episode_frame_number"] == frames
-
     def test_the_options_of_others_are_passed_on(self, scripted):
         env = NoopReset(FireReset(scripted(ends=3)), fire_again=False)
         env.reset(seed=4, options={"noops": 3, "mine": 1})
@@ -172,29 +163,3 @@ class TestFireAgain:
         assert env.unwrapped.resets == [(4, {"mine": 1})] * 2
         env.reset()
         assert env.unwrapped.actions[4] == 1, "the next reset presses it"
-
-    def test_needs_an_inner_fire_reset(self, scripted, game_env):
-        for env in (scripted(), EpisodicLife(game_env("breakout"))):
-            with pytest.raises(ValueError, match="fire_again=False is about an inner FireReset, and there is none"):
-                NoopReset(env, fire_again=False)
-        NoopReset(FireReset(scripted(meanings=["NOOP", "UP"])), fire_again=False).reset()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "error", "text"),
-    [
-        ({"noop_max": -1}, ValueError, "noop_max must be within 0"),
-        ({"noop_max": 2.5}, TypeError, "noop_max must be an integer"),
-        ({"noop_max": 3, "noop_min": 4}, ValueError, "noop_min must be within 0..3, got 4"),
-    ],
-)
-def test_refuses(scripted, arguments, error, text):
-    with pytest.raises(error, match=text):
-        NoopReset(scripted(), **arguments)
-
-
-def test_refuses_a_wrong_number_before_the_reset(scripted):
-    env = NoopReset(scripted())
-    with pytest.raises(ValueError, match="noops must be within 0"):
-        env.reset(options={"noops": -1})
-    assert env.unwrapped.resets == []

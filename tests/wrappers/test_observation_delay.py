@@ -174,22 +174,3 @@ def test_around_wrappers_of_single_frames(core: str) -> None:
         parts = [frames.screens[max(now - 3 - back, 0)] for back in (0, 1)]
         np.testing.assert_array_equal(seen, np.maximum(*parts))
     assert env.unwrapped.driver.delayed is None
-
-
-def test_wrong_environments_are_refused() -> None:
-    plain = AtariEnv("pong")
-    with pytest.raises(ValueError, match=r"delay must be within 0\.\.60, got 61"):
-        wrappers.ObservationDelay(plain, 61)
-    with pytest.raises(ValueError, match="the sum of both delays"):
-        wrappers.ObservationDelay(wrappers.ObservationDelay(plain, 1), 1)
-    with pytest.raises(ValueError, match="make the environment with observation_delay=2"):
-        wrappers.ObservationDelay(atari.make("pong", preset="dqn2015"), 2)
-    with pytest.raises(ValueError, match=r"observation_delay=3 needs them; use atari\.make"):
-        AtariEnv("pong", observation_delay=3)
-
-
-def test_a_damaged_snapshot_is_refused() -> None:
-    env = wrappers.ObservationDelay(AtariEnv("pong", obs_type="ram"), 3)
-    env.reset(seed=0)
-    with pytest.raises(ValueError, match="the snapshot is damaged: a delay of 4"):
-        env._load_state({**env._save_state(), "delay": 4})

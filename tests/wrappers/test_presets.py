@@ -199,60 +199,13 @@ def test_every_game_has_the_actions_that_baselines_presses():
     assert all(len(game.minimal_actions) > 2 for game in games.playable() if Action.FIRE in game.minimal_actions)
 
 
-@pytest.mark.parametrize(
-    ("name", "options", "text"),
-    [
-        ("baselines", {"frameskip": 4}, r"'baselines' needs .* frameskip=1, and this one has 4; make it with atari"),
-        ("gymnasium", {"frameskip": (2, 5)}, r"needs .* frameskip=1, and this one has \(2, 5\)"),
-        ("dqn2015", {"repeat_action_probability": 0.25}, r"needs .* repeat_action_probability=0.0, and .* has 0.25"),
-        ("dqn2015", {"full_action_space": True}, r"needs .* full_action_space=False, and this one has True"),
-        (
-            "machado2018",
-            {"repeat_action_probability": 0.25},
-            r"full_action_space=True, and this one has False; make it with atari.AtariEnv\('pong', frameskip=1, "
-            r"repeat_action_probability=0.25, full_action_space=True, max_num_frames_per_episode=108000\)",
-        ),
-        ("dopamine", {}, r"repeat_action_probability=0.25, and this one has 0.0"),
-        ("atari100k", {"repeat_action_probability": 0.1}, r"repeat_action_probability=0.0, and this one has 0.1"),
-    ],
-)
-def test_an_environment_that_does_not_fit(game_env, name, options, text):
-    with pytest.raises(ValueError, match=text):
-        preset(game_env("pong", **options), name)
-
-
 def test_the_set_of_actions_counts_not_the_option(game_env):
     assert len(games["boxing"].minimal_actions) == 18
     preset(game_env("boxing", full_action_space=False, repeat_action_probability=0.25), "machado2018")
     preset(game_env("boxing", full_action_space=True), "dqn2015")
 
 
-@pytest.mark.parametrize(
-    ("name", "text"),
-    [
-        ("baseline", r"there is no preset 'baseline'; did you mean 'baselines'\?"),
-        ("Dopamine", r"did you mean 'dopamine'\?"),
-        ("nature", r"did you mean 'dqn2015'\?"),
-        ("cleanrl", r"did you mean 'baselines'\?"),
-        ("sb3_zoo", r"did you mean 'baselines'\?"),
-        ("machado", r"did you mean 'machado2018'\?"),
-        (
-            "???",
-            r"see the list \(dqn2015, machado2018, baselines, gymnasium, dopamine, atari100k, envpool, ale_vector, multiplayer_dqn\)",
-        ),
-        (None, r"there is no preset None"),
-    ],
-)
-def test_an_unknown_name(game_env, name, text):
-    with pytest.raises(ValueError, match=text):
-        preset(game_env("pong"), name)
-    with pytest.raises(ValueError, match=text):
-        preset_options(name)
-
-
-def test_other_environments_and_ram(game_env, scripted):
-    with pytest.raises(TypeError, match=r"reads the emulator of an atari.AtariEnv"):
-        preset(scripted(), "gymnasium")
+def test_ram(game_env):
     env = preset(game_env("pong", obs_type="ram"), "gymnasium")
     assert env.reset(seed=0)[0].shape == (128,)
 

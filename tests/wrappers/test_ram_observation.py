@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 
 from atari.wrappers import DqnPreprocessing, RamObservation
 
@@ -32,13 +31,3 @@ def test_joins_sound(game_env):
     env = RamObservation(game_env("breakout", sound_obs=True))
     assert set(env.observation_space.spaces) == {"image", "sound", "ram"}
     assert env.reset(seed=0)[0] in env.observation_space
-
-
-def test_refuses_ram_twice(game_env):
-    with pytest.raises(ValueError, match=r"are RAM already.*obs_type='rgb'"):
-        RamObservation(game_env("pong", obs_type="ram"))
-
-
-def test_refuses_other_environments(scripted):
-    with pytest.raises(TypeError, match=r"RamObservation reads the emulator of an atari.AtariEnv"):
-        RamObservation(scripted())

@@ -3,7 +3,6 @@ import gymnasium
 import numpy as np
 import pytest
 
-import atari
 from atari.wrappers import Resize
 
 
@@ -33,23 +32,3 @@ def test_keeps_an_axis_of_one_colour(scripted):
     env.reset()
     np.testing.assert_array_equal(env.step(0)[0], np.ones((4, 2, 1)))
     assert cv2.resize(np.ones((8, 8, 1), np.uint8), (2, 4)).shape == (4, 2), "which OpenCV does not"
-
-
-def test_refuses_ram(game_env):
-    with pytest.raises(ValueError, match=r"Resize works on pixels.*\(128,\).*obs_type='rgb' \(not 'ram'\)"):
-        Resize(game_env("pong", obs_type="ram"))
-
-
-@pytest.mark.parametrize(("shape", "error"), [(84, TypeError), ((84, 84, 3), TypeError), ((0, 84), ValueError)])
-def test_refuses(scripted, shape, error):
-    with pytest.raises(error, match="shape must be"):
-        Resize(scripted(), shape)
-
-
-@pytest.mark.parametrize(
-    ("image", "error"),
-    [(3, TypeError), (np.zeros((210, 160, 3)), TypeError), (np.zeros((160, 210, 3), np.uint8), ValueError)],
-)
-def test_another_image_is_refused(image, error):
-    with pytest.raises(error, match=r"^Resize takes images .* got"):
-        Resize(atari.make("pong")).observation(image)

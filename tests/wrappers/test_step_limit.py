@@ -1,8 +1,7 @@
-import gymnasium
 import pytest
 from gymnasium.wrappers import TimeLimit
 
-from atari.wrappers import DqnPreprocessing, FrameStack
+from atari.wrappers import FrameStack
 from atari.wrappers.layers import StepLimit
 
 
@@ -19,17 +18,6 @@ def test_truncates_as_gymnasiums_does(scripted):
             assert ends(env, 3) == ends(theirs, 3)
 
 
-def test_a_spec_has_it_where_it_is(game_env):
-    """Gymnasium's is made around the emulator by a spec, and would count frames."""
-    base = gymnasium.make("PongNoFrameskip-v4", disable_env_checker=True)
-    env = StepLimit(DqnPreprocessing(base), 5)
-    remade = gymnasium.make(env.spec)
-    assert str(remade) == str(env)
-    remade.reset(seed=0)
-    assert ends(remade, 5) == [(False, False)] * 4 + [(False, True)]
-    assert remade.unwrapped.core.episode_frame_number == 20
-
-
 @pytest.mark.parametrize("steps", [None, 0, 3])
 def test_snapshots_have_the_steps(game_env, steps):
     env, other = (StepLimit(FrameStack(game_env("pong")), 5) for _ in range(2))
@@ -39,9 +27,3 @@ def test_snapshots_have_the_steps(game_env, steps):
         other.restore(env.snapshot())
         assert ends(other, 5 - steps) == [(False, False)] * (4 - steps) + [(False, True)]
     assert StepLimit(FrameStack(game_env("pong")), 5).snapshot() != env.snapshot() or steps is None
-
-
-def test_refuses_another_limit(game_env):
-    env, other = StepLimit(game_env("pong"), 5), StepLimit(game_env("pong"), 6)
-    with pytest.raises(ValueError, match="taken with other arguments of StepLimit"):
-        env.restore(other.snapshot())

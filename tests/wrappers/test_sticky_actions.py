@@ -40,20 +40,3 @@ def test_an_episode_starts_with_noop_as_the_previous_action(scripted):
     env.reset()
     env.step(2)
     assert env.unwrapped.actions == [3, 3, 0]
-
-
-def test_refuses_to_be_sticky_twice(game_env):
-    with pytest.raises(ValueError, match=r"of pong are sticky already \(probability 0.25\).*probability=0.0"):
-        StickyActions(game_env("pong", repeat_action_probability=0.25))
-
-
-def test_refuses_games_without_noop(game_env):
-    with pytest.raises(ValueError, match=r"NOOP, which is no action of this game.*full_action_space=True"):
-        StickyActions(game_env("backgammon"))
-    StickyActions(game_env("backgammon", full_action_space=True))
-
-
-@pytest.mark.parametrize(("value", "error"), [(-0.1, ValueError), (1.5, ValueError), ("x", TypeError)])
-def test_refuses(scripted, value, error):
-    with pytest.raises(error, match="repeat_action_probability must be"):
-        StickyActions(scripted(), value)
