@@ -8,11 +8,38 @@ import pytest
 from programs import REPORTING, printed_at_end
 
 ENDS = {
-    "an environment": """
-        import atari
+    "objects of many kinds": """
+        import atari, copy, numpy as np, pickle, tempfile
+        import atari.classic as gym
+        from atari.lab import Freeze, Poke, RamLabels, Watch
+        from atari.learning import ReplayMemory
+        from atari.multiplayer import env as aec_env, parallel_env
+        from atari.recording import RecordReplay, RecordVideo, Replay
         env = atari.make("pong", preset="dqn2015")
-        env.reset(seed=0)
-        env.step(0)
+        watch = Watch(RamLabels(atari.AtariEnv("pong")), "ball_x", each="frame")
+        old = gym.make("Pong-v0")
+        folder = tempfile.mkdtemp()
+        recorder = RecordReplay(RecordVideo(atari.AtariEnv("pong"), folder), f"{folder}/a.a26r")
+        games = [aec_env("pong_v3"), parallel_env("joust", preset="multiplayer_dqn")]
+        for one in (env, watch, old, recorder, *games):
+            one.reset()
+        held = Freeze(watch, ball_x=90), Poke(watch, {"ball_x": 80}, frame=3)
+        for one in (env, watch, old, recorder):
+            one.step(0)
+        recorder.stop()
+        replay = Replay.load(f"{folder}/a.a26r")
+        assert replay.verify()
+        envs = atari.AtariVectorEnv("pong", 2, stack_num=1)
+        copies = [copy.deepcopy(envs), pickle.loads(pickle.dumps(atari.cores.NativeCore("pong")))]
+        memory = ReplayMemory.for_env(envs, 100)
+        memory.reset(envs.reset(seed=0)[0])
+        for _ in range(30):
+            actions = np.zeros(2, int)
+            _, *results = envs.step(actions, out=memory.frames())
+            memory.add(actions, *results)
+        batches = [memory.sample(4) for _ in range(3)]
+        own = memory.make_batch(4)
+        memory.sample(4, out=own)
     """,
     "a vector that plays": """
         import atari, numpy as np
@@ -26,45 +53,6 @@ ENDS = {
         states = [core.clone_state() for core in cores]
         names = [atari.lab.Ram(core) for core in cores if core.game.ram_labels]
         values = [ram[next(iter(ram._labels))] for ram in names]
-    """,
-    "several players": """
-        from atari.multiplayer import env, parallel_env
-        games = [env("pong_v3"), parallel_env("joust", preset="multiplayer_dqn")]
-        for game in games:
-            game.reset(seed=0)
-    """,
-    "a memory and its batches": """
-        import atari, numpy as np
-        from atari.learning import ReplayMemory
-        envs = atari.AtariVectorEnv("pong", 2, stack_num=1)
-        memory = ReplayMemory.for_env(envs, 100)
-        memory.reset(envs.reset(seed=0)[0])
-        for _ in range(30):
-            actions = np.zeros(2, int)
-            _, *results = envs.step(actions, out=memory.frames())
-            memory.add(actions, *results)
-        batches = [memory.sample(4) for _ in range(3)]
-        own = memory.make_batch(4)
-        memory.sample(4, out=own)
-    """,
-    "the RAM lab": """
-        import atari
-        from atari.lab import Freeze, Poke, RamLabels, Watch
-        env = Watch(RamLabels(atari.AtariEnv("pong")), "ball_x", each="frame")
-        env.reset(seed=0)
-        held = Freeze(env, ball_x=90), Poke(env, {"ball_x": 80}, frame=3)
-        env.step(0)
-    """,
-    "recorders": """
-        import atari, tempfile
-        from atari.recording import RecordReplay, RecordVideo, Replay
-        folder = tempfile.mkdtemp()
-        env = RecordReplay(RecordVideo(atari.AtariEnv("pong"), folder), f"{folder}/a.a26r")
-        env.reset(seed=0)
-        env.step(0)
-        env.stop()
-        replay = Replay.load(f"{folder}/a.a26r")
-        assert replay.verify()
     """,
     "a cycle of references": """
         import atari, gc
@@ -96,17 +84,6 @@ ENDS = {
         child = multiprocessing.get_context("fork").Process(target=env.step, args=(0,))
         child.start()
         child.join()
-    """,
-    "copies": """
-        import atari, copy, pickle
-        envs = atari.AtariVectorEnv("pong", 2)
-        copies = [copy.deepcopy(envs), pickle.loads(pickle.dumps(atari.cores.NativeCore("pong")))]
-    """,
-    "old gym": """
-        import atari.classic as gym
-        env = gym.make("Pong-v0")
-        env.reset()
-        env.step(0)
     """,
 }
 """Programs that hold their objects in variables at their end."""

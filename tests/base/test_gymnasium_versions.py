@@ -18,7 +18,7 @@ pytestmark = [needs_gymnasium_1, needs_new_ale_py]
 pygame = pytest.importorskip("pygame")
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def ids() -> Iterator[tuple[str, str]]:
     """The same game under an ID of each package."""
     entries = {
@@ -30,6 +30,12 @@ def ids() -> Iterator[tuple[str, str]]:
     yield "AtariEnvs-v0", "AlePy-v0"
     for env_id in entries:
         del gymnasium.registry[env_id]
+
+
+@pytest.fixture(scope="module")
+def vectors(ids: tuple[str, str]) -> list[Any]:
+    """A vector of each package; a seeded reset begins anew."""
+    return [gymnasium.make_vec(env_id, 3, vectorization_mode="vector_entry_point") for env_id in ids]
 
 
 @pytest.mark.parametrize(
@@ -73,9 +79,8 @@ def test_wrappers(ids: tuple[str, str], name: str, options: dict[str, Any]) -> N
         ("DictInfoToList", {}),
     ],
 )
-def test_wrappers_of_vectors(ids: tuple[str, str], name: str, options: dict[str, Any]) -> None:
-    made = [gymnasium.make_vec(env_id, 3, vectorization_mode="vector_entry_point") for env_id in ids]
-    envs = [getattr(wrappers.vector, name)(env, **options) for env in made]
+def test_wrappers_of_vectors(vectors: list[Any], name: str, options: dict[str, Any]) -> None:
+    envs = [getattr(wrappers.vector, name)(env, **options) for env in vectors]
     first, second = (env.reset(seed=1)[0] for env in envs)
     assert data_equivalence(first, second)
     for action in range(30):

@@ -39,21 +39,26 @@ def test_the_documentation_has_them_all() -> None:
     assert rows == [(name, variable.values) for name, variable in VARIABLES.items()]
 
 
-@pytest.mark.parametrize("name", [name for name in VARIABLES if name != "ATARI_ROMS"])
-@pytest.mark.parametrize("words", [("-m", "atari", "info"), ("-m", "atari.classic"), ("-m", "atari.cli.sweep", "list")])
-def test_a_wrong_value_ends_a_program_with_one_sentence(name: str, words: tuple[str, ...]) -> None:
-    done = subprocess.run(
-        [sys.executable, *words], env={**os.environ, name: "?"}, capture_output=True, text=True, timeout=120
-    )
+CHECKED = [name for name in VARIABLES if name != "ATARI_ROMS"]
+
+
+def run(name: str, *words: str) -> "subprocess.CompletedProcess[str]":
+    """Run Python with a wrong value of a variable."""
+    environment = {**os.environ, name: "?"}
+    return subprocess.run([sys.executable, *words], env=environment, capture_output=True, text=True, timeout=120)
+
+
+@pytest.mark.parametrize(
+    ("name", "program"), zip(CHECKED, ("atari info", "atari.classic", "atari.cli.sweep list"), strict=True)
+)
+def test_a_wrong_value_ends_a_program_with_one_sentence(name: str, program: str) -> None:
+    done = run(name, "-m", *program.split())
     assert (done.returncode, done.stdout) == (1, "")
     assert re.fullmatch(rf"atari: error: the environment variable {name} .*\'\?\'.*\n", done.stderr)
 
 
-@pytest.mark.parametrize("name", [name for name in VARIABLES if name != "ATARI_ROMS"])
+@pytest.mark.parametrize("name", CHECKED)
 def test_a_wrong_value_is_a_value_error_for_a_users_program(name: str) -> None:
-    program = "try: import atari\nexcept ValueError as error: print(error)"
-    done = subprocess.run(
-        [sys.executable, "-c", program], env={**os.environ, name: "?"}, capture_output=True, text=True, timeout=120
-    )
+    done = run(name, "-c", "try: import atari\nexcept ValueError as error: print(error)")
     assert (done.returncode, done.stderr) == (0, "")
     assert f"the environment variable {name}" in done.stdout

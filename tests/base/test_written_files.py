@@ -59,8 +59,8 @@ def test_a_flipped_bit_is_found(name: str, tmp_path: Path, monkeypatch: pytest.M
     file, read = tmp_path / WRITTEN[name].name, READERS[name]
     WRITTEN[name].prepare(1)(file)
     good, data, generator = read(file), file.read_bytes(), random.Random(0)
-    refused = 0
-    for _ in range(200):
+    refused, flips = 0, 60 if name == "causal map" else 200
+    for _ in range(flips):
         flipped = bytearray(data)
         flipped[generator.randrange(len(data))] ^= 1 << generator.randrange(8)
         file.write_bytes(flipped)
@@ -68,7 +68,7 @@ def test_a_flipped_bit_is_found(name: str, tmp_path: Path, monkeypatch: pytest.M
             assert read(file) == good  # such as the date of a member of a zip archive
         except ValueError:
             refused += 1
-    assert refused > 100
+    assert refused > flips / 2
 
 
 READ = {("verify", "--replay"), ("train", "--resume")}

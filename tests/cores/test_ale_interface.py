@@ -24,8 +24,10 @@ from atari.cores.ale_interface import AleInterface
 pytestmark = needs_new_ale_py
 
 
-@pytest.fixture
-def pair() -> tuple[AtariEnv, ale_py.env.AtariEnv]:
+Pair = tuple[AtariEnv, ale_py.env.AtariEnv]
+
+
+def make_pair() -> Pair:
     """The same state of the same game, in our core and in ale-py."""
     ours, theirs = AtariEnv("seaquest", sound_obs=True), ale_py.env.AtariEnv("seaquest", sound_obs=True)
     for env in (ours, theirs):
@@ -35,28 +37,23 @@ def pair() -> tuple[AtariEnv, ale_py.env.AtariEnv]:
     return ours, theirs
 
 
-@pytest.mark.parametrize(
-    "method",
-    [
-        "lives",
-        "game_over",
-        "game_truncated",
-        "getFrameNumber",
-        "getEpisodeFrameNumber",
-        "getRAMSize",
-        "getScreenDims",
-        "getAvailableModes",
-        "getAvailableDifficulties",
-    ],
-)
-def test_facts_are_those_of_ale_py(pair: tuple[AtariEnv, ale_py.env.AtariEnv], method: str) -> None:
+@pytest.fixture(scope="module")
+def pair() -> Pair:
+    return make_pair()
+
+
+FACTS = "lives game_over game_truncated getFrameNumber getEpisodeFrameNumber getRAMSize getScreenDims".split()
+
+
+@pytest.mark.parametrize("method", [*FACTS, "getAvailableModes", "getAvailableDifficulties"])
+def test_facts_are_those_of_ale_py(pair: Pair, method: str) -> None:
     ours, theirs = (getattr(env.ale, method)() for env in pair)
     assert ours == theirs
     assert type(ours) is type(theirs)
 
 
 @pytest.mark.parametrize("method", ["getRAM", "getScreen", "getScreenRGB", "getScreenGrayscale", "getAudio"])
-def test_arrays_are_those_of_ale_py(pair: tuple[AtariEnv, ale_py.env.AtariEnv], method: str) -> None:
+def test_arrays_are_those_of_ale_py(pair: Pair, method: str) -> None:
     ours, theirs = (getattr(env.ale, method)() for env in pair)
     assert np.array_equal(ours, theirs)
     buffer = np.zeros_like(ours)
@@ -65,7 +62,7 @@ def test_arrays_are_those_of_ale_py(pair: tuple[AtariEnv, ale_py.env.AtariEnv], 
 
 
 @pytest.mark.parametrize("method", ["getMinimalActionSet", "getLegalActionSet"])
-def test_action_sets_are_those_of_ale_py(pair: tuple[AtariEnv, ale_py.env.AtariEnv], method: str) -> None:
+def test_action_sets_are_those_of_ale_py(pair: Pair, method: str) -> None:
     ours, theirs = (getattr(env.ale, method)() for env in pair)
     assert [(action.name, action.value) for action in ours] == [(action.name, action.value) for action in theirs]
     assert {type(action) for action in ours} == {atari.ale_py.Action}
@@ -84,7 +81,7 @@ def test_ale_pys_actions_are_taken() -> None:
         assert env.ale.act(Action.FIRE, paddle_strength=0.5) == 0
 
 
-def test_settings_are_those_of_ale_py(pair: tuple[AtariEnv, ale_py.env.AtariEnv]) -> None:
+def test_settings_are_those_of_ale_py(pair: Pair) -> None:
     for get, names in {
         "getInt": ("random_seed", "frame_skip", "max_num_frames_per_episode"),
         "getFloat": ("repeat_action_probability",),
@@ -96,9 +93,9 @@ def test_settings_are_those_of_ale_py(pair: tuple[AtariEnv, ale_py.env.AtariEnv]
             assert (ours, type(ours)) == (theirs, type(theirs)), name
 
 
-def test_settings_apply_when_the_game_is_loaded(pair: tuple[AtariEnv, ale_py.env.AtariEnv]) -> None:
+def test_settings_apply_when_the_game_is_loaded() -> None:
     """With the seed of the reset, or by `load_game`; pickling keeps both what applies and what waits."""
-    ours = pair[0]
+    ours, _ = pair = make_pair()
 
     def same(*envs: Any) -> bool:
         steps = [[env.step(action) for action in (1, 2, 5) * 5] for env in envs]
@@ -124,25 +121,27 @@ def test_settings_apply_when_the_game_is_loaded(pair: tuple[AtariEnv, ale_py.env
 
 
 def test_modes_and_difficulties_are_set_as_in_ale_py() -> None:
-    for core in ("native", "ale"):
-        ours, theirs = AtariEnv("breakout", core=core), ale_py.env.AtariEnv("breakout")
-        for env in (ours, theirs):
-            env.reset(seed=1)
-            env.step(1)
-            env.ale.setMode(8)
-            env.ale.setDifficulty(1)
-        saved = ours.snapshot()
-        for reset in ({}, {}, {"seed": 3}):  # the seeded one loads the game, with the mode of the options
-            for action in (1, 2, 3) * 10:
-                assert data_equivalence(ours.step(action), theirs.step(action))
-            assert data_equivalence(ours.reset(**reset), theirs.reset(**reset))
-        theirs.close()
+    cores = ("native", "ale")
+    envs = [*(AtariEnv("breakout", core=core) for core in cores), ale_py.env.AtariEnv("breakout")]
+    for env in envs:
+        env.reset(seed=1)
+        env.step(1)
+        env.ale.setMode(8)
+        env.ale.setDifficulty(1)
+    saved = [env.snapshot() for env in envs[:-1]]
+    for reset in ({}, {}, {"seed": 3}):  # the seeded one loads the game, with the mode of the options
+        for action in (1, 2, 3) * 10:
+            *results, expected = (env.step(action) for env in envs)
+            assert all(data_equivalence(result, expected) for result in results)
+        *results, expected = (env.reset(**reset) for env in envs)
+        assert all(data_equivalence(result, expected) for result in results)
+    for core, data in zip(cores, saved, strict=True):
         with pytest.raises(ValueError, match="with mode = 8, but this environment has 0; difficulty = 1, not 0"):
-            AtariEnv("breakout", core=core).restore(saved)
+            AtariEnv("breakout", core=core).restore(data)
         again = AtariEnv("breakout", mode=8, difficulty=1, core=core)
-        again.restore(saved)
-        assert again.clone_state().getDifficulty() == 1
-        assert again.clone_state().getCurrentMode() == 8
+        again.restore(data)
+        state = again.clone_state()
+        assert (state.getDifficulty(), state.getCurrentMode()) == (1, 8)
 
 
 @pytest.mark.parametrize(
@@ -197,7 +196,7 @@ def test_roms_are_recognised(tmp_path: Path) -> None:
         assert kind.isSupportedROM(str(other)) is None
 
 
-def test_the_screen_is_written_as_ale_py_writes_it(pair: tuple[AtariEnv, ale_py.env.AtariEnv], tmp_path: Path) -> None:
+def test_the_screen_is_written_as_ale_py_writes_it(pair: Pair, tmp_path: Path) -> None:
     for env, name in zip(pair, ("ours.png", "theirs.png"), strict=True):
         env.ale.saveScreenPNG(str(tmp_path / name))
     ours, theirs = (cv2.imread(str(tmp_path / name)) for name in ("ours.png", "theirs.png"))

@@ -85,7 +85,7 @@ def test_an_environment_that_another_thread_closes_ends_the_steps_with_an_error(
     run_program("""
         import threading, atari
         from atari.cores import native
-        for round in range(150):
+        for round in range(72):
             env = atari.AtariEnv("pong")
             native.compiled.cache_clear()
             env.reset()
@@ -166,7 +166,7 @@ def test_daemon_threads_may_play_while_the_interpreter_ends() -> None:
         time.sleep(0.05)
         print("ends")
     """
-    for _ in range(4):
+    for _ in range(2):
         assert run_program(program) == "ends\n"
 
 

@@ -249,8 +249,12 @@ def test_explain_reports_that_two_ids_are_the_same() -> None:
     assert "ALE/Pong-v5               the same" in atari.explain("PongDeterministic-v0")
 
 
-def test_every_id_can_be_explained() -> None:
+def test_every_family_and_every_game_can_be_explained() -> None:
+    """Of most games, the IDs of one speed: each text lists the others."""
+    some = ("pong", "space_invaders", "backgammon", "tetris")
     for env_id, (family, game) in env_ids.ids().items():
+        if game not in some and "-v5" not in env_id:
+            continue
         text = atari.explain(env_id)
         assert text.startswith(f"{env_id}: {atari.games[game].title}\n")
         assert ("128 bytes of RAM" in text) == (family.ram)
@@ -273,8 +277,10 @@ def registered(imports: str, choice: str | None) -> subprocess.CompletedProcess[
     return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=env, check=False)
 
 
-@pytest.mark.parametrize("imports", ["import atari, ale_py", "import ale_py, atari"])
-@pytest.mark.parametrize("choice", [None, "", "all"])
+@pytest.mark.parametrize(
+    ("imports", "choice"),
+    [("import atari, ale_py", None), ("import ale_py, atari", None), ("import atari, ale_py", "all")],
+)
 def test_ale_pys_ids_are_replaced(imports: str, choice: str | None) -> None:
     assert registered(imports, choice).stdout == "atari atari atari.env.env atari.env.env\n"
 

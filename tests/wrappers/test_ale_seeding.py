@@ -22,8 +22,7 @@ def made(game: str = "breakout", probability: float = 0.0, **fields: Any) -> Any
     return wrap(env, task(**{**ALE, **fields}))
 
 
-@pytest.mark.parametrize("noop_max", [1, 6, 30])
-@pytest.mark.parametrize("game", ["breakout", "ms_pacman"])
+@pytest.mark.parametrize(("game", "noop_max"), [("breakout", 1), ("breakout", 30), ("ms_pacman", 6), ("ms_pacman", 30)])
 def test_starts_and_sticky_actions_are_ale_pys(game: str, noop_max: int) -> None:
     theirs = ale_py.AtariVectorEnv(game, 1, noop_max=noop_max, repeat_action_probability=0.25, reward_clipping=False)
     ours = made(game, 0.25, noops=(0, noop_max - 1), max_frames=108_000)
@@ -31,7 +30,7 @@ def test_starts_and_sticky_actions_are_ale_pys(game: str, noop_max: int) -> None
     for seed in (0, 1, 5, 2**31 - 1, None, None):
         expected, info = theirs.reset(seed=seed)
         observation, own = ours.reset(seed=seed)
-        for _ in range(25):
+        for _ in range(10):
             np.testing.assert_array_equal(observation, expected[0])
             assert [own[key] for key in INFO] == [info[key][0] for key in INFO]
             action = int(rng.integers(ours.action_space.n))

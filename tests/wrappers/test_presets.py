@@ -26,7 +26,7 @@ INFO = ("lives", "episode_frame_number", "frame_number")
 @pytest.mark.parametrize("game", GAMES)
 @pytest.mark.parametrize(
     ("episodic_life", "probability", "limit", "steps"),
-    [(False, 0.0, None, 400), (True, 0.25, None, 400), (True, 0.25, 402, 250)],
+    [(False, 0.0, None, 120), (True, 0.25, None, 400), (True, 0.25, 402, 110)],
 )
 def test_gymnasium(game_env, game, episodic_life, probability, limit, steps):
     options = {"repeat_action_probability": probability, "max_num_frames_per_episode": limit}
@@ -60,7 +60,7 @@ def test_gymnasium(game_env, game, episodic_life, probability, limit, steps):
 @pytest.mark.parametrize("game", GAMES)
 @pytest.mark.parametrize(
     ("episodic_life", "probability", "limit", "steps"),
-    [(False, 0.0, 108_000, 400), (True, 0.25, 108_000, 400), (False, 0.25, 403, 250)],
+    [(False, 0.0, 108_000, 120), (True, 0.25, 108_000, 400), (False, 0.25, 403, 110)],
 )
 def test_ale_vector(game_env, game, episodic_life, probability, limit, steps):
     theirs = ale_py.AtariVectorEnv(
