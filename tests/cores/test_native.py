@@ -132,13 +132,6 @@ def test_rules_are_evaluated_for_every_frame_of_a_reset() -> None:
     assert rewards[0] == rewards[1] > 0
 
 
-def test_a_mode_outlives_seeding() -> None:
-    core = NativeCore("breakout", mode=8, difficulty=1)
-    core.seed(5)
-    core.reset()
-    assert core.ram()[0x32] == 8
-
-
 def test_a_rom_without_a_hash_in_its_game_is_taken_as_it_is(tmp_path: Path) -> None:
     image = bytearray(find("breakout").read_bytes())
     image[0x100] ^= 0xFF

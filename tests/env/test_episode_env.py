@@ -63,13 +63,21 @@ def record(env: Any, step: int) -> Any:
     )
 
 
-@pytest.mark.parametrize("core", ["native", "plain", "ale"])
-@pytest.mark.parametrize("preset", PRESETS)
+@pytest.mark.parametrize(
+    ("preset", "core", "game", "limit"),
+    [
+        *((preset, "native", "breakout", None) for preset in atari.PRESETS if preset != "multiplayer_dqn"),
+        *((preset, "native", "bank_heist", 403) for preset in PRESETS),
+        *((preset, core, "breakout", None) for preset in PRESETS for core in ("plain", "ale")),
+    ],
+)
 @pytest.mark.filterwarnings("ignore:.*after the episode had ended")
-def test_results_and_the_record_of_the_game(preset: str, core: str) -> None:
-    steps = {"native": 300, "plain": 60, "ale": 120}[core]
-    nests, one = both(Task.of("breakout", preset=preset), core=core)
+def test_results_and_the_record_of_the_game(preset: str, core: str, game: str, limit: int | None) -> None:
+    steps = {"native": 300, "plain": 60, "ale": 60}[core]
+    options = {} if limit is None else {"max_num_frames_per_episode": limit}
+    nests, one = both(Task.of(game, preset=preset, **options), core=core)
     assert play(nests, steps, each=record) == play(one, steps, each=record)
+    assert nests.unwrapped.snapshot() == one.unwrapped.snapshot()
 
 
 def test_it_has_the_spaces_and_attributes_of_the_wrappers() -> None:
@@ -333,7 +341,7 @@ def test_videos_have_the_same_frames(tmp_path: Path) -> None:
     sizes = []
     for number, env in enumerate(both(Task.of("breakout", preset="dqn2015"), render_mode="rgb_array")):
         recorder = RecordVideo(env, tmp_path / str(number))
-        play(recorder, 30)
+        play(recorder, 8)
         recorder.close()
         sizes.append([(path.name, path.read_bytes()) for path in sorted((tmp_path / str(number)).iterdir())])
     assert sizes[0] == sizes[1]

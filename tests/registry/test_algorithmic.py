@@ -34,24 +34,17 @@ def test_an_id_stands_for_the_published_task(env_id: str) -> None:
     assert not env.spec.nondeterministic
     assert env.action_space == spaces.Tuple([spaces.Discrete(count) for count in actions])
     assert env.observation_space == spaces.Discrete(actions[2] + 1)
-
-
-@pytest.mark.parametrize("env_id", TASKS)
-def test_a_task_starts_and_grows_as_published(env_id: str) -> None:
-    env: Any = gymnasium.make(env_id).unwrapped
-    assert (env.min_length, env.window) == GROWTH.get(env_id, (2, 10))
+    inner: Any = env.unwrapped
+    assert (inner.min_length, inner.window) == GROWTH.get(env_id, (2, 10))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        register_algorithmic()
+        check_env(inner)
 
 
 def test_three_rows_are_three() -> None:
     rows = [gymnasium.make(env_id).reset()[1]["input"].count("\n") + 1 for env_id in list(TASKS)[-2:]]
     assert rows == [2, 3]
-
-
-@pytest.mark.parametrize("env_id", TASKS)
-def test_gymnasiums_checker_passes(env_id: str) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        check_env(gymnasium.make(env_id).unwrapped)
 
 
 def test_options_go_through_make() -> None:
@@ -78,12 +71,6 @@ def test_they_play_through_the_interface_of_their_time(env_id: str, capsys: pyte
     env.render()
     assert capsys.readouterr().out == f"{env.render(mode='ansi')}\n"
     assert f"step: {info['time']}\n" in env.render(mode="ansi")
-
-
-def test_registering_again_is_silent() -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        register_algorithmic()
 
 
 def test_atari_make_accepts_them_but_not_with_a_preset() -> None:

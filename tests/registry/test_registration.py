@@ -152,17 +152,6 @@ def test_make_takes_the_options_of_the_environment_and_of_gymnasium() -> None:
     assert env.unwrapped.core.frame_number == 3  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize("wrong", [None, 3, b"pong"])
-def test_make_takes_nothing_but_text(wrong: Any) -> None:
-    with pytest.raises(TypeError, match="a game is named by a string such as 'breakout', got "):
-        atari.make(wrong)
-
-
-def test_make_suggests_the_nearest_game() -> None:
-    with pytest.raises(ValueError, match=r"there is no game 'Brakeout'; did you mean 'breakout'\?"):
-        atari.make("Brakeout")
-
-
 @pytest.mark.parametrize(
     ("wrong", "cure"),
     [
@@ -243,10 +232,6 @@ def test_explain_says_how_the_siblings_differ() -> None:
     assert siblings["Pong-ramDeterministic-v4"] == "RAM"
     assert siblings["PongNoFrameskip-v4"].startswith("frame skip: ")
     assert "PongDeterministic-v4" not in siblings
-
-
-def test_explain_reports_that_two_ids_are_the_same() -> None:
-    assert "ALE/Pong-v5               the same" in atari.explain("PongDeterministic-v0")
 
 
 def test_every_family_and_every_game_can_be_explained() -> None:

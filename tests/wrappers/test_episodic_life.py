@@ -82,39 +82,23 @@ def test_a_new_game_can_be_requested(env, arguments):
     assert episode(env) == (3, True, False)
 
 
-def test_a_reset_in_the_middle_starts_a_new_game(env):
-    env = EpisodicLife(env)
+@pytest.mark.parametrize(
+    ("script", "ended", "frame"),
+    [
+        ({"lives": lives, "limit": 3}, (3, True, True), 0),  # truncation ends the game, too
+        ({"lives": lives, "ends": 4}, (3, True, False), 0),  # by the NOOP of the reset
+        ({"lives": lambda t: {0: 2, 1: 3, 2: 3}.get(t, 2)}, (3, True, False), 4),  # an extra life is no loss
+        ({"ends": 5}, (5, True, False), 0),  # without lives
+    ],
+)
+def test_ends(scripted, script, ended, frame):
+    env = EpisodicLife(scripted(**script))
     env.reset()
     env.step(2)
-    assert env.reset()[1]["frame"] == 0
-
-
-def test_truncation_ends_the_game_too(scripted):
-    env = EpisodicLife(scripted(lives=lives, limit=3))
-    env.reset()
-    assert episode(env) == (3, True, True)
-    assert env.reset()[1]["frame"] == 0
-
-
-def test_a_noop_that_ends_the_game_is_followed_by_a_new_one(scripted):
-    env = EpisodicLife(scripted(lives=lives, ends=4))
-    env.reset()
-    assert episode(env) == (3, True, False)
-    assert env.reset()[1]["frame"] == 0
-    assert not env.same_game
-
-
-def test_an_extra_life_is_no_loss(scripted):
-    env = EpisodicLife(scripted(lives=lambda t: {0: 2, 1: 3, 2: 3}.get(t, 2)))
-    env.reset()
-    assert episode(env) == (3, True, False)
-
-
-def test_games_without_lives(scripted):
-    env = EpisodicLife(scripted(ends=5))
-    env.reset()
-    assert episode(env) == (5, True, False)
-    assert env.reset()[1]["frame"] == 0
+    assert env.reset()[1]["frame"] == 0, "in the middle of an episode, a new game begins"
+    assert episode(env) == ended
+    assert env.reset()[1]["frame"] == frame
+    assert env.same_game == (frame > 0)
 
 
 @pytest.mark.parametrize("reduced", [False, True], ids=["NOOP is an action", "NOOP is no action"])

@@ -4,20 +4,25 @@ import pytest
 import atari
 from atari.wrappers import FireReset
 
-
-def test_presses_fire_once(scripted):
-    env = FireReset(scripted())
-    observation, info = env.reset(seed=1)
-    assert env.unwrapped.actions == [1]
-    assert env.unwrapped.resets == [(1, None)]
-    assert info["frame"] == 1
-    np.testing.assert_array_equal(observation, np.ones((6, 4)))
+MEANINGS = ["NOOP", "FIRE", "UP", "DOWN"]
 
 
-def test_fire_is_found_by_its_name(scripted):
-    env = FireReset(scripted(meanings=["NOOP", "UP", "FIRE"]))
-    env.reset()
-    assert env.unwrapped.actions == [2]
+@pytest.mark.parametrize(
+    ("meanings", "arguments", "options", "actions"),
+    [
+        (MEANINGS, {}, None, [1]),
+        (["NOOP", "UP", "FIRE"], {}, None, [2]),
+        (["NOOP", "UP"], {"then_action_2": True}, None, []),
+        (MEANINGS, {"then_action_2": True}, {"fire": True}, [1, 2]),
+        (MEANINGS, {"then_action_2": True}, {"fire": False}, []),
+    ],
+)
+def test_the_actions_of_a_reset(scripted, meanings, arguments, options, actions):
+    env = FireReset(scripted(meanings=meanings), **arguments)
+    observation, info = env.reset(seed=3, options=options)
+    assert env.unwrapped.actions == actions
+    assert env.unwrapped.resets == [(3, None)]
+    assert info["frame"] == observation.max() == len(actions)
 
 
 @pytest.mark.parametrize("threshold", [0.0, 0.5, 0.999, 1.0])
@@ -32,30 +37,6 @@ def test_fire_is_pressed_at_every_threshold_of_continuous_actions(threshold):
     vector = atari.AtariVectorEnv(envs[0].unwrapped.whole_task, 1, num_threads=1)
     vector.reset(seed=0)
     assert (vector.step(np.zeros((1, 3), np.float32))[0] == first).all()
-
-
-def test_games_without_fire_are_left_alone(scripted):
-    env = FireReset(scripted(meanings=["NOOP", "UP"]), then_action_2=True)
-    _, info = env.reset()
-    assert env.unwrapped.actions == []
-    assert info["frame"] == 0
-
-
-def test_then_action_2(scripted):
-    env = FireReset(scripted(), then_action_2=True)
-    _, info = env.reset()
-    assert env.unwrapped.actions == [1, 2]
-    assert info["frame"] == 2
-
-
-def test_an_option_leaves_it_out(scripted):
-    env = FireReset(scripted(), then_action_2=True)
-    _, info = env.reset(seed=3, options={"fire": False})
-    assert env.unwrapped.actions == []
-    assert info["frame"] == 0
-    assert env.unwrapped.resets == [(3, None)]
-    env.reset(options={"fire": True})
-    assert env.unwrapped.actions == [1, 2]
 
 
 def test_resets_again_if_fire_ends_the_episode_and_shows_the_new_one(scripted):
