@@ -175,26 +175,18 @@ def check_file(file: Path, instead: str = "give a regular file") -> Path:
 
 # Names of other projects' options that are too unlike ours to be found by their letters.
 _OTHER_NAMES = {
-    "frame_stack": "stack_num",
-    "n_stack": "stack_num",
-    "stack_size": "stack_num",
-    "screen_size": "img_height",
-    "image_size": "img_height",
-    "size": "img_height",
-    "gray_scale": "obs_type",
-    "grayscale": "obs_type",
-    "grayscale_obs": "obs_type",
-    "sticky": "repeat_action_probability",
-    "sticky_actions": "repeat_action_probability",
-    "obs": "obs_type",
-    "terminal_on_life_loss": "episodic_life",
-    "noop_max": "noops",
-    "use_fire_reset": "fire",
-    "shape": "img_height",
-    "player_indicator": "agent_indicator",
-    "max_cycles": "max_episode_steps",
-    "num_players": "players",
+    "stack_num": "frame_stack n_stack stack_size",
+    "img_height": "screen_size image_size size shape",
+    "obs_type": "gray_scale grayscale grayscale_obs obs",
+    "repeat_action_probability": "sticky sticky_actions",
+    "episodic_life": "terminal_on_life_loss",
+    "noops": "noop_max",
+    "fire": "use_fire_reset",
+    "agent_indicator": "player_indicator",
+    "max_episode_steps": "max_cycles",
+    "players": "num_players",
 }
+_OURS = {other: name for name, others in _OTHER_NAMES.items() for other in others.split()}
 
 _OF_VECTORS = frozenset(("num_envs", "num_threads", "batch_size", "autoreset_mode", "channels_last"))
 """Options of `AtariVectorEnv` that mean nothing for a single environment."""
@@ -210,7 +202,7 @@ def check_known(owner: str, wrong: Iterable[str], known: Iterable[str]) -> None:
     known = tuple(dict.fromkeys(known))
     names = {_sorted_words(name): name for name in (*_OF_VECTORS, *known)}
     for name in wrong:
-        words = _sorted_words(_OTHER_NAMES.get(name, name))
+        words = _sorted_words(_OURS.get(name, name))
         near = [names[match] for match in difflib.get_close_matches(words, names, n=1, cutoff=0.5)]
         if not near:
             hint = f"it has {', '.join(known)}"

@@ -22,7 +22,8 @@ GAMES = "breakout adventure qbert video_checkers klax double_dunk seaquest skiin
 def test_our_cores(game: str) -> None:
     """The slow reference core plays less alone: the check of the native core compares it, too."""
     check_core(partial(NativeCore, game), reference=partial(PlainCore, game))
-    check_core(partial(PlainCore, game), steps=16)
+    late = game in ("qbert", "seaquest")  # whose RAM is the same for all seeds at the beginning
+    check_core(partial(PlainCore, game), steps=60 if late else 16)
 
 
 @needs_new_ale_py
