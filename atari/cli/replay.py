@@ -83,7 +83,7 @@ def _show(args: argparse.Namespace) -> int:
             "core_seeds": replay.seeds,
             "episodes": episodes,
         }
-        task = {"task": json.loads(replay.header["task"])} if replay.header.get("task") else {}
+        task = {} if replay.players > 1 else {"task": json.loads(replay.header["task"])}
         print_json({**replay.header, **task, **facts})
         return 0
     rate = float(frame_rate(replay.game))
@@ -100,7 +100,7 @@ def _show(args: argparse.Namespace) -> int:
         + ("" if replay.complete else ", cut while it was recorded"),
         "recorded": f"{replay.header.get('source')} on core {replay.header.get('core')!r}, "
         f"atari-envs {replay.header.get('package')}",
-        **({"options": options} if replay.header.get("task") is None else {"task": summary(replay.task)}),
+        **({"options": options} if replay.players > 1 else {"task": summary(replay.task)}),
         "seeds": seeds or "none: it begins with a snapshot",
         "ROM": f"MD5 {replay.header.get('rom')}",
     }.items():

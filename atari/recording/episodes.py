@@ -60,12 +60,8 @@ def _difference(first: Replay, other: Replay) -> str:
     """The fields in which the tasks of two replays differ; "" if none."""
     if first.game != other.game:
         return f"game: {first.game.id} and {other.game.id}"
-    if "task" in first.facts and "task" in other.facts:
-        pairs = first.task.differences(other.task)
-    else:  # older releases recorded the options of the AtariEnv alone
-        names = sorted({*first.options, *other.options})
-        pairs = {name: (first.options.get(name), other.options.get(name)) for name in names}
-    return "; ".join(f"{name}: {mine!r} and {theirs!r}" for name, (mine, theirs) in pairs.items() if mine != theirs)
+    pairs = first.task.differences(other.task)
+    return "; ".join(f"{name}: {mine!r} and {theirs!r}" for name, (mine, theirs) in pairs.items())
 
 
 def facts_of_replays(replays: list[Replay]) -> dict[str, Any]:

@@ -15,7 +15,6 @@ from atari.recording.replay.recorded_core import rom_md5
 from atari.task import Task
 from atari.task.fields import DEFAULTS
 from atari.task.resolution import translate
-from atari.task.rules import default_ineffective
 
 _MAY_BE_NONE = ("mode", "difficulty", "max_num_frames_per_episode", "interventions")
 """The options that may be None in a header."""
@@ -65,8 +64,7 @@ def _check_options(header: Mapping[str, Any], game: Game) -> None:
             raise TypeError("interventions must be a list of definitions")
         resolve(game, interventions)
         emulator_task(options, game)
-        if header.get("task") is not None:
-            Task.from_json(header["task"], game)
+        Task.from_json(header.get("task"), game)
     except (TypeError, ValueError, OverflowError) as error:
         raise Corrupt(f"the replay is damaged: its header is wrong ({error})") from None
 
@@ -79,5 +77,4 @@ def emulator_task(options: Mapping[str, Any], game: Game) -> Task:
     """
     given, _ = translate(options, "the replay")
     fields = {**DEFAULTS, "max_num_frames_per_episode": None, **given, "game": game}
-    default_ineffective(fields, given=())  # older releases recorded options without effect, too
     return Task(**fields)

@@ -441,23 +441,21 @@ class Replay:
     def task(self) -> Task:
         """The task that was played, with the wrappers that `atari.make` has put around the recorded environment.
 
-        Files of older releases do not name the wrappers; for them, it is the task of the `AtariEnv` alone.
-
         Raises:
             ValueError: several players played.
         """
         if self.players > 1:
             raise ValueError(f"{self.path} has {self.players} players, and no task; `options` has what was played")
-        text = self.header.get("task")
-        return emulator_task(self.options, self.game) if text is None else Task.from_json(text, self.game)
+        return Task.from_json(self.header["task"], self.game)
 
     @property
     def facts(self) -> dict[str, Any]:
         """The facts that videos and data sets made of the replay carry; see `video_facts`."""
-        text = self.header.get("task")
-        options = {"game": self.game.id, "players": self.players, "options": dict(self.header["options"])}
-        of_task = options if text is None else {"task": json_text.parse(str(text), f"the task of {self.path}")}
-        return {**of_task, "core_seeds": list(self.seeds), "package": PACKAGE}
+        if self.players > 1:
+            played = {"game": self.game.id, "players": self.players, "options": dict(self.header["options"])}
+        else:
+            played = {"task": json_text.parse(self.header["task"], f"the task of {self.path}")}
+        return {**played, "core_seeds": list(self.seeds), "package": PACKAGE}
 
     def walk(self, core: Core) -> Iterator[tuple[Event, Iterator[Call]]]:
         """Yield each event with an iterator that makes its calls on `core`; exhaust it before the next event.

@@ -441,6 +441,11 @@ def test_another_rom_is_refused(tmp_path: Path) -> None:
     ReplayFileWriter(tmp_path / "c.a26r", {"game": 3}).end({})
     with pytest.raises(ValueError, match="its header has no game"):
         Replay.load(tmp_path / "c.a26r")
+    ReplayFileWriter(tmp_path / "d.a26r", {name: fact for name, fact in content.header.items() if name != "task"}).end(
+        {}
+    )
+    with pytest.raises(ValueError, match="a task is read from a string of JSON, got None"):
+        Replay.load(tmp_path / "d.a26r")
     with pytest.raises(FileNotFoundError):
         Replay.load(tmp_path / "none.a26r")
 
