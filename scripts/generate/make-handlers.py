@@ -10,8 +10,9 @@ superinstructions do not change.
 import argparse
 import re
 from collections import Counter
-from itertools import pairwise
+from itertools import groupby, pairwise
 from pathlib import Path
+from textwrap import wrap
 
 EMULATOR = Path(__file__).parents[2] / "atari" / "emulator"
 PAIRS = 400
@@ -48,6 +49,14 @@ STORE_MODES = {
 }
 MODIFY_MODES = {"Zp": ["Ram"], "ZpX": ["RamX"], "Acc": ["Acc"]}
 
+GROUPS = {
+    "SHIFT": ["Acc", "Ram", "RamX"],
+    "CALCULATION": sorted({kind for kinds in READ_MODES.values() for kind in kinds} - {"RamY"}),
+    "READ": sorted(READ_MODES["Zp"] + READ_MODES["Abs"]),
+    "STORE": sorted(STORE_MODES["Zp"] + STORE_MODES["Abs"]),
+}
+"""Kinds of operand that several operations have. The file has a macro for each group."""
+
 LAST = {"JMP", "JSR", "RTS", *BRANCHES}
 """Instructions after which the next one may be at another address."""
 
@@ -79,6 +88,26 @@ def singles() -> list[tuple[str, str]]:
         for mode in modes:
             found[operation, mode] = None
     return sorted(found)
+
+
+def rows_of_singles(singles: list[tuple[str, str]]) -> list[str]:
+    """The rows of the single handlers in the file. An operation has the row of the first group that fits."""
+    rows = []
+    for operation, found in groupby(singles, lambda single: single[0]):
+        kinds = [kind for _, kind in found]
+        group = next((name for name, common in GROUPS.items() if set(common) <= set(kinds)), None)
+        if group:
+            rows.append(f"{group}({operation})")
+            kinds = [kind for kind in kinds if kind not in GROUPS[group]]
+        rows += [f"SINGLE({operation}, {kind})" for kind in kinds]
+    return rows
+
+
+def macro_of(group: str) -> list[str]:
+    """The lines that define the macro of a group."""
+    text = " ".join(f"SINGLE(operation,\xa0{kind})" for kind in GROUPS[group])
+    lines = [f"#define {group}(operation)", *wrap(text, 112, initial_indent="    ", subsequent_indent="    ")]
+    return " \\\n".join(lines).replace("\xa0", " ").split("\n")
 
 
 Runs = list[tuple[float, list[str]]]
@@ -141,18 +170,20 @@ def main() -> None:
         "// Made by scripts/generate/make-handlers.py. The instructions of the fast interpreter, a row a handler:",
         "//   SINGLE(operation, kind of operand)",
         "//   PAIR(operation, kind of operand, operation, kind of operand)",
-        "// ATARI_NO_PAIRS leaves pairs out: instrumented builds take too long with them. Both macros end here.",
+        "// A row of a group stands for a SINGLE of each kind of operand in the group.",
+        "// ATARI_NO_PAIRS leaves pairs out: instrumented builds take too long with them. All macros end here.",
         "#ifdef ATARI_NO_PAIRS",
         "#undef PAIR",
         "#define PAIR(...)",
         "#endif",
         "",
-        *(f"SINGLE({operation}, {mode})" for operation, mode in known),
+        *(line for group in GROUPS for line in macro_of(group)),
+        "",
+        *rows_of_singles(known),
         "",
         *rows_of(fused),
         "",
-        "#undef SINGLE",
-        "#undef PAIR",
+        *(f"#undef {name}" for name in ("SINGLE", "PAIR", *GROUPS)),
     ]
     path.write_text("\n".join(lines) + "\n")
     print(f"{len(known)} single handlers, {len(fused)} pairs")

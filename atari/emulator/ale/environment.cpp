@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <utility>
 
 #include "ale/colours/averaging.hpp"
 #include "ale/colours/colour_conversion.hpp"

@@ -1,7 +1,6 @@
 #include "fast_console.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "machine/tia/tia_registers.hpp"
 

@@ -3,7 +3,6 @@
 // random words. Differences of screen, RAM, reward, lives and game over are effects of the change.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>

@@ -27,9 +27,7 @@ Frames::Frames(const Geometry& geometry, const Layout& layout, uint8_t* block)
     : geometry_(geometry), layout_(layout), block_(block), slots_(geometry.slots()) {
     if (!geometry.compressed) return;
     packed_ = std::make_unique<PackedFrames>(geometry, block + layout.packed);
-    size_t most = 0;
-    for (const Part& part : geometry.parts) most = std::max(most, part.bytes);
-    code_.resize(most_encoded(most));
+    code_.resize(most_encoded(std::ranges::max(geometry.parts, {}, &Part::bytes).bytes));
 }
 
 uint8_t* Frames::row(size_t part, int64_t row) const {

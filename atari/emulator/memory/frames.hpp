@@ -1,7 +1,6 @@
 // The frames of a replay memory: a ring of rows, plain or compressed, and the final observations that have no row.
 #pragma once
 
-#include <algorithm>
 #include <memory>
 #include <vector>
 

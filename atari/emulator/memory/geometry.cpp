@@ -48,11 +48,7 @@ void Geometry::check() const {
                                     std::to_string(packed_bytes));
 }
 
-int Geometry::most_frames() const {
-    int most = 1;
-    for (const Part& part : parts) most = std::max(most, part.stack);
-    return most;
-}
+int Geometry::most_frames() const { return std::ranges::max(parts, {}, &Part::stack).stack; }
 
 int64_t Geometry::history() const { return most_frames() - 1 + (compressed ? kGroup - 1 : 0); }
 

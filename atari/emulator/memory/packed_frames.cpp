@@ -9,8 +9,7 @@ namespace atari::memory {
 namespace {
 
 size_t chunk_bytes(const Geometry& geometry) {
-    size_t most = 0;
-    for (const Part& part : geometry.parts) most = std::max(most, most_encoded(part.bytes));
+    const size_t most = most_encoded(std::ranges::max(geometry.parts, {}, &Part::bytes).bytes);
     return (std::max(size_t{1} << 16, 8 * most) + 4095) / 4096 * 4096;
 }
 

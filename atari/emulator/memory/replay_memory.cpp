@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <ranges>
 #include <stdexcept>
 
 namespace atari::memory {
@@ -179,14 +180,10 @@ void ReplayMemory::push_final(int64_t row, int64_t lane, const std::vector<const
 // Returns the entry of the final observation after a step, or -1. Rows ascend; the entries of a row have any order.
 int64_t ReplayMemory::find_final(int64_t row, int64_t lane) const {
     const int64_t wanted = row * geometry_.lanes;
-    int64_t low = state_.first_final, high = state_.finals;
-    while (low < high) {
-        const int64_t middle = low + (high - low) / 2;
-        if (owner(middle) < wanted) low = middle + 1;
-        else high = middle;
-    }
-    for (; low < state_.finals && owner(low) < wanted + geometry_.lanes; ++low)
-        if (owner(low) == wanted + lane) return low;
+    const auto entries = std::views::iota(state_.first_final, state_.finals);
+    auto at = std::ranges::partition_point(entries, [&](int64_t entry) { return owner(entry) < wanted; });
+    for (; at != entries.end() && owner(*at) < wanted + geometry_.lanes; ++at)
+        if (owner(*at) == wanted + lane) return *at;
     return -1;
 }
 

@@ -10,7 +10,6 @@
 // another checksum: such a section is damaged.
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstring>
 #include <stdexcept>
 

@@ -51,15 +51,10 @@ LEVEL_INLINE void pool(const uint8_t* early, const uint8_t* late, int rows, cons
 }
 
 #if ATARI_SIMD128
+template <auto eight>
 TARGET_SIMD128 void pool_simd128(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table,
                                  uint8_t* out, uint32_t* changes) {
-    pool<changed_columns_simd128<const uint8_t*, const uint8_t*>, pool_eight>(early, late, rows, table, out, changes);
-}
-
-TARGET_SIMD128 void pool_pairs_simd128(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table,
-                                       uint8_t* out, uint32_t* changes) {
-    pool<changed_columns_simd128<const uint8_t*, const uint8_t*>, pool_eight_pairs>(early, late, rows, table, out,
-                                                                                    changes);
+    pool<changed_columns_simd128<const uint8_t*, const uint8_t*>, eight>(early, late, rows, table, out, changes);
 }
 #endif
 
@@ -105,40 +100,38 @@ TARGET_AVX512 void pool_avx512(const uint8_t* early, const uint8_t* late, int ro
     }
 }
 
+template <auto eight>
 TARGET_AVX2 void pool_avx2(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
                            uint32_t* changes) {
-    pool<changed_columns_avx2<const uint8_t*>, pool_eight>(early, late, rows, table, out, changes);
-}
-
-TARGET_AVX2 void pool_pairs_avx2(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table,
-                                 uint8_t* out, uint32_t* changes) {
-    pool<changed_columns_avx2<const uint8_t*>, pool_eight_pairs>(early, late, rows, table, out, changes);
+    pool<changed_columns_avx2<const uint8_t*>, eight>(early, late, rows, table, out, changes);
 }
 #endif
+
+template <auto eight>
+void pool_at([[maybe_unused]] SimdLevel level, const uint8_t* early, const uint8_t* late, int rows,
+             const uint8_t* table, uint8_t* out, uint32_t* changes) {
+#if ATARI_X86_SIMD
+    if (level >= SimdLevel::kAvx2) return pool_avx2<eight>(early, late, rows, table, out, changes);
+#endif
+#if ATARI_SIMD128
+    if (level == SimdLevel::kSimd128) return pool_simd128<eight>(early, late, rows, table, out, changes);
+#endif
+    pool<changed_columns<const uint8_t*, const uint8_t*>, eight>(early, late, rows, table, out, changes);
+}
 
 }  // namespace
 
 void pool_gray(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-               uint32_t* changes, [[maybe_unused]] SimdLevel level) {
+               uint32_t* changes, SimdLevel level) {
 #if ATARI_X86_SIMD
     if (level == SimdLevel::kAvx512) return pool_avx512(early, late, rows, table, out, changes);
-    if (level == SimdLevel::kAvx2) return pool_avx2(early, late, rows, table, out, changes);
 #endif
-#if ATARI_SIMD128
-    if (level == SimdLevel::kSimd128) return pool_simd128(early, late, rows, table, out, changes);
-#endif
-    pool<changed_columns<const uint8_t*, const uint8_t*>, pool_eight>(early, late, rows, table, out, changes);
+    pool_at<pool_eight>(level, early, late, rows, table, out, changes);
 }
 
 void pool_pairs(const uint8_t* early, const uint8_t* late, int rows, const uint8_t* table, uint8_t* out,
-                uint32_t* changes, [[maybe_unused]] SimdLevel level) {
-#if ATARI_X86_SIMD
-    if (level >= SimdLevel::kAvx2) return pool_pairs_avx2(early, late, rows, table, out, changes);
-#endif
-#if ATARI_SIMD128
-    if (level == SimdLevel::kSimd128) return pool_pairs_simd128(early, late, rows, table, out, changes);
-#endif
-    pool<changed_columns<const uint8_t*, const uint8_t*>, pool_eight_pairs>(early, late, rows, table, out, changes);
+                uint32_t* changes, SimdLevel level) {
+    pool_at<pool_eight_pairs>(level, early, late, rows, table, out, changes);
 }
 
 }  // namespace atari

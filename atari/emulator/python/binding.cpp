@@ -3,18 +3,10 @@
 //
 // No Python object is released without the GIL. A thread with the GIL waits for no lock and joins no thread.
 // threads.hpp has the whole rule, and the classes that keep it.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/pair.h>
-#include <nanobind/stl/tuple.h>
-#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <exception>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 
 #include "ale/environment.hpp"
@@ -22,9 +14,6 @@
 #include "fast/jit/switch.hpp"
 #include "fast/simd.hpp"
 #include "threads.hpp"
-
-namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace atari {
 namespace {
@@ -37,14 +26,14 @@ auto call(void (Environment::*method)(Arguments...)) {
     };
 }
 
-Array colours_of(const std::string& format) {
+nb::object colours_of(const std::string& format) {
     const Palette& palette = palette_of(format);
-    auto* const colours = new uint8_t[256 * 3];
-    nb::capsule owner(colours, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
+    const size_t shape[] = {256, 3};
+    std::unique_ptr<uint8_t[]> colours(new uint8_t[256 * 3]);
     for (size_t i = 0; i < 256; ++i)
         for (size_t channel = 0; channel < 3; ++channel)
             colours[3 * i + channel] = static_cast<uint8_t>(palette.rgb[i] >> (16 - 8 * channel));
-    return Array(colours, {256, 3}, owner);
+    return array_of(std::move(colours), shape, 2);
 }
 
 Shared<Game> bound_game(nb::bytes image, const std::string& cartridge, const std::string& format, bool detect_format,
@@ -107,8 +96,7 @@ void register_xla(nb::module_& m);           // binding_xla.cpp
 
 }  // namespace atari
 
-#define ARRAY "numpy.typing.NDArray[numpy.uint8]"
-#define RETURNS_ARRAY(name) "def " name "(self, out: " ARRAY " | None = None) -> " ARRAY
+#define RETURNS_ARRAY(name) "def " name "(self, out: " NDARRAY("uint8") " | None = None) -> " NDARRAY("uint8")
 
 NB_MODULE(_emulator, m) {
     using namespace atari;
@@ -220,8 +208,8 @@ NB_MODULE(_emulator, m) {
         .def(
             "set_ram",
             [](Emulator& x, int index, int value) {
-                if (index < 0 || index > 127) throw nb::value_error("index must be within 0..127");
-                if (value < 0 || value > 255) throw nb::value_error("value must be within 0..255");
+                if (index < 0 || index > 127) throw std::invalid_argument("index must be within 0..127");
+                if (value < 0 || value > 255) throw std::invalid_argument("value must be within 0..255");
                 x.locked([&](Environment& e) { e.set_ram(index, value); });
             },
             "index"_a, "value"_a)
@@ -239,7 +227,7 @@ NB_MODULE(_emulator, m) {
              "Continue from a state of `clone_state`; ValueError if the state belongs to another game or core.")
         .def("close", &Emulator::close);
 
-    m.def("palette", &colours_of, "format"_a, nb::sig("def palette(format: str) -> " ARRAY),
+    m.def("palette", &colours_of, "format"_a, nb::sig("def palette(format: str) -> " NDARRAY("uint8")),
           "Red, green and blue of the 256 palette indices of a TV format, (256, 3).");
     m.def("translator", &translator, nb::sig("def translator() -> str | None"),
           "The processor for which cartridges are translated, \"x86-64\" or \"arm64\"; None if handlers run all code.\n"

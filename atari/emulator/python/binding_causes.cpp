@@ -1,29 +1,18 @@
 // Binding of `Causes`: `_emulator.Causes`. Python collects the states and interprets the counts (atari/lab/causal/).
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 
 #include <algorithm>
-#include <cstddef>
+#include <cstring>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "lab/causes.hpp"
 #include "state.hpp"
+#include "arrays.hpp"
 #include "threads.hpp"
-
-namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace atari {
 namespace {
-
-template <typename Item>
-nb::object as_array(std::vector<Item>&& items, const std::vector<size_t>& shape) {
-    auto* const owned = new std::vector<Item>(std::move(items));
-    nb::capsule owner(owned, [](void* memory) noexcept { delete static_cast<std::vector<Item>*>(memory); });
-    return nb::cast(nb::ndarray<nb::numpy, Item, nb::c_contig>(owned->data(), shape.size(), shape.data(), owner));
-}
 
 class CausesBinding : Exclusive {
   public:
@@ -33,51 +22,35 @@ class CausesBinding : Exclusive {
         causes_ = std::make_unique<Causes>(game_, values, frames, threads, seed);
     }
 
-    void explore(nb::list states, nb::ndarray<const uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu> actions,
-                 int first) {
+    void explore(nb::list states, Table<const uint8_t> actions, int first) {
         std::vector<nb::object> kept;  // the states stay alive without the list
         std::vector<const EnvironmentSnapshot*> snapshots;
         for (nb::handle item : states) {
             kept.push_back(nb::borrow(item));
             const State& state = nb::cast<const State&>(item);
             if (!state.game || image_digest(*state.game) != image_digest(*game_))
-                throw nb::value_error(
+                throw std::invalid_argument(
                     "a state is not one that clone_state returned in this process, or of another game");
             snapshots.push_back(&state.snapshot);
         }
         if (actions.shape(0) != kept.size() || actions.shape(1) != static_cast<size_t>(causes_->frames()) || first < 0)
-            throw nb::value_error("actions must be of shape (states, frames), and first at least 0");
+            throw std::invalid_argument("actions must be of shape (states, frames), and first at least 0");
         const std::vector<uint8_t> copy(actions.data(), actions.data() + actions.size());
         for (const uint8_t action : copy)
-            if (action > 17) throw nb::value_error("an ALE action number is within 0..17");
+            if (action > 17) throw std::invalid_argument("an ALE action number is within 0..17");
         const bool good = locked([&] { return causes_->explore(snapshots, copy.data(), first); });
-        if (!good) throw nb::value_error("a state is of another kind of core");
+        if (!good) throw std::invalid_argument("a state is of another kind of core");
     }
 
     nb::object counts() {
-        std::vector<uint32_t> numbers(sizeof(ByteCauses) / sizeof(uint32_t) * kRamBytes);
-        locked([&] {
-            const auto* const from = reinterpret_cast<const uint32_t*>(causes_->bytes().data());
-            std::copy_n(from, numbers.size(), numbers.begin());
-            return 0;
-        });
-        return as_array(std::move(numbers), {kRamBytes, sizeof(ByteCauses) / sizeof(uint32_t)});
+        return numbers<uint32_t>([&]() -> const auto& { return causes_->bytes(); }, {0, sizeof(ByteCauses) / 4});
     }
-
     nb::object effects() {
-        std::vector<int32_t> numbers;
-        locked([&] {
-            const auto* const from = reinterpret_cast<const int32_t*>(causes_->effects().data());
-            numbers.assign(from, from + causes_->effects().size() * kForkEffectNumbers);
-            return 0;
-        });
-        const size_t rows = numbers.size() / kForkEffectNumbers;
-        return as_array(std::move(numbers), {rows, static_cast<size_t>(kForkEffectNumbers)});
+        return numbers<int32_t>([&]() -> const auto& { return causes_->effects(); }, {0, sizeof(ForkEffect) / 4});
     }
-
     nb::object pixels() {
-        auto numbers = locked([&] { return causes_->pixels(); });
-        return as_array(std::move(numbers), {kRamBytes, static_cast<size_t>(causes_->height()), kScreenWidth});
+        const auto height = static_cast<size_t>(causes_->height());
+        return numbers<uint16_t>([&]() -> const auto& { return causes_->pixels(); }, {0, height, kScreenWidth});
     }
 
     uint64_t frames_played() {
@@ -85,6 +58,22 @@ class CausesBinding : Exclusive {
     }
 
   private:
+    // Returns a copy of the numbers in `all()`, in as many rows as there are.
+    template <typename Number, typename All>
+    nb::object numbers(All&& all, std::vector<size_t> shape) {
+        std::unique_ptr<Number[]> copy;
+        locked([&] {
+            const auto& items = all();
+            const size_t bytes = items.size() * sizeof items[0];
+            size_t row = sizeof(Number);
+            for (size_t axis = 1; axis < shape.size(); ++axis) row *= shape[axis];
+            shape[0] = bytes / row;
+            copy.reset(new Number[bytes / sizeof(Number)]);
+            if (bytes) std::memcpy(copy.get(), items.data(), bytes);
+        });
+        return array_of(std::move(copy), shape.data(), shape.size());
+    }
+
     std::shared_ptr<const Game> game_;
     std::unique_ptr<Causes> causes_;
 };

@@ -1,10 +1,4 @@
 // `_emulator.Episode`: the rules, counters and frames of the episodes that are played on cores of Python's.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <array>
@@ -19,9 +13,6 @@
 #include "core_game.hpp"
 #include "vector/episode.hpp"
 #include "vector/lanes.hpp"
-
-namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace atari {
 namespace {
@@ -57,7 +48,7 @@ class BoundEpisode {
 
     nb::tuple reset(nb::object core, nb::object begin, const std::optional<SeedWords>& words, bool new_game,
                     std::optional<int> noops, bool fire, nb::object on_frame) {
-        if (noops && (*noops < 0 || *noops > 1'000'000)) throw nb::value_error("noops must be within 0..1000000");
+        if (noops && (*noops < 0 || *noops > 1'000'000)) throw std::invalid_argument("noops must be within 0..1000000");
         const std::optional<Seed> seed = words ? std::optional(seed_of(*words)) : std::nullopt;
         const Playing playing(*this);
         Outcome outcome;
@@ -102,15 +93,11 @@ class BoundEpisode {
         const Playing playing(*this);
         std::vector<uint8_t> state(episode_->state_size());
         episode_->save(state.data());
-        return nb::bytes(state.data(), state.size());
+        return bytes_of(state);
     }
     void load(nb::bytes state) {
         const Playing playing(*this);
-        if (state.size() != episode_->state_size())
-            throw nb::value_error(("the state of this episode has " + std::to_string(episode_->state_size()) +
-                                   " bytes, got " + std::to_string(state.size()))
-                                      .c_str());
-        episode_->load(static_cast<const uint8_t*>(state.data()));
+        episode_->load(state_bytes(state, episode_->state_size(), "episode"));
         read_counters(now_);
         now_.ended = false;
     }
@@ -187,10 +174,10 @@ class BoundEpisode {
             return "a step takes a sequence of an action of each of " + std::to_string(episode_->players()) +
                    " players, got " + shown(actions);
         };
-        if (!nb::isinstance<nb::sequence>(actions)) throw nb::type_error(wrong().c_str());
+        if (!nb::isinstance<nb::sequence>(actions)) refuse_type(wrong());
         const auto given = nb::borrow<nb::sequence>(actions);
         const auto players = static_cast<size_t>(episode_->players());
-        if (nb::len(given) != players) throw nb::value_error(wrong().c_str());
+        if (nb::len(given) != players) throw std::invalid_argument(wrong());
         for (size_t player = 0; player < players; ++player) numbers[player] = action_number(given[player]);
         return numbers;
     }
@@ -213,16 +200,7 @@ class BoundEpisode {
     nb::object observation() const {
         const ObservationStack& stack = episode_->observation();
         if (!stack.size()) return ram();
-        const ObservationSettings& settings = stack.settings();
-        const auto stacked = static_cast<size_t>(settings.stack_num);
-        const size_t images[] = {stacked, static_cast<size_t>(settings.img_height),
-                                 static_cast<size_t>(settings.img_width), 3};
-        const size_t rams[] = {stacked, kRamSize};
-        const size_t axes = stack.planes() == 3 ? 4 : stack.planes() ? 3 : 2;
-        const size_t* const shape = stack.planes() ? images : rams;
-        std::unique_ptr<uint8_t[]> bytes(new uint8_t[stack.size()]);
-        stack.write(bytes.get());
-        const nb::object array = array_of(std::move(bytes), shape + !stacked_, axes - !stacked_);
+        const nb::object array = observation_of(stack, stacked_, [&](uint8_t* to) { stack.write(to); });
         if (!ram_) return array;
         nb::dict both;
         both[keys_.image] = array;

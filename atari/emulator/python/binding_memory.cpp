@@ -1,12 +1,5 @@
 // `_emulator.ReplayMemory`: the memory of atari/learning/memory, which validates options and makes the arrays.
 // threads.hpp has the rule for locks and the GIL.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
-#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,16 +10,12 @@
 #include <vector>
 
 #include "memory/replay_memory.hpp"
+#include "arrays.hpp"
 #include "threads.hpp"
-
-namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace atari {
 namespace {
 
-template <typename T>
-using Values = nb::ndarray<T, nb::c_contig, nb::device::cpu>;
 using memory::Geometry;
 
 // Arrays that are read or written without the GIL, held until the call has ended.
@@ -35,25 +24,17 @@ class Arrays {
     // Returns the memory of an array that must have `size` values.
     template <typename T>
     T* writable(nb::handle array, size_t size, const char* name) {
-        Values<T> values;
-        if (!nb::try_cast(array, values, false) || values.size() != size)
-            throw nb::value_error((std::string(name) + " must be a writable C-contiguous array of " +
-                                   std::to_string(size) + " values of its type")
-                                      .c_str());
+        T* const values = values_of<T>(array, size, name, " of its type");
         held_.push_back(nb::borrow(array));
         held_.push_back(prevent_resize(array));
-        return values.data();
+        return values;
     }
 
     template <typename T>
     const T* readable(nb::handle array, size_t size, const char* name) {
-        Values<const T> values;
-        if (!nb::try_cast(array, values, false) || values.size() != size)
-            throw nb::value_error(
-                (std::string(name) + " must be a C-contiguous array of " + std::to_string(size) + " values of its type")
-                    .c_str());
+        const T* const values = values_of<const T>(array, size, name, " of its type");
         held_.push_back(nb::borrow(array));
-        return values.data();
+        return values;
     }
 
   private:
@@ -94,9 +75,19 @@ class BoundMemory : Exclusive {
     std::unique_ptr<memory::ReplayMemory> memory_;
 };
 
+// A method of `ReplayMemory`, bound as one of `BoundMemory`: without the GIL, or for work that takes little time.
+template <auto method, typename... Arguments>
+auto call(BoundMemory& bound, Arguments... arguments) {
+    return bound.use([&](memory::ReplayMemory& memory) { return (memory.*method)(arguments...); });
+}
+template <auto method, typename... Arguments>
+auto call_briefly(BoundMemory& bound, Arguments... arguments) {
+    return bound.use_briefly([&](memory::ReplayMemory& memory) { return (memory.*method)(arguments...); });
+}
+
 std::vector<const uint8_t*> parts_of(Arrays& arrays, const Geometry& geometry, const std::vector<nb::object>& frames) {
     std::vector<const uint8_t*> result;
-    if (frames.size() != geometry.parts.size()) throw nb::value_error("there must be an array for each part");
+    if (frames.size() != geometry.parts.size()) throw std::invalid_argument("there must be an array for each part");
     for (size_t part = 0; part < frames.size(); ++part)
         result.push_back(arrays.readable<uint8_t>(
             frames[part], static_cast<size_t>(geometry.lanes) * geometry.parts[part].bytes, "observations"));
@@ -120,19 +111,19 @@ struct BoundTarget {
         action_bytes = geometry.action_bytes;
         for (const memory::Part& part : geometry.parts) frame_bytes.push_back(part.bytes);
         if (count < 1 || count > (1 << 24) || length < 0 || length > (1 << 24))
-            throw nb::value_error("batch_size and length must be within 1..16777216");
+            throw std::invalid_argument("batch_size and length must be within 1..16777216");
         const bool has_next = !next.empty();
         if (observations.size() != parts || (has_next && (length || next.size() != parts)) ||
             this->stacks.size() != parts)
-            throw nb::value_error("there must be an array and a number of frames for each part");
+            throw std::invalid_argument("there must be an array and a number of frames for each part");
         const auto rows = static_cast<size_t>(count), steps = rows * static_cast<size_t>(length ? length : 1);
         const size_t shown = length ? rows * static_cast<size_t>(length + 1) : rows;
         for (size_t part = 0; part < parts; ++part) {
             const int stack = this->stacks[part];
             if (stack < 1 || stack > geometry.parts[part].stack)
-                throw nb::value_error(("stack_num must be within 1.." + std::to_string(geometry.parts[part].stack) +
-                                       ", the stack_num of the memory")
-                                          .c_str());
+                throw std::invalid_argument("stack_num must be within 1.." +
+                                            std::to_string(geometry.parts[part].stack) +
+                                            ", the stack_num of the memory");
             const auto frames = static_cast<size_t>(stack + (length || has_next ? 0 : 1));
             const size_t size = shown * frames * geometry.parts[part].bytes;
             target.observations.push_back(arrays.writable<uint8_t>(observations[part], size, "observations"));
@@ -174,7 +165,7 @@ void make_geometry(Geometry* self, int64_t lanes, int64_t rows, int64_t margin, 
     geometry.finals = finals;
     for (const auto& [bytes, pitch, stack] : parts) geometry.parts.push_back({bytes, pitch, stack});
     geometry.action_bytes = action_bytes;
-    if (autoreset < 0 || autoreset > 2) throw nb::value_error("there is no such autoreset mode");
+    if (autoreset < 0 || autoreset > 2) throw std::invalid_argument("there is no such autoreset mode");
     geometry.autoreset = static_cast<memory::Autoreset>(autoreset);
     geometry.repeat_first = repeat_first;
     geometry.prioritised = exponent.has_value();
@@ -253,7 +244,7 @@ void reset(BoundMemory& bound, nb::object mask, const std::vector<nb::object>& f
 void observe(BoundMemory& bound, const std::vector<int>& stacks, const std::vector<nb::object>& to) {
     const Geometry& geometry = bound.geometry();
     if (stacks.size() != geometry.parts.size() || to.size() != stacks.size())
-        throw nb::value_error("there must be an array and a number of frames for each part");
+        throw std::invalid_argument("there must be an array and a number of frames for each part");
     Arrays arrays;
     std::vector<uint8_t*> parts;
     for (size_t part = 0; part < to.size(); ++part) {
@@ -267,7 +258,7 @@ void observe(BoundMemory& bound, const std::vector<int>& stacks, const std::vect
 
 void sample(BoundMemory& bound, BoundTarget& target, int64_t reach, double discount, std::optional<double> beta,
             int threads) {
-    if (!target.fits(bound.geometry())) throw nb::value_error("the batch was made for another memory");
+    if (!target.fits(bound.geometry())) throw std::invalid_argument("the batch was made for another memory");
     const memory::Choice choice{target.count, target.length ? target.length : reach, discount, beta, target.stacks,
                                 threads};
     const nb::object held = nb::find(target);
@@ -286,7 +277,7 @@ void save_copy(BoundMemory& bound, nb::object block) {
 void update_priorities(BoundMemory& bound, nb::object indices, nb::object priorities) {
     Arrays arrays;
     Values<const int64_t> given;
-    if (!nb::try_cast(nb::handle(indices), given, false)) throw nb::type_error("indices must be int64");
+    if (!nb::try_cast(nb::handle(indices), given, false)) refuse_type("indices must be int64");
     const auto* const priority = arrays.readable<double>(priorities, given.size(), "priorities");
     const std::vector<int64_t> steps(given.data(), given.data() + given.size());
     const std::vector<double> values(priority, priority + given.size());
@@ -296,8 +287,6 @@ void update_priorities(BoundMemory& bound, nb::object indices, nb::object priori
 }
 
 }  // namespace
-
-#define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
 
 void register_memory(nb::module_& m) {
     nb::register_exception_translator([](const std::exception_ptr& error, void*) {
@@ -329,7 +318,7 @@ void register_memory(nb::module_& m) {
                 new (self) BoundMemory(geometry, std::move(block));
             },
             "geometry"_a, "block"_a,
-            nb::sig("def __init__(self, geometry: ReplayGeometry, block: " ARRAY("uint8") ") -> None"),
+            nb::sig("def __init__(self, geometry: ReplayGeometry, block: " NDARRAY("uint8") ") -> None"),
             "`block` has `geometry.block_bytes` bytes: zeros, or a memory of this geometry; then call `load`.")
         .def(
             "next_place",
@@ -344,68 +333,47 @@ void register_memory(nb::module_& m) {
             "places",
             [](BoundMemory& bound, size_t part) {
                 return bound.use_briefly([&](memory::ReplayMemory& memory) {
-                    if (part >= memory.geometry().parts.size()) throw nb::index_error("there is no such part");
+                    if (part >= memory.geometry().parts.size()) throw std::out_of_range("there is no such part");
                     return std::pair(memory.frames_offset(part), memory.places());
                 });
             },
             "part"_a, "The offset of a part's frames in the block, and the number of rows that have a place.")
-        .def(
-            "seed",
-            [](BoundMemory& bound, uint64_t seed) {
-                bound.use_briefly([&](memory::ReplayMemory& memory) { memory.seed(seed); });
-            },
-            "seed"_a)
+        .def("seed", &call_briefly<&memory::ReplayMemory::seed, uint64_t>, "seed"_a)
         .def("reset", &reset, "mask"_a.none(), "frames"_a,
-             nb::sig("def reset(self, mask: " ARRAY("bool") " | None, frames: Sequence[" ARRAY("uint8") "]) -> None"),
+             nb::sig(
+                 "def reset(self, mask: " NDARRAY("bool") " | None, frames: Sequence[" NDARRAY("uint8") "]) -> None"),
              "Begin episodes in all lanes with the next row's frames, or in the lanes of `mask` with `frames`.")
         .def("add", &add, "actions"_a, "rewards"_a, "terminated"_a, "truncated"_a, "finals"_a,
-             nb::sig("def add(self, actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminated: " ARRAY(
-                 "bool") ", truncated: " ARRAY("bool") ", finals: Sequence[" ARRAY("uint8") "]) -> None"),
+             nb::sig(
+                 "def add(self, actions: " NDARRAY("uint8") ", rewards: " NDARRAY("float32") ", terminated: " NDARRAY(
+                     "bool") ", truncated: " NDARRAY("bool") ", finals: Sequence[" NDARRAY("uint8") "]) -> None"),
              "Complete a step of all lanes, after the next row's frames were written. `actions` are bytes.")
         .def("try_add", &try_add, "actions"_a.none(), "rewards"_a.none(), "terminated"_a.none(), "truncated"_a.none(),
              nb::sig("def try_add(self, actions: object, rewards: object, terminated: object, truncated: object) "
                      "-> bool"),
              "Call `add` if the arrays are int64, int32 or float64, and bool with one axis; returns whether they are.")
         .def("observe", &observe, "stacks"_a, "to"_a,
-             nb::sig("def observe(self, stacks: Sequence[int], to: Sequence[" ARRAY("uint8") "]) -> None"))
-        .def(
-            "count",
-            [](BoundMemory& bound, int64_t reach) {
-                return bound.use_briefly([&](memory::ReplayMemory& memory) { return memory.count(reach); });
-            },
-            "reach"_a)
+             nb::sig("def observe(self, stacks: Sequence[int], to: Sequence[" NDARRAY("uint8") "]) -> None"))
+        .def("count", &call_briefly<&memory::ReplayMemory::count, int64_t>, "reach"_a)
         .def("sample", &sample, "target"_a, "reach"_a, "discount"_a, "beta"_a.none(), "threads"_a)
         .def("update_priorities", &update_priorities, "indices"_a, "priorities"_a,
-             nb::sig(
-                 "def update_priorities(self, indices: " ARRAY("int64") ", priorities: " ARRAY("float64") ") -> None"))
+             nb::sig("def update_priorities(self, indices: " NDARRAY("int64") ", priorities: " NDARRAY(
+                 "float64") ") -> None"))
         .def_prop_ro(
-            "must_save",
-            [](BoundMemory& bound) {
-                return bound.use_briefly([](memory::ReplayMemory& memory) { return memory.must_save(); });
-            },
+            "must_save", &call_briefly<&memory::ReplayMemory::must_save>,
             "Whether the next `add` or `reset` may raise BufferError, because it would overwrite the last saved state.")
-        .def(
-            "begin_save",
-            [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.begin_save(); }); },
-            "The first of the three phases of a save, which makes the present state the one that `load` finds. After\n"
-            "each, the block must reach the disk. `end_save` counts the save.")
-        .def("write_save",
-             [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.write_save(); }); })
-        .def("complete_save",
-             [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.complete_save(); }); })
-        .def("end_save",
-             [](BoundMemory& bound) { bound.use_briefly([](memory::ReplayMemory& memory) { memory.end_save(); }); })
-        .def("save_copy", &save_copy, "block"_a, nb::sig("def save_copy(self, block: " ARRAY("uint8") ") -> None"),
+        .def("begin_save", &call<&memory::ReplayMemory::begin_save>,
+             "The first of the three phases of a save, which makes the present state the one that `load` finds. After\n"
+             "each, the block must reach the disk. `end_save` counts the save.")
+        .def("write_save", &call<&memory::ReplayMemory::write_save>)
+        .def("complete_save", &call<&memory::ReplayMemory::complete_save>)
+        .def("end_save", &call_briefly<&memory::ReplayMemory::end_save>)
+        .def("save_copy", &save_copy, "block"_a, nb::sig("def save_copy(self, block: " NDARRAY("uint8") ") -> None"),
              "Save the present state in a copy of the block.")
-        .def(
-            "load",
-            [](BoundMemory& bound, bool verify, std::optional<uint64_t> save) {
-                bound.use([&](memory::ReplayMemory& memory) { memory.load(verify, save); });
-            },
-            "verify"_a, "save"_a.none(),
-            "Read the last saved state, or the state of the save with this number; ValueError says what is damaged.\n"
-            "`verify` reads all frames. Then the block must reach the disk, and `resume` ends the work.")
-        .def("resume", [](BoundMemory& bound) { bound.use([](memory::ReplayMemory& memory) { memory.resume(); }); })
+        .def("load", &call<&memory::ReplayMemory::load, bool, std::optional<uint64_t>>, "verify"_a, "save"_a.none(),
+             "Read the last saved state, or the state of the save with this number; ValueError says what is damaged.\n"
+             "`verify` reads all frames. Then the block must reach the disk, and `resume` ends the work.")
+        .def("resume", &call<&memory::ReplayMemory::resume>)
         .def_prop_ro(
             "numbers",
             [](BoundMemory& bound) {
@@ -425,8 +393,8 @@ void register_memory(nb::module_& m) {
             "mask"_a.none(),
             nb::sig(
                 "def __init__(self, memory: ReplayMemory, count: int, length: int, stacks: Sequence[int], "
-                "observations: Sequence[" ARRAY("uint8") "], next_observations: Sequence[" ARRAY("uint8") "], actions: " ARRAY("uint8") ", rewards: " ARRAY("float32") ", terminations: " ARRAY(
-                    "bool") ", truncations: " ARRAY("bool") ", indices: " ARRAY("int64") ", discounts: " ARRAY("float32") " | None, weights: " ARRAY("float32") " | None, mask: " ARRAY("bool") " | None) -> None"),
+                "observations: Sequence[" NDARRAY("uint8") "], next_observations: Sequence[" NDARRAY("uint8") "], actions: " NDARRAY("uint8") ", rewards: " NDARRAY("float32") ", terminations: " NDARRAY(
+                    "bool") ", truncations: " NDARRAY("bool") ", indices: " NDARRAY("int64") ", discounts: " NDARRAY("float32") " | None, weights: " NDARRAY("float32") " | None, mask: " NDARRAY("bool") " | None) -> None"),
             "`length` is the length of sequences, which have a mask; for transitions it is 0. Transitions of one\n"
             "step may have no `next_observations`; then each observation has one more frame, the newest frame of\n"
             "the next one.");

@@ -1,8 +1,4 @@
 // `_emulator.ObservationStack`: the observations of an agent, made from the frames of a core or from arrays.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
 
 #include <memory>
 #include <stdexcept>
@@ -11,9 +7,6 @@
 #include <vector>
 
 #include "core_frames.hpp"
-
-namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace atari {
 namespace {
@@ -44,28 +37,17 @@ class BoundStack : Exclusive {
     }
 
     nb::object observation() {
-        const ObservationSettings& settings = stack_->settings();
-        const auto stack = static_cast<size_t>(settings.stack_num);
-        const size_t rams[] = {stack, kRamSize};
-        const size_t images[] = {stack, static_cast<size_t>(settings.img_height),
-                                 static_cast<size_t>(settings.img_width), 3};
-        std::unique_ptr<uint8_t[]> bytes(new uint8_t[stack_->size()]);
-        briefly([&] { stack_->write(bytes.get()); });
-        if (!stack_->planes()) return array_of(std::move(bytes), rams, 2);
-        return array_of(std::move(bytes), images, stack_->planes() == 3 ? 4 : 3);
+        return observation_of(*stack_, true, [&](uint8_t* to) { briefly([&] { stack_->write(to); }); });
     }
 
     nb::bytes save() {
         std::vector<uint8_t> state(stack_->state_size());
         briefly([&] { stack_->save(state.data()); });
-        return nb::bytes(state.data(), state.size());
+        return bytes_of(state);
     }
     void load(nb::bytes state) {
-        if (state.size() != stack_->state_size())
-            throw nb::value_error(("the state of this stack has " + std::to_string(stack_->state_size()) +
-                                   " bytes, got " + std::to_string(state.size()))
-                                      .c_str());
-        briefly([&] { stack_->load(static_cast<const uint8_t*>(state.data())); });
+        const uint8_t* const bytes = state_bytes(state, stack_->state_size(), "stack");
+        briefly([&] { stack_->load(bytes); });
     }
 
     Pickled pickled() {
@@ -124,8 +106,6 @@ void unpickle(BoundStack* self, const Pickled& state) {
 
 }  // namespace
 
-#define ARRAY "numpy.typing.NDArray[numpy.uint8]"
-
 void register_observations(nb::module_& m) {
     nb::class_<BoundStack>(
         m, "ObservationStack",
@@ -146,7 +126,7 @@ void register_observations(nb::module_& m) {
         .def("skip_ended", &BoundStack::skip_ended, "frame"_a, "left"_a, "ended"_a,
              nb::sig("def skip_ended(self, frame: object, left: int, ended: bool) -> None"),
              "Add the image of a skip, `left` frames before its end.")
-        .def("observation", &BoundStack::observation, nb::sig("def observation(self) -> " ARRAY),
+        .def("observation", &BoundStack::observation, nb::sig("def observation(self) -> " NDARRAY("uint8")),
              "A new array, (stack_num, img_height, img_width), with a last axis of 3 for colours; for RAM (stack_num,\n"
              "128). The oldest image is the first.")
         .def("save", &BoundStack::save, "The images, and the frames that the next image may need, as bytes.")

@@ -2,25 +2,19 @@
 // of vectors. atari/games/rewards.py compiles it.
 #include "ale/programs/reward.hpp"
 
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/vector.h>
-
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "arrays.hpp"
 #include "threads.hpp"
-
-namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace atari {
 namespace {
 
 using Words = std::vector<int32_t>;
-using Inputs = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Ram = nb::ndarray<const uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Inputs = List<double>;
+using Ram = List<const uint8_t>;
 
 void make_formula(Shared<RewardFormula>* self, const Words& terms, const std::vector<int>& visibility,
                   const Words& words, const std::vector<double>& constants) {
@@ -30,8 +24,8 @@ void make_formula(Shared<RewardFormula>* self, const Words& terms, const std::ve
 }
 
 void check(const RewardFormula& formula, const Inputs& inputs, const Ram& ram) {
-    if (inputs.shape(0) != formula.inputs()) throw nb::value_error("there must be a number for each input");
-    if (ram.shape(0) != 128) throw nb::value_error("ram must be of shape (128,)");
+    if (inputs.shape(0) != formula.inputs()) throw std::invalid_argument("there must be a number for each input");
+    if (ram.shape(0) != 128) throw std::invalid_argument("ram must be of shape (128,)");
 }
 
 // The GIL is held: another thread cannot change the arrays meanwhile.
@@ -47,8 +41,6 @@ double pay(const Shared<RewardFormula>& formula, Inputs inputs, Ram ram, int liv
 
 }  // namespace
 
-#define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
-
 void register_reward(nb::module_& m) {
     nb::class_<Shared<RewardFormula>>(
         m, "RewardFormula", "The reward of a task as an expression, compiled. Immutable; environments share it.")
@@ -59,10 +51,10 @@ void register_reward(nb::module_& m) {
             "inputs", [](const Shared<RewardFormula>& formula) { return formula.value->inputs(); },
             "The number of inputs, which are the state between two steps.")
         .def("begin", &begin, nb::arg("inputs").noconvert(), "ram"_a, "lives"_a,
-             nb::sig("def begin(self, inputs: " ARRAY("float64") ", ram: " ARRAY("uint8") ", lives: int) -> None"),
+             nb::sig("def begin(self, inputs: " NDARRAY("float64") ", ram: " NDARRAY("uint8") ", lives: int) -> None"),
              "Set the inputs after a reset.")
         .def("pay", &pay, nb::arg("inputs").noconvert(), "ram"_a, "lives"_a, "game_reward"_a,
-             nb::sig("def pay(self, inputs: " ARRAY("float64") ", ram: " ARRAY(
+             nb::sig("def pay(self, inputs: " NDARRAY("float64") ", ram: " NDARRAY(
                  "uint8") ", lives: int, game_reward: float) -> float"),
              "The reward of a step; sets the inputs after it.");
 }

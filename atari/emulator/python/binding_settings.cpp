@@ -1,19 +1,10 @@
 // The settings of the vector engine, bound as structs and enums: atari/vector/options.py makes them from a task.
-#include <nanobind/nanobind.h>
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
 
-#include <memory>
 #include <type_traits>
 
+#include "arrays.hpp"
 #include "threads.hpp"
 #include "vector/lanes.hpp"
-
-namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace atari {
 namespace {

@@ -1,13 +1,5 @@
 // `_emulator.VectorEngine` and `_emulator.Batch`: the vector environment, bound for atari/vector, which validates
 // options. threads.hpp has the rule for locks and the GIL.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
-#include <nanobind/stl/vector.h>
 
 #include <memory>
 #include <stdexcept>
@@ -21,22 +13,15 @@
 #include "state.hpp"
 #include "threads.hpp"
 
-namespace nb = nanobind;
-using namespace nb::literals;
-
 namespace atari {
 namespace {
 
 uint8_t* observations_of(BoundBatch& batch, nb::object array, size_t size, const char* what) {
     if (array.is_none()) return nullptr;
-    Rows<uint8_t> rows;
-    if (!nb::try_cast(array, rows, false) || rows.size() != size)
-        throw nb::value_error(
-            (std::string(what) + " must be a writable C-contiguous array of " + std::to_string(size) + " values")
-                .c_str());
+    uint8_t* const values = values_of<uint8_t>(array, size, what);
     batch.observations.push_back(array);
     batch.observations.push_back(prevent_resize(array));
-    return rows.data();
+    return values;
 }
 
 void set_observations(BoundBatch& batch, nb::object pixels, nb::object ram) {
@@ -58,28 +43,22 @@ BoundBatch aimed_at(const BoundBatch& batch, nb::object pixels, nb::object ram) 
     return bound;
 }
 
-template <typename T>
-nb::object array_of(T* values, const std::vector<size_t>& shape, const std::shared_ptr<BatchMemory>& memory) {
-    using Owner = std::shared_ptr<BatchMemory>;
-    const nb::capsule owner(new Owner(memory), [](void* kept) noexcept { delete static_cast<Owner*>(kept); });
-    return nb::cast(
-        nb::ndarray<nb::numpy, T, nb::c_contig, nb::device::cpu>(values, shape.size(), shape.data(), owner));
-}
-
 // Returns the batch's own arrays by name.
 nb::dict arrays_of(const BoundBatch& bound) {
     nb::dict arrays;
     Batch::for_each(bound.shape, [&](const char* name, auto member, size_t width) {
         if constexpr (std::is_same_v<decltype(member), uint8_t* Batch::*>)
             if (member == &Batch::pixels || member == &Batch::ram) return;
-        const std::vector<size_t> sizes{bound.shape.rows, width};
-        arrays[name] = array_of(bound.batch.*member, {sizes.begin(), sizes.end() - (width == 1)}, bound.memory);
+        using Owner = std::shared_ptr<BatchMemory>;
+        const nb::capsule owner(new Owner(bound.memory), [](void* kept) noexcept { delete static_cast<Owner*>(kept); });
+        const size_t sizes[] = {bound.shape.rows, width};
+        arrays[name] = array_over(bound.batch.*member, sizes, width == 1 ? 1 : 2, owner);
     });
     return arrays;
 }
 
 struct LentArray {
-    Rows<uint8_t> rows;
+    Values<uint8_t> rows;
     nb::object fixed;  // see `prevent_resize`
 };
 
@@ -96,7 +75,7 @@ int export_loan(PyObject* object, Py_buffer* view, int flags) {
         PyErr_SetString(PyExc_BufferError, "this loan is of no array; ArrayLender.lend makes one");
         return -1;
     }
-    const Rows<uint8_t>& rows = nb::inst_ptr<Loan>(object)->array->rows;
+    const Values<uint8_t>& rows = nb::inst_ptr<Loan>(object)->array->rows;
     return PyBuffer_FillInfo(view, object, rows.data(), static_cast<Py_ssize_t>(rows.size()), 0, flags);
 }
 
@@ -107,8 +86,7 @@ PyType_Slot kLoanSlots[] = {{Py_bf_getbuffer, reinterpret_cast<void*>(export_loa
 class ArrayLender {
   public:
     explicit ArrayLender(nb::object array) : array_(std::make_shared<LentArray>()) {
-        if (!nb::try_cast(array, array_->rows, false))
-            throw nb::type_error("a writable C-contiguous uint8 array is needed");
+        if (!nb::try_cast(array, array_->rows, false)) refuse_type("a writable C-contiguous uint8 array is needed");
         array_->fixed = prevent_resize(array);
     }
     Loan lend() const { return {array_}; }
@@ -142,8 +120,6 @@ auto call(BoundEngine& engine, int environment, Arguments... arguments) {
     return engine.get(environment, [&](Environment& e) { return (e.*method)(arguments...); });
 }
 
-#define ARRAY(type) "numpy.typing.NDArray[numpy." type "]"
-
 void register_vector(nb::module_& m) {
     register_settings(m);
     nb::enum_<VectorEngine::RamOf>(
@@ -156,21 +132,22 @@ void register_vector(nb::module_& m) {
     nb::class_<BoundBatch> batch(m, "Batch",
                                  "Arrays for the results of a batch. Threads write to them between start and receive.");
     batch.def("__init__", &make_batch, "engine"_a, "pixels"_a.none(), "ram"_a.none(),
-              nb::sig("def __init__(self, engine: VectorEngine, pixels: " ARRAY("uint8") " | None, ram: " ARRAY(
+              nb::sig("def __init__(self, engine: VectorEngine, pixels: " NDARRAY("uint8") " | None, ram: " NDARRAY(
                   "uint8") " | None) -> None"),
               "`pixels` and `ram` are the arrays for observations; None if observations have no such part.");
     batch.def_prop_ro("arrays", &arrays_of, nb::sig("def arrays(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
                       "The other arrays by their names (vector/batch.def): (rows,), or (rows, players) if each\n"
                       "player has a value. Final pixels and RAM are (rows, bytes).");
-    batch.def("aimed_at", &aimed_at, "pixels"_a.none(), "ram"_a.none(),
-              nb::sig("def aimed_at(self, pixels: " ARRAY("uint8") " | None, ram: " ARRAY("uint8") " | None) -> Batch"),
-              "A batch with other arrays of observations, which shares the other arrays.");
+    batch.def(
+        "aimed_at", &aimed_at, "pixels"_a.none(), "ram"_a.none(),
+        nb::sig("def aimed_at(self, pixels: " NDARRAY("uint8") " | None, ram: " NDARRAY("uint8") " | None) -> Batch"),
+        "A batch with other arrays of observations, which shares the other arrays.");
     nb::class_<BoundSnapshot>(m, "MemberSnapshot", "The state of a lane in memory. It can be pickled.")
         .def("__getstate__",
              [](const BoundSnapshot& state) {
-                 if (!state.snapshot) return std::tuple(nb::bytes(state.bytes.data(), state.bytes.size()), state.image);
+                 if (!state.snapshot) return std::tuple(bytes_of(state.bytes), state.image);
                  const std::vector<uint8_t> bytes = state.snapshot->bytes();
-                 return std::tuple(nb::bytes(bytes.data(), bytes.size()), image_digest(*state.snapshot->game));
+                 return std::tuple(bytes_of(bytes), image_digest(*state.snapshot->game));
              })
         .def("__setstate__", [](BoundSnapshot& state, const std::tuple<nb::bytes, uint64_t>& pickled) {
             const auto& [bytes, image] = pickled;
@@ -180,7 +157,7 @@ void register_vector(nb::module_& m) {
     nb::class_<Loan>(m, "Loan", nb::type_slots(kLoanSlots),
                      "A share in an array's memory, for `numpy.ndarray(buffer=)`.");
     nb::class_<ArrayLender>(m, "ArrayLender", "Lends the memory of a uint8 array, without a copy.")
-        .def(nb::init<nb::object>(), "array"_a, nb::sig("def __init__(self, array: " ARRAY("uint8") ") -> None"))
+        .def(nb::init<nb::object>(), "array"_a, nb::sig("def __init__(self, array: " NDARRAY("uint8") ") -> None"))
         .def("lend", &ArrayLender::lend)
         .def_prop_ro("lent", &ArrayLender::lent,
                      "Whether a loan exists: an array made from it, or a view or a tensor of such an array.");
@@ -198,13 +175,13 @@ void register_vector(nb::module_& m) {
     engine.def("__init__", &make_engine, "lanes"_a, "episode"_a, "observation"_a, "settings"_a)
         .def("start", &BoundEngine::start, "actions"_a, "strengths"_a.none(), "batch"_a.none(),
              "environments"_a = nb::none(),
-             nb::sig("def start(self, actions: " ARRAY("int64") ", strengths: " ARRAY(
-                 "float32") " | None, batch: Batch | None, environments: " ARRAY("int64") " | None = None) -> None"),
+             nb::sig("def start(self, actions: " NDARRAY("int64") ", strengths: " NDARRAY(
+                 "float32") " | None, batch: Batch | None, environments: " NDARRAY("int64") " | None = None) -> None"),
              "Begin a step of the environments of the last batch. If `batch` has rows for all environments, the\n"
              "results go there. `environments` are stepped, in the order of the actions. They may be some of all;\n"
              "then the rows of the others show their last results again.")
         .def("reset", &BoundEngine::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(), "new_games"_a = false,
-             nb::sig("def reset(self, mask: " ARRAY("bool") ", seeded: " ARRAY("bool") ", seeds: " ARRAY(
+             nb::sig("def reset(self, mask: " NDARRAY("bool") ", seeded: " NDARRAY("bool") ", seeds: " NDARRAY(
                  "uint32") ", batch: Batch | None, new_games: bool = False) -> None"),
              "Begin a reset of the environments in `mask`; `seeds` has nine words for each, as in `LaneSpec`. With\n"
              "`new_games`, no environment continues its game after a lost life.")
@@ -218,7 +195,7 @@ void register_vector(nb::module_& m) {
             "save_emulator",
             [](BoundEngine& x, int environment) {
                 const auto state = x.get_slowly(environment, [](Environment& e) { return saved(e); });
-                return nb::bytes(state.data(), state.size());
+                return bytes_of(state);
             },
             "environment"_a, "The state of one environment's emulator as bytes, for Emulator.load.")
         .def("load", &BoundEngine::load, "environment"_a, "state"_a);

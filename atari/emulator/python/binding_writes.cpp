@@ -1,8 +1,5 @@
 // `_emulator.Write`, a write to RAM: atari/cores/writes.py makes it from the rules that atari/games/interventions
 // compiles.
-#include <nanobind/nanobind.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
 
 #include <memory>
 #include <stdexcept>
@@ -10,10 +7,8 @@
 #include <vector>
 
 #include "ale/programs/writes.hpp"
+#include "arrays.hpp"
 #include "threads.hpp"
-
-namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace atari {
 namespace {

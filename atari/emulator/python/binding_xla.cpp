@@ -1,6 +1,5 @@
 // `_emulator.XlaPort`: the vector environment for functions that JAX compiles (atari/integrations/jax). XLA calls the
 // handlers below from its threads, without the GIL, and the environments write straight into XLA's buffers.
-#include <nanobind/nanobind.h>
 
 #include <cstring>
 #include <map>
@@ -14,9 +13,6 @@
 
 #include "bound_engine.hpp"
 #include "xla_abi.hpp"
-
-namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace atari {
 namespace {
@@ -202,7 +198,7 @@ xla::Error* handle(CallFrame* call) noexcept {
         return failure(*call, error.code, error.what());
     } catch (const std::bad_alloc&) {
         return failure(*call, xla::kResourceExhausted, "out of memory");
-    } catch (const nb::builtin_exception& error) {
+    } catch (const std::logic_error& error) {
         return failure(*call, xla::kInvalidArgument, error.what());
     } catch (const std::exception& error) {
         return failure(*call, xla::kFailedPrecondition, error.what());

@@ -1,9 +1,6 @@
 // `Emulator`: the class of `_emulator` that plays a game, with the checks of its arguments.
 #pragma once
 
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -17,35 +14,31 @@
 #include "ale/environment_parts.hpp"
 #include "ale/programs/labels.hpp"
 #include "observations/observation_stack.hpp"
-#include "results.hpp"
+#include "arrays.hpp"
 #include "state.hpp"
 #include "threads.hpp"
 
 namespace atari {
 
-inline std::string shown(nb::handle value) { return nb::repr(value).c_str(); }
+// Returns an integer of Python's, limited to the numbers of Py_ssize_t. Throws a TypeError that begins with `needs`.
+inline Py_ssize_t integer_in(nb::handle value, const char* needs) {
+    const Py_ssize_t number = PyNumber_AsSsize_t(value.ptr(), nullptr);
+    if (number != -1 || !PyErr_Occurred()) return number;
+    PyErr_Clear();
+    refuse_type(std::string(needs) + ", got " + shown(value));
+}
 
 inline int action_number(nb::handle action) {
-    const Py_ssize_t number = PyNumber_AsSsize_t(action.ptr(), nullptr);
-    if (number == -1 && PyErr_Occurred()) {
-        PyErr_Clear();
-        throw nb::type_error(("an action is an integer 0..17, got " + shown(action)).c_str());
-    }
+    const Py_ssize_t number = integer_in(action, "an action is an integer 0..17");
     if (number < 0 || number > 17)
-        throw nb::value_error(("an ALE action number is within 0..17, got " + shown(action)).c_str());
+        throw std::invalid_argument("an ALE action number is within 0..17, got " + shown(action));
     return static_cast<int>(number);
 }
 
-constexpr int kMostFrames = 1'000'000;  // of one call, during which Ctrl-C waits
-
-// Returns a number of frames to play.
+// Returns a number of frames to play. During a call Ctrl-C waits.
 inline int frame_count(nb::handle frames) {
-    const Py_ssize_t number = PyNumber_AsSsize_t(frames.ptr(), nullptr);
-    if (number == -1 && PyErr_Occurred()) {
-        PyErr_Clear();
-        throw nb::type_error(("frames must be an integer, got " + shown(frames)).c_str());
-    }
-    if (number > kMostFrames) throw nb::value_error(("frames must be at most 1,000,000, got " + shown(frames)).c_str());
+    const Py_ssize_t number = integer_in(frames, "frames must be an integer");
+    if (number > 1'000'000) throw std::invalid_argument("frames must be at most 1,000,000, got " + shown(frames));
     return static_cast<int>(std::max<Py_ssize_t>(number, 0));
 }
 
@@ -53,11 +46,10 @@ inline double strength_factor(nb::handle strength) {
     const double factor = PyFloat_AsDouble(strength.ptr());
     if (factor == -1.0 && PyErr_Occurred()) {
         PyErr_Clear();
-        throw nb::type_error(("strength must be a number, got " + shown(strength)).c_str());
+        refuse_type("strength must be a number, got " + shown(strength));
     }
     if (!(std::abs(factor) <= 1000.0))  // negated, so that NaN fails too
-        throw nb::value_error(
-            ("strength must be finite and at most 1000 in magnitude, got " + shown(strength)).c_str());
+        throw std::invalid_argument("strength must be finite and at most 1000 in magnitude, got " + shown(strength));
     return factor;
 }
 
@@ -101,14 +93,14 @@ class Emulator : Exclusive {
 
     nb::bytes save() {
         const auto state = locked([](Environment& e) { return saved(e); });
-        return nb::bytes(state.data(), state.size());
+        return bytes_of(state);
     }
 
     void load(nb::bytes state) {
         const auto* bytes = static_cast<const uint8_t*>(state.data());
         const size_t size = state.size();
         const bool good = locked([&](Environment& e) { return size == e.state_size() && e.load(bytes); });
-        if (!good) throw nb::value_error("the state is damaged, or of another game or version");
+        if (!good) throw std::invalid_argument("the state is damaged, or of another game or version");
     }
 
     State clone_state(bool include_rng) {
@@ -117,12 +109,13 @@ class Emulator : Exclusive {
 
     void restore_state(const State& state) {
         const bool good = locked([&](Environment& e) { return state.restore(e); });
-        if (!good) throw nb::value_error("the state is of another game than this core, or of another kind of core");
+        if (!good)
+            throw std::invalid_argument("the state is of another game than this core, or of another kind of core");
     }
 
     void add_write(const Shared<Write>& write, bool now) {
         if (!locked([&](Environment& e) { return e.parts().add_write(write.value, now); }))
-            throw nb::value_error(kTooManyWrites);
+            throw std::invalid_argument(kTooManyWrites);
     }
 
     int remove_write(const Shared<Write>& write) {
@@ -142,7 +135,7 @@ class Emulator : Exclusive {
         Writes::Slots writes;
         for (const auto& slot : slots) writes.push_back(slot ? slot->value : nullptr);
         while (!writes.empty() && !writes.back()) writes.pop_back();
-        if (writes.size() > kMaxWrites) throw nb::value_error(kTooManyWrites);
+        if (writes.size() > kMaxWrites) throw std::invalid_argument(kTooManyWrites);
         locked([&](Environment& e) { e.parts().set_writes(std::move(writes)); });
     }
 
@@ -155,7 +148,7 @@ class Emulator : Exclusive {
             nb::ndarray<uint8_t, nb::c_contig, nb::device::cpu> array;
             bool good = nb::try_cast(out, array, false) && array.ndim() == shape.size();
             for (size_t i = 0; good && i < shape.size(); ++i) good = array.shape(i) == shape[i];
-            if (!good) throw nb::value_error(expectation(shape).c_str());
+            if (!good) throw std::invalid_argument(expectation(shape));
             const nb::object fixed = prevent_resize(out);
             locked([&](Environment& e) { fill(e, array.data()); });
             return out;

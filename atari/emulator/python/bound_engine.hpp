@@ -1,14 +1,10 @@
 // `BoundEngine`: the vector engine, shared by the threads of Python and of compiled functions (binding_xla.cpp).
 #pragma once
 
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -17,21 +13,14 @@
 #include <vector>
 
 #include "ale/programs/labels.hpp"
+#include "arrays.hpp"
 #include "state.hpp"
 #include "threads.hpp"
 #include "vector/lanes.hpp"
 
 namespace atari {
 
-namespace nb = nanobind;
-
-template <typename T>
-using Rows = nb::ndarray<T, nb::c_contig, nb::device::cpu>;
-template <typename T>
-using List = nb::ndarray<const T, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-template <typename T>
-using Table = nb::ndarray<T, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Seeds = nb::ndarray<const uint32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Seeds = Table<const uint32_t>;
 
 inline SeedWords words_of(const Seeds& seeds, size_t i) {
     SeedWords words;
@@ -73,14 +62,14 @@ class BoundEngine : Exclusive {
         engine_.reset();
     }
 
-    void start(List<int64_t> actions, std::optional<List<float>> strengths, nb::object batch,
-               std::optional<List<int64_t>> environments) {
+    void start(List<const int64_t> actions, std::optional<List<const float>> strengths, nb::object batch,
+               std::optional<List<const int64_t>> environments) {
         const std::vector<int64_t> indices(actions.data(), actions.data() + actions.size());
         std::vector<int64_t> numbers;
         if (environments) numbers.assign(environments->data(), environments->data() + environments->size());
         std::vector<float> factors(indices.size(), 1.0f);
         if (strengths && strengths->size() != factors.size())
-            throw nb::value_error("there must be a strength for each action");
+            throw std::invalid_argument("there must be a strength for each action");
         if (strengths) std::copy_n(strengths->data(), factors.size(), factors.begin());
         const Batch* const target = checked(batch);
         locked([&] {
@@ -89,11 +78,11 @@ class BoundEngine : Exclusive {
         });
     }
 
-    void reset(List<bool> mask, List<bool> seeded, Seeds seeds, nb::object batch, bool new_games) {
+    void reset(List<const bool> mask, List<const bool> seeded, Seeds seeds, nb::object batch, bool new_games) {
         const auto size = static_cast<size_t>(engine_->size());
         if (mask.shape(0) != size || seeded.shape(0) != size || seeds.shape(0) != size ||
             seeds.shape(1) != SeedWords{}.size())
-            throw nb::value_error("there must be an entry for each environment");
+            throw std::invalid_argument("there must be an entry for each environment");
         std::vector<Seed> values(size);
         std::vector<const Seed*> given(size);
         std::vector<bool> which(size);
@@ -121,7 +110,8 @@ class BoundEngine : Exclusive {
         return locked([&] {
             check_process(process_, "vector environment");
             if (!sent_) throw std::runtime_error("no step has been started");
-            if (target_ && target_ != &batch.batch) throw nb::value_error("the step was started with another batch");
+            if (target_ && target_ != &batch.batch)
+                throw std::invalid_argument("the step was started with another batch");
             sent_ = ready_ = false;
             const bool ended = engine_->receive(batch.batch);
             ready_ = true;
@@ -150,7 +140,7 @@ class BoundEngine : Exclusive {
         natively([&] {
             check_ready();
             if (environments && environments->size() != rows())
-                throw nb::value_error("env_id must have as many rows as a batch");
+                throw std::invalid_argument("env_id must have as many rows as a batch");
             begin(actions, std::vector<float>(actions.size(), 1.0f), environments, queued() ? nullptr : &staging,
                   [] {});
         });
@@ -192,7 +182,7 @@ class BoundEngine : Exclusive {
 
     void restore(const std::vector<int>& environments, const std::vector<const BoundSnapshot*>& states) {
         if (environments.size() != states.size())
-            throw nb::value_error("there must be a snapshot for each environment");
+            throw std::invalid_argument("there must be a snapshot for each environment");
         std::vector<BoundSnapshot> copies;  // Another thread may drop the list.
         for (const BoundSnapshot* state : states) copies.push_back(state ? *state : BoundSnapshot{});
         locked([&] {
@@ -201,9 +191,9 @@ class BoundEngine : Exclusive {
             for (size_t i = 0; i < copies.size(); ++i) {
                 snapshots.push_back(copies[i].within(*engine_, environments[i]));
                 if (!snapshots[i])
-                    throw nb::value_error(("snapshot " + std::to_string(i) + " is of another game than environment " +
-                                           std::to_string(environments[i]) + ", or was taken with other options")
-                                              .c_str());
+                    throw std::invalid_argument("snapshot " + std::to_string(i) +
+                                                " is of another game than environment " +
+                                                std::to_string(environments[i]) + ", or was taken with other options");
             }
             for (size_t i = 0; i < copies.size(); ++i) engine_->restore(environments[i], std::move(snapshots[i]));
         });
@@ -216,7 +206,7 @@ class BoundEngine : Exclusive {
             engine_->save(environment, bytes.data());
             return bytes;
         });
-        return nb::bytes(state.data(), state.size());
+        return bytes_of(state);
     }
 
     void load(int environment, nb::bytes state) {
@@ -226,7 +216,7 @@ class BoundEngine : Exclusive {
             check_idle({environment});
             return size == engine_->state_size(environment) && (ready_ = engine_->load(environment, bytes));
         });
-        if (!good) throw nb::value_error("the state is damaged, or of another game or version");
+        if (!good) throw std::invalid_argument("the state is damaged, or of another game or version");
     }
 
     // Calls `get(environment)` while no environment is being played.
@@ -295,16 +285,17 @@ class BoundEngine : Exclusive {
     const Batch* checked(nb::handle batch) const {
         if (batch.is_none() && engine_->batch_size() < engine_->size()) return nullptr;
         if (batch.is_none())
-            throw nb::value_error("a batch of all environments is written while they are played; give one");
+            throw std::invalid_argument("a batch of all environments is written while they are played; give one");
         BoundBatch* bound = nullptr;
-        if (!nb::try_cast(batch, bound) || !bound) throw nb::type_error("the batch must be a Batch of this engine");
+        if (!nb::try_cast(batch, bound) || !bound) refuse_type("the batch must be a Batch of this engine");
         check_size(*bound);
         return &bound->batch;
     }
 
     void check_size(const BoundBatch& batch) const {
         if (!batch.shape.fits(shape(true, true)))
-            throw nb::value_error("the batch is of an engine with batches, observations or players of another number");
+            throw std::invalid_argument(
+                "the batch is of an engine with batches, observations or players of another number");
     }
 
     // The functions below need the lock.
@@ -375,18 +366,17 @@ class BoundEngine : Exclusive {
         for (size_t i = 0; i < numbers.size(); ++i) {
             const std::string which = "environment " + std::to_string(numbers[i]) + " in row " + std::to_string(i);
             if (numbers[i] < 0 || numbers[i] >= engine_->size())
-                throw nb::index_error(
-                    (which + " does not exist; env_id is within 0.." + std::to_string(engine_->size() - 1)).c_str());
+                throw std::out_of_range(which + " does not exist; env_id is within 0.." +
+                                        std::to_string(engine_->size() - 1));
             if (!available[static_cast<size_t>(numbers[i])])
-                throw nb::value_error((which + " is given twice, or is not of the last batch").c_str());
+                throw std::invalid_argument(which + " is given twice, or is not of the last batch");
             available[static_cast<size_t>(numbers[i])] = false;
             environments.push_back(static_cast<int>(numbers[i]));
         }
-        if (environments.empty()) throw nb::value_error("env_id must name at least one environment");
+        if (environments.empty()) throw std::invalid_argument("env_id must name at least one environment");
         if (engine_->batch_size() < engine_->size() && environments.size() != engine_->recent().size())
-            throw nb::value_error(("with batch_size < num_envs, env_id must name all " +
-                                   std::to_string(engine_->recent().size()) + " environments of the last batch")
-                                      .c_str());
+            throw std::invalid_argument("with batch_size < num_envs, env_id must name all " +
+                                        std::to_string(engine_->recent().size()) + " environments of the last batch");
         return environments;
     }
 
@@ -394,18 +384,16 @@ class BoundEngine : Exclusive {
                        const std::vector<float>& strengths) const {
         const auto players = static_cast<size_t>(engine_->players());
         if (actions.size() != environments.size() * players)
-            throw nb::value_error(players == 1 ? "there must be an action for each environment of the batch"
-                                               : "there must be an action for each player of each environment");
+            throw std::invalid_argument(players == 1 ? "there must be an action for each environment of the batch"
+                                                     : "there must be an action for each player of each environment");
         for (size_t i = 0; i < actions.size(); ++i) {
             const int most = engine_->actions_of(environments[i / players]) - 1;
             if (actions[i] < 0 || actions[i] > most)
-                throw nb::value_error(("action " + std::to_string(actions[i]) + " in row " +
-                                       std::to_string(i / players) + " is not within 0.." + std::to_string(most))
-                                          .c_str());
+                throw std::invalid_argument("action " + std::to_string(actions[i]) + " in row " +
+                                            std::to_string(i / players) + " is not within 0.." + std::to_string(most));
             if (!(std::abs(strengths[i]) <= 1000.0f))  // negated, so that NaN fails too
-                throw nb::value_error(
-                    ("the strength in row " + std::to_string(i) + " must be finite and at most 1000 in magnitude")
-                        .c_str());
+                throw std::invalid_argument("the strength in row " + std::to_string(i) +
+                                            " must be finite and at most 1000 in magnitude");
         }
     }
 
@@ -421,7 +409,7 @@ class BoundEngine : Exclusive {
         if (sent_) throw std::runtime_error("environments are being played; call recv() first");
         for (int environment : environments)
             if (environment < 0 || environment >= engine_->size())
-                throw nb::index_error(("there is no environment " + std::to_string(environment)).c_str());
+                throw std::out_of_range("there is no environment " + std::to_string(environment));
     }
 
     const uint32_t process_ = process_generation;

@@ -1,9 +1,6 @@
 // `CoreFrames`: the frames of cores of Python's, for an `ObservationStack`.
 #pragma once
 
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -26,6 +23,21 @@ inline std::unique_ptr<ObservationStack> make_stack(const ObservationSettings& s
     if (settings.pixels != PixelFormat::kNone && settings.pixels != PixelFormat::kRam)
         resizer = std::make_shared<const Resizer>(rows, settings.img_height, settings.img_width);
     return std::make_unique<ObservationStack>(FrameSource(rows, palette_of(format)), settings, resizer);
+}
+
+// Returns the observation that `write(memory)` writes: (stack_num, img_height, img_width), with a last axis of 3 for
+// colours; for RAM (stack_num, 128). If not `stacked`, it has no axis for the stack.
+template <typename Write>
+nb::object observation_of(const ObservationStack& stack, bool stacked, Write&& write) {
+    const ObservationSettings& settings = stack.settings();
+    const auto frames = static_cast<size_t>(settings.stack_num);
+    const size_t images[] = {frames, static_cast<size_t>(settings.img_height), static_cast<size_t>(settings.img_width),
+                             3};
+    const size_t rams[] = {frames, kRamSize};
+    const size_t axes = stack.planes() == 3 ? 4 : stack.planes() ? 3 : 2;
+    std::unique_ptr<uint8_t[]> bytes(new uint8_t[stack.size()]);
+    write(bytes.get());
+    return array_of(std::move(bytes), (stack.planes() ? images : rams) + !stacked, axes - !stacked);
 }
 
 // A frame is the present frame of an emulator, or the bytes of another core's frame or RAM, which the caller keeps while
@@ -66,7 +78,7 @@ class CoreFrames {
 
     static std::vector<uint8_t> ram_of(const nb::object& array) {
         nb::ndarray<const uint8_t, nb::shape<kRamSize>, nb::c_contig, nb::device::cpu> ram;
-        if (!nb::try_cast(array, ram, false)) throw nb::type_error("RAM is that of a core, or a uint8 array (128,)");
+        if (!nb::try_cast(array, ram, false)) refuse_type("RAM is that of a core, or a uint8 array (128,)");
         return {ram.data(), ram.data() + kRamSize};
     }
 
@@ -76,9 +88,8 @@ class CoreFrames {
         const int rows = stack_.source().rows();
         if (!nb::try_cast(array, screen, false) || static_cast<int>(screen.shape(0)) != rows ||
             screen.shape(1) != kScreenWidth)
-            throw nb::type_error(("a frame is a core, or a C-contiguous uint8 array of palette indices, (" +
-                                  std::to_string(rows) + ", 160)")
-                                     .c_str());
+            refuse_type("a frame is a core, or a C-contiguous uint8 array of palette indices, (" +
+                        std::to_string(rows) + ", 160)");
         return {screen.data(), screen.data() + screen.size()};
     }
 

@@ -11,7 +11,7 @@ int integer_of(nb::handle value, const std::string& what) {
     const Py_ssize_t number = PyNumber_AsSsize_t(value.ptr(), nullptr);
     if ((number == -1 && PyErr_Occurred()) || number < INT32_MIN || number > INT32_MAX) {
         PyErr_Clear();
-        throw nb::type_error((what + " must be an integer of 32 bits, got " + shown(value)).c_str());
+        refuse_type(what + " must be an integer of 32 bits, got " + shown(value));
     }
     return static_cast<int>(number);
 }
@@ -85,7 +85,7 @@ OfPlayers<int> CoreGame::act_by_methods(const OfPlayers<int>& actions, float str
 OfPlayers<int> CoreGame::numbers_of(nb::handle values, const std::string& what) const {
     nb::sequence sequence;
     if (!nb::try_cast(values, sequence, false) || nb::len(sequence) < at(players_))
-        throw nb::type_error((what + " must have a number of each player, got " + atari::shown(values)).c_str());
+        refuse_type(what + " must have a number of each player, got " + atari::shown(values));
     OfPlayers<int> numbers{};
     for (int player = 0; player < players_; ++player)
         numbers[at(player)] = integer_of(sequence[at(player)], "a number of " + what);

@@ -5,8 +5,6 @@
 // and then the GIL is taken: the function may read the core. Another core is played by its methods, with the GIL.
 #pragma once
 
-#include <nanobind/nanobind.h>
-
 #include <cstdint>
 #include <exception>
 #include <mutex>

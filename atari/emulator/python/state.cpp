@@ -1,16 +1,12 @@
 // `_emulator.State`, with the methods of ale-py's `ALEState`.
 #include "state.hpp"
 
-#include <nanobind/nanobind.h>
-
 #include <algorithm>
 #include <cstring>
 #include <string>
 
+#include "arrays.hpp"
 #include "threads.hpp"
-
-namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace atari {
 namespace {
@@ -37,7 +33,7 @@ nb::bytes serialized(const State& state) {
         const GilRelease release;
         bytes = state.serialize();
     }
-    return nb::bytes(bytes.data(), bytes.size());
+    return bytes_of(bytes);
 }
 
 // The bytes after the header are validated when they are restored, because only a game knows their size.
@@ -45,14 +41,13 @@ void parse(State* self, nb::bytes serialized) {
     Header header;
     const auto* const data = static_cast<const uint8_t*>(serialized.data());
     if (serialized.size() < sizeof header + sizeof(EnvironmentState))
-        throw nb::value_error("the state is truncated; pass the bytes that serialize() returned");
+        throw std::invalid_argument("the state is truncated; pass the bytes that serialize() returned");
     std::memcpy(&header, data, sizeof header);
     if (!std::equal(kMagic, kMagic + sizeof kMagic, header.magic))
-        throw nb::value_error("these bytes are not a state; pass what serialize() returned");
+        throw std::invalid_argument("these bytes are not a state; pass what serialize() returned");
     if (header.version != kStateVersion)
-        throw nb::value_error(("the state has version " + std::to_string(header.version) +
-                               ", this release reads version " + std::to_string(kStateVersion))
-                                  .c_str());
+        throw std::invalid_argument("the state has version " + std::to_string(header.version) +
+                                    ", this release reads version " + std::to_string(kStateVersion));
     new (self)
         State{nullptr, header.include_rng != 0, {}, {data + sizeof header, data + serialized.size()}, header.image};
 }
@@ -125,7 +120,7 @@ void register_state(nb::module_& m) {
         .def(
             "__ne__", [](const State& a, const State& b) { return !equal(a, b); }, "other"_a, nb::is_operator(),
             nb::sig("def __ne__(self, other: object) -> bool"))
-        .def("__hash__", [](const State&) -> int { throw nb::type_error("unhashable type: 'State'"); })
+        .def("__hash__", [](const State&) -> int { refuse_type("unhashable type: 'State'"); })
         .def("__copy__", itself, nb::sig("def __copy__(self) -> State"))
         .def("__deepcopy__", itself, nb::sig("def __deepcopy__(self, memo: object) -> State"))
         .def("__getstate__", &serialized)

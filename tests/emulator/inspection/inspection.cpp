@@ -1,14 +1,7 @@
 // The extension module atari_inspection, for tests alone. `Console` is a console without a game's rules or a seed; its
 // methods run single accesses or instructions. `pool_gray` and `resize` are the two steps of an observation.
 // Functions that write into memory write between guard values here, which are checked.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
-#include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <array>
@@ -28,21 +21,18 @@
 #include "observations/pooling.hpp"
 #include "observations/resizer.hpp"
 #include "fast/tia/paint.hpp"
-
-namespace nb = nanobind;
-using namespace nb::literals;
+#include "python/arrays.hpp"
 
 namespace atari {
 namespace {
 
-using Array = nb::ndarray<nb::numpy, uint8_t, nb::c_contig, nb::device::cpu>;
 using Flags = std::pair<bool, bool>;
 
 std::unique_ptr<Console> make(nb::bytes image, const std::string& cartridge, int first_line, int height, bool pal,
                               bool hmove_blanks, Flags paddles, bool swap_ports, bool swap_paddles, bool plain,
                               bool translated) {
     if (first_line < 0 || height < 1 || first_line + height > kFrameRows)
-        throw nb::value_error("the framebuffer must lie within 300 lines");
+        throw std::invalid_argument("the framebuffer must lie within 300 lines");
     const auto* bytes = static_cast<const uint8_t*>(image.data());
     const std::vector<uint8_t> copy(bytes, bytes + image.size());
     const ConsoleConfig config{first_line, height,      pal, hmove_blanks, {paddles.first, paddles.second},
@@ -77,13 +67,12 @@ nb::list as_list(const Item (&items)[count]) {
     return as_list(items, count);
 }
 
-Array as_array(const uint8_t* data, std::initializer_list<size_t> shape) {
+nb::object as_array(const uint8_t* data, std::initializer_list<size_t> shape) {
     size_t size = 1;
     for (size_t extent : shape) size *= extent;
-    auto* copy = new uint8_t[size];
-    nb::capsule owner(copy, [](void* memory) noexcept { delete[] static_cast<uint8_t*>(memory); });
-    std::copy_n(data, size, copy);
-    return Array(copy, shape.size(), shape.begin(), owner);
+    std::unique_ptr<uint8_t[]> copy(new uint8_t[size]);
+    std::copy_n(data, size, copy.get());
+    return array_of(std::move(copy), shape.begin(), shape.size());
 }
 
 nb::dict registers(const Cpu& cpu) {
@@ -114,7 +103,7 @@ Cpu with_registers(Cpu cpu, nb::kwargs changes) {
             *flag = on;
             good = true;
         }
-        if (!good) throw nb::value_error(("there is no register '" + name + "', or the value does not fit it").c_str());
+        if (!good) throw std::invalid_argument("there is no register '" + name + "', or the value does not fit it");
     }
     return cpu;
 }
@@ -206,26 +195,26 @@ nb::dict state(const Console& console) {
     return all;
 }
 
-Array framebuffer(Console& console) {
+nb::object framebuffer(Console& console) {
     console.catch_up();
     return as_array(console.framebuffer(), {static_cast<size_t>(console.config().height), kScreenWidth});
 }
 
 void set_positions(Console& console, std::array<int, 5> positions) {
     for (int position : positions)
-        if (position < 0 || position >= kScreenWidth) throw nb::value_error("a position is within 0..159");
+        if (position < 0 || position >= kScreenWidth) throw std::invalid_argument("a position is within 0..159");
     std::copy_n(positions.begin(), 5, console.raw_machine().tia.pos);
 }
 
 void set_ram(Console& console, nb::bytes ram) {
-    if (ram.size() != 128) throw nb::value_error("RAM has 128 bytes");
+    if (ram.size() != 128) throw std::invalid_argument("RAM has 128 bytes");
     std::copy_n(static_cast<const uint8_t*>(ram.data()), 128, console.raw_machine().riot.ram);
 }
 
 void set_inputs(Console& console, int switches, std::array<int, 2> sticks, std::array<bool, 2> fire,
                 std::array<int32_t, 4> resistances, std::array<bool, 4> paddle_fire) {
     for (int32_t resistance : resistances)
-        if (resistance < 0) throw nb::value_error("a resistance is not negative");
+        if (resistance < 0) throw std::invalid_argument("a resistance is not negative");
     Inputs inputs{};
     inputs.switches = static_cast<uint8_t>(switches);
     for (size_t i = 0; i < 2; ++i) {
@@ -242,12 +231,12 @@ void set_inputs(Console& console, int switches, std::array<int, 2> sticks, std::
 nb::bytes save(Console& console) {
     std::vector<uint8_t> state(console.state_size());
     console.save(state.data());
-    return as_bytes(state.data(), state.size());
+    return bytes_of(state);
 }
 
 void load(Console& console, nb::bytes state) {
     if (state.size() != console.state_size() || !console.load(static_cast<const uint8_t*>(state.data())))
-        throw nb::value_error("the state is damaged, or of another cartridge");
+        throw std::invalid_argument("the state is damaged, or of another cartridge");
 }
 
 // A snapshot in memory. Only the console that made it accepts it.
@@ -259,14 +248,15 @@ struct Snapshot {
 Snapshot snapshot(const Console& console) { return {&console, console.snapshot()}; }
 
 void restore(Console& console, const Snapshot& snapshot) {
-    if (snapshot.of != &console) throw nb::value_error("this snapshot is of another console");
+    if (snapshot.of != &console) throw std::invalid_argument("this snapshot is of another console");
     console.restore(*snapshot.state);
 }
 
 // Returns whether two machines of a cartridge are in the same state. Framebuffers and collision latches, which
 // `FastConsole` defers, are brought up to date and compared only if `complete`.
 bool same_state(Console& first, Console& second, bool complete) {
-    if (first.state_size() != second.state_size()) throw nb::value_error("the consoles are of different cartridges");
+    if (first.state_size() != second.state_size())
+        throw std::invalid_argument("the consoles are of different cartridges");
     if (complete) {
         std::vector<uint8_t> saved(first.state_size()), also(second.state_size());
         first.save(saved.data());
@@ -282,13 +272,13 @@ bool same_state(Console& first, Console& second, bool complete) {
                       second.cartridge_ram());
 }
 
-using Bytes = nb::ndarray<const uint8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using Bytes = List<const uint8_t>;
 using Frame = nb::ndarray<const uint8_t, nb::shape<-1, kScreenWidth>, nb::c_contig, nb::device::cpu>;
 
 // Returns the given level, or the highest. Throws if this processor does not support it.
 SimdLevel checked_level(std::optional<SimdLevel> level) {
     if (level.value_or(SimdLevel::kScalar) > best_simd_level())
-        throw nb::value_error("this processor does not support this SIMD level");
+        throw std::invalid_argument("this processor does not support this SIMD level");
     return level.value_or(best_simd_level());
 }
 
@@ -316,11 +306,12 @@ class Guarded {
     std::vector<Value> values_;
 };
 
-std::pair<Array, std::vector<uint32_t>> pooled(Frame early, Frame late, Bytes table, std::optional<SimdLevel> level) {
+std::pair<nb::object, std::vector<uint32_t>> pooled(Frame early, Frame late, Bytes table,
+                                                    std::optional<SimdLevel> level) {
     const size_t rows = early.shape(0);
     const bool pairs = table.shape(0) == 65536;
     if (rows < 1 || rows > kFrameRows || late.shape(0) != rows || (table.shape(0) != 256 && !pairs))
-        throw nb::value_error("two frames of the same 1..300 rows and a table of 256 or 65536 are needed");
+        throw std::invalid_argument("two frames of the same 1..300 rows and a table of 256 or 65536 are needed");
     Guarded<uint8_t> gray(early.size());
     Guarded<uint32_t> changes(rows);
     const auto pool = pairs ? pool_pairs : pool_gray;
@@ -331,20 +322,21 @@ std::pair<Array, std::vector<uint32_t>> pooled(Frame early, Frame late, Bytes ta
     return {as_array(gray.data(), {rows, kScreenWidth}), {changes.data(), changes.data() + rows}};
 }
 
-Array resized(Frame frame, int height, int width, const std::optional<std::vector<uint32_t>>& changes,
-              std::optional<SimdLevel> level, std::optional<std::pair<int, int>> result_rows) {
+nb::object resized(Frame frame, int height, int width, const std::optional<std::vector<uint32_t>>& changes,
+                   std::optional<SimdLevel> level, std::optional<std::pair<int, int>> result_rows) {
     const size_t rows = frame.shape(0);
     const Resizer resize(static_cast<int>(rows), height, width, checked_level(level));
-    if (changes && changes->size() != rows) throw nb::value_error("`changes` has an entry for each row");
+    if (changes && changes->size() != rows) throw std::invalid_argument("`changes` has an entry for each row");
     for (size_t row = 0; changes && row < rows; ++row)
-        if ((*changes)[row] >> kScreenWidth / 8) throw nb::value_error("`changes` has 20 bits for each row");
+        if ((*changes)[row] >> kScreenWidth / 8) throw std::invalid_argument("`changes` has 20 bits for each row");
     const size_t extents[2] = {static_cast<size_t>(height), static_cast<size_t>(width)};
     Guarded<uint8_t> small(extents[0] * extents[1]);
     const uint32_t* const changed = changes ? changes->data() : nullptr;
     if (result_rows) {
         const auto [first, last] = *result_rows;
         if (!resize.area_resize() || first < 0 || first >= last || last > height)
-            throw nb::value_error("rows must lie within the height; sizes that are sums of blocks have no single rows");
+            throw std::invalid_argument(
+                "rows must lie within the height; sizes that are sums of blocks have no single rows");
         resize.area_resize()->make_rows(frame.data(), changed, small.data(), first, last);
         const size_t begin = static_cast<size_t>(first) * extents[1], end = static_cast<size_t>(last) * extents[1];
         small.check(begin, end);
@@ -356,11 +348,12 @@ Array resized(Frame frame, int height, int width, const std::optional<std::vecto
 }
 
 // Returns a row of 160 zeros with pixels first .. last-1 filled at a SIMD level.
-Array painted(std::array<Bytes, 3> layers, std::array<uint8_t, 4> colours, int first, int last, SimdLevel level) {
-    if (first < 0 || first >= last || last > kScreenWidth) throw nb::value_error("0 <= first < last <= 160 is needed");
+nb::object painted(std::array<Bytes, 3> layers, std::array<uint8_t, 4> colours, int first, int last, SimdLevel level) {
+    if (first < 0 || first >= last || last > kScreenWidth)
+        throw std::invalid_argument("0 <= first < last <= 160 is needed");
     Mask masks[3];
     for (size_t i = 0; i < 3; ++i) {
-        if (layers[i].shape(0) != kScreenWidth) throw nb::value_error("a layer has 160 pixels");
+        if (layers[i].shape(0) != kScreenWidth) throw std::invalid_argument("a layer has 160 pixels");
         for (size_t x = 0; x < kScreenWidth; ++x)
             masks[i].word[x / 64] |= uint64_t{layers[i].data()[x] != 0} << (x % 64);
     }
@@ -372,10 +365,10 @@ Array painted(std::array<Bytes, 3> layers, std::array<uint8_t, 4> colours, int f
     return as_array(row.data(), {kScreenWidth});
 }
 
-Array coloured(Frame frame, const std::string& format, std::optional<SimdLevel> level) {
+nb::object coloured(Frame frame, const std::string& format, std::optional<SimdLevel> level) {
     const size_t rows = frame.shape(0);
     if (rows < 1 || rows > kFrameRows || frame.shape(1) != kScreenWidth)
-        throw nb::value_error("a frame is (1..300, 160)");
+        throw std::invalid_argument("a frame is (1..300, 160)");
     Guarded<uint8_t> rgb(3 * frame.size());
     to_rgb(frame.data(), static_cast<int>(rows), palette_of(format), rgb.data(), checked_level(level));
     rgb.check();
@@ -496,12 +489,12 @@ NB_MODULE(atari_inspection, m) {
     m.def(
         "short_jump",
         [](size_t distance) {
-            if (distance > 1000) throw nb::value_error("distance must be within 0..1000");
+            if (distance > 1000) throw std::invalid_argument("distance must be within 0..1000");
             x86::Assembler code;
             const ShortJump jump = code.jump_short(If::zero);
             for (size_t i = 0; i < distance; ++i) code.ret();
             code.bind_short(jump);
-            return as_bytes(code.bytes().data(), code.size());
+            return bytes_of(code.bytes());
         },
         "distance"_a,
         "What the JIT translator's assembler makes of a jump of two bytes over `distance` others, and these.\n"
@@ -510,8 +503,7 @@ NB_MODULE(atari_inspection, m) {
         "arm64_instructions",
         [] {
             nb::dict code;
-            for (const auto& [name, bytes] : arm64::instructions())
-                code[name.c_str()] = as_bytes(bytes.data(), bytes.size());
+            for (const auto& [name, bytes] : arm64::instructions()) code[name.c_str()] = bytes_of(bytes);
             return code;
         },
         nb::sig("def arm64_instructions() -> dict[str, bytes]"),
@@ -526,9 +518,9 @@ NB_MODULE(atari_inspection, m) {
     m.def(
         "arm64_jump",
         [](size_t skipped, bool far) {
-            if (skipped > 1'000'000) throw nb::value_error("skipped must be within 0..1000000");
+            if (skipped > 1'000'000) throw std::invalid_argument("skipped must be within 0..1000000");
             const std::vector<uint8_t> code = arm64::jump_over(skipped, far);
-            return as_bytes(code.data(), code.size());
+            return bytes_of(code);
         },
         "skipped"_a, nb::kw_only(), "far"_a,
         "A conditional jump of arm64 over instructions, and these. Raises RuntimeError if it does not reach so far.");

@@ -8,6 +8,16 @@
 
 namespace atari {
 
+// The part of a host whose programs may not act, and read no cartridge and no generator: they call none of these.
+struct PassiveHost {
+    static uint8_t xbyte(int64_t) { return 0; }
+    static uint32_t random() { return 0; }
+    static void spend(int) {}
+    static void press_select(int64_t) {}
+    static void soft_reset() {}
+    static void act(int) {}
+};
+
 // `host` has the variables, and the functions that the operations need: byte, xbyte and random. Programs that may act
 // also need spend, press_select, soft_reset and act.
 template <typename Host>

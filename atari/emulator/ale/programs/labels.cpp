@@ -10,22 +10,16 @@
 namespace atari {
 namespace {
 
-// The data that the program of a label reads. It has no generator and no cartridge, and cannot act.
-struct LabelHost {
+// The data that the program of a label reads.
+struct LabelHost : PassiveHost {
     const uint8_t* ram;
     int32_t variables[Label::kVariables];
 
     uint8_t byte(int64_t address) const { return ram[address & (kRamSize - 1)]; }
-    static uint8_t xbyte(int64_t) { return 0; }
-    static uint32_t random() { return 0; }
-    static void spend(int) {}
-    static void press_select(int64_t) {}
-    static void soft_reset() {}
-    static void act(int) {}
 };
 
 int32_t run(const Program& program, const uint8_t* ram, uint8_t byte) {
-    LabelHost host{ram, {byte, 0}};
+    LabelHost host{{}, ram, {byte, 0}};
     evaluate(program, host);
     return host.variables[Label::kResult];
 }

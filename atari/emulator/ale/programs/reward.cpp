@@ -11,18 +11,12 @@
 namespace atari {
 namespace {
 
-// The data that the terms read. They have no generator and no cartridge RAM, and cannot act.
-struct TermHost {
+// The data that the terms read.
+struct TermHost : PassiveHost {
     const uint8_t* ram;
     int32_t variables[kMaxVariables]{};
 
     uint8_t byte(int64_t address) const { return ram[address & 0x7f]; }
-    static uint8_t xbyte(int64_t) { return 0; }
-    static uint32_t random() { return 0; }
-    static void spend(int) {}
-    static void press_select(int64_t) {}
-    static void soft_reset() {}
-    static void act(int) {}
 };
 
 // Returns a finite number of float32's range. A forged state may contain NaN.
@@ -153,7 +147,7 @@ double RewardFormula::pay(double* inputs, const uint8_t* ram, int lives, double 
 }
 
 void RewardFormula::read_terms(double* terms, const uint8_t* ram) const {
-    TermHost host{ram};
+    TermHost host{{}, ram};
     atari::evaluate(terms_, host);
     std::copy_n(host.variables, visibility_.size(), terms);
 }

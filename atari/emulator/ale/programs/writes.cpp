@@ -11,8 +11,7 @@ namespace atari {
 namespace {
 
 // The data that the program of a write reads. If `own` is an index, the byte of that index is `variables[kLabelByte]`.
-// A program that may not act does not call the last functions.
-struct Host {
+struct Host : PassiveHost {
     const uint8_t* ram;
     const uint8_t* cartridge_ram;  // may be null
     WriteState& state;
@@ -30,10 +29,6 @@ struct Host {
     }
     int64_t xbyte(int64_t address) const { return cartridge_ram ? cartridge_ram[address & 0x7f] : 0; }
     uint32_t random() { return state.next(); }
-    void spend(int) {}
-    void press_select(int64_t) {}
-    void soft_reset() {}
-    void act(int) {}
 
     int32_t result(const Program& program) {
         evaluate(program, *this);
@@ -133,24 +128,22 @@ void Writes::begin_frame(const Console& console, WriteState& state) {
     }
 }
 
-bool Writes::apply(Console& console, WriteState& state, int32_t frame, bool paid) {
+template <typename Chosen>
+bool Writes::apply_if(Chosen&& chosen, Console& console, WriteState& state, int32_t frame) {
     bool changed = false;
-    for (size_t slot = 0; slot < slots_.size(); ++slot) {
-        const Write* const write = slots_[slot].get();
-        if (write && write->paid == paid && due(*write, frame))
+    for (size_t slot = 0; slot < slots_.size(); ++slot)
+        if (const Write* const write = slots_[slot].get(); write && chosen(*write))
             changed |= apply(*write, static_cast<int>(slot), console, state, frame);
-    }
     return changed;
+}
+
+bool Writes::apply(Console& console, WriteState& state, int32_t frame, bool paid) {
+    return apply_if([&](const Write& write) { return write.paid == paid && due(write, frame); }, console, state, frame);
 }
 
 bool Writes::apply_at_reset(Console& console, WriteState& state) {
     begin_frame(console, state);
-    bool changed = false;
-    for (size_t slot = 0; slot < slots_.size(); ++slot) {
-        const Write* const write = slots_[slot].get();
-        if (write && write->at_reset) changed |= apply(*write, static_cast<int>(slot), console, state, 0);
-    }
-    return changed;
+    return apply_if([](const Write& write) { return write.at_reset; }, console, state, 0);
 }
 
 bool Writes::apply_now(int slot, Console& console, WriteState& state, int32_t frame) {

@@ -69,6 +69,8 @@ class Writes {
     bool apply_now(int slot, Console& console, WriteState& state, int32_t frame);
 
   private:
+    template <typename Chosen>
+    bool apply_if(Chosen&& chosen, Console& console, WriteState& state, int32_t frame);
     bool apply(const Write& write, int slot, Console& console, WriteState& state, int32_t frame);
 
     Slots slots_;                // null where a write was removed; the last is not null

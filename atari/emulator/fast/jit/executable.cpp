@@ -29,17 +29,20 @@ Executable::~Executable() {
 
 }  // namespace atari
 
-#elif defined(__APPLE__) && defined(__aarch64__)
+#elif defined(__unix__) || defined(__APPLE__)
+#include <sys/mman.h>
+#if defined(__APPLE__) && defined(__aarch64__)
 #include <libkern/OSCacheControl.h>
 #include <pthread.h>
-#include <sys/mman.h>
+#endif
 
 namespace atari {
 
-// The system allows code that a program makes only in memory with MAP_JIT, which each thread sees either as writable or
-// as executable. A hardened program needs an entitlement for it.
 void Executable::fill(const std::vector<uint8_t>& code) {
     size_ = code.size();
+#if defined(__APPLE__) && defined(__aarch64__)
+    // The system allows code that a program makes only in memory with MAP_JIT, which each thread sees either as writable
+    // or as executable. A hardened program needs an entitlement for it.
     void* const memory =
         mmap(nullptr, size_, PROT_READ | PROT_WRITE | PROT_EXEC, MAP_PRIVATE | MAP_ANON | MAP_JIT, -1, 0);
     if (memory == MAP_FAILED) return;
@@ -48,21 +51,7 @@ void Executable::fill(const std::vector<uint8_t>& code) {
     pthread_jit_write_protect_np(1);
     sys_icache_invalidate(memory, size_);
     begin_ = static_cast<uint8_t*>(memory);
-}
-
-Executable::~Executable() {
-    if (begin_) munmap(begin_, size_);
-}
-
-}  // namespace atari
-
-#elif defined(__unix__) || defined(__APPLE__)
-#include <sys/mman.h>
-
-namespace atari {
-
-void Executable::fill(const std::vector<uint8_t>& code) {
-    size_ = code.size();
+#else
     void* const memory = mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) return;
     std::memcpy(memory, code.data(), size_);
@@ -70,6 +59,7 @@ void Executable::fill(const std::vector<uint8_t>& code) {
     __builtin___clear_cache(begin, begin + size_);
     if (mprotect(memory, size_, PROT_READ | PROT_EXEC) == 0) begin_ = static_cast<uint8_t*>(memory);
     else munmap(memory, size_);
+#endif
 }
 
 Executable::~Executable() {

@@ -2,7 +2,6 @@
 // same on all systems, as far as it matters here. Register x18 belongs to the system on some.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 
 #include "assembler_arm64.hpp"

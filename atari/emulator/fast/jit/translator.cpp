@@ -190,6 +190,11 @@ void Translator::emit_routine(uint16_t handler) {
 // PHP, into RAM or a TIA register.
 void Translator::emit_push_status(JumpLabel& slow) {
     constexpr uint64_t kValues = registers_where([](const TiaRegister& reg) { return reg.store == TiaStore::kValue; });
+    const auto pushed = [&] {
+        a_.alu8(Alu::sub, in_console(Offsets::sp()), uint8_t{1});
+        a_.alu(Alu::add, kCycles, 3);
+        return_to_caller(a_);
+    };
     a_.move(t2, kNz);
     a_.shift(ShiftDirection::right, t2, 1);
     a_.alu(Alu::or_, t2, kNz);
@@ -221,14 +226,10 @@ void Translator::emit_push_status(JumpLabel& slow) {
     a_.store8(in_log(Offsets::write_value()), t2);
     a_.address64(kLog, in_log(kWriteSize));
     a_.bind_short(same);
-    a_.alu8(Alu::sub, in_console(Offsets::sp()), uint8_t{1});
-    a_.alu(Alu::add, kCycles, 3);
-    return_to_caller(a_);
+    pushed();
     a_.bind_short(in_ram);
     a_.store8(Mem{kRam, -0x80, t1}, t2);
-    a_.alu8(Alu::sub, in_console(Offsets::sp()), uint8_t{1});
-    a_.alu(Alu::add, kCycles, 3);
-    return_to_caller(a_);
+    pushed();
 }
 
 // Loads the operand of the instruction whose index is in t0 into t1.
@@ -274,16 +275,16 @@ void Translator::emit_read_input(Operand operand, JumpLabel& slow) {
 
 // PLA from an input, if the byte that is read first is an input too.
 void Translator::emit_pull_input(JumpLabel& slow) {
+    const auto require_input = [&] {
+        a_.move(t2, t1);
+        a_.alu(Alu::and_, t2, 0x88);
+        a_.compare(t2, 8);
+        a_.jump(If::not_zero, slow);
+    };
     a_.load8(t1, in_console(Offsets::sp()));
-    a_.move(t2, t1);
-    a_.alu(Alu::and_, t2, 0x88);
-    a_.compare(t2, 8);
-    a_.jump(If::not_zero, slow);
+    require_input();
     a_.alu(Alu::add, t1, 1);
-    a_.move(t2, t1);
-    a_.alu(Alu::and_, t2, 0x88);
-    a_.compare(t2, 8);
-    a_.jump(If::not_zero, slow);
+    require_input();
     a_.compare8(in_console(Offsets::watches_tia()), uint8_t{0});
     a_.jump(If::not_zero, slow);
     a_.store8(in_console(Offsets::sp()), t1);

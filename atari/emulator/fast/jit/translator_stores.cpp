@@ -231,13 +231,12 @@ void Translator::write_hmove() {
     a_.bind_short(unusual);
     a_.shift(ShiftDirection::right, t1, 4);
     a_.alu(Alu::and_, t1, 0x0f0f0f0f);
-    a_.move(t3, t1);
-    a_.shift(ShiftDirection::right, t3, 4);
-    a_.alu(Alu::or_, t1, t3);
-    a_.alu(Alu::and_, t1, 0x00ff00ff);
-    a_.move(t3, t1);
-    a_.shift(ShiftDirection::right, t3, 8);
-    a_.alu(Alu::or_, t1, t3);
+    for (const uint8_t bits : {4, 8}) {
+        a_.move(t3, t1);
+        a_.shift(ShiftDirection::right, t3, bits);
+        a_.alu(Alu::or_, t1, t3);
+        if (bits == 4) a_.alu(Alu::and_, t1, 0x00ff00ff);
+    }
     a_.address(t0, Mem{kCycles, write_at_});
     a_.store(in_log(Offsets::write_cycle()), t0);
     a_.store8(in_log(Offsets::write_reg()), uint8_t{HMOVE});

@@ -1,6 +1,5 @@
 // The part of `Collider` about objects: the objects that could collide, and the TIA writes that could affect
 // collisions.
-#include <algorithm>
 #include <array>
 #include <bit>
 

@@ -1,26 +1,11 @@
 #include "paint.hpp"
 
-#include <array>
-#include <bit>
 #include <cstring>
 
 #include "machine/state.hpp"
 
 namespace atari {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "eight pixels are handled as one little-endian word");
-
-// Each entry expands eight bits to eight bytes of 0x00 or 0xff, lowest bit first.
-constexpr auto kByteMasks = [] {
-    std::array<uint64_t, 256> table{};
-    for (uint64_t byte = 0; byte < 256; ++byte)
-        for (int bit = 0; bit < 8; ++bit)
-            if (byte & (1u << bit)) table[byte] |= uint64_t{0xff} << (8 * bit);
-    return table;
-}();
-
-constexpr uint64_t repeated(uint8_t byte) { return byte * 0x0101010101010101ull; }
 
 #if ATARI_SIMD128
 // The 16 pixels of a block, as bytes of 0x00 or 0xff.

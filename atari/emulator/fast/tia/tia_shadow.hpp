@@ -1,7 +1,6 @@
 // `TiaShadow`, the shadow copy of the TIA's registers. It decides which of a program's TIA writes the write log needs.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <cstring>
 

@@ -114,6 +114,19 @@ inline constexpr auto kReversed = [] {
     return table;
 }();
 
+static_assert(std::endian::native == std::endian::little, "eight pixels are handled as one little-endian word");
+
+// By byte, its bits as bytes of 0x00 or 0xff, lowest first.
+inline constexpr auto kByteMasks = [] {
+    std::array<uint64_t, 256> table{};
+    for (uint64_t byte = 0; byte < 256; ++byte)
+        for (int bit = 0; bit < 8; ++bit)
+            if (byte & (1u << bit)) table[byte] |= uint64_t{0xff} << (8 * bit);
+    return table;
+}();
+
+constexpr uint64_t repeated(uint8_t byte) { return byte * 0x0101010101010101ull; }
+
 // By byte, its bits each repeated `times` times, lowest first.
 template <int times>
 inline constexpr auto kStretched = [] {

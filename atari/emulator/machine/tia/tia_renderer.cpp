@@ -1,30 +1,11 @@
 #include "tia_renderer.hpp"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cstring>
 
 #include "object_mask.hpp"
 
 namespace atari {
-namespace {
-
-static_assert(std::endian::native == std::endian::little, "eight pixels are handled as one little-endian word");
-
-// Eight bits as eight bytes of 0x00 or 0xff, lowest bit first.
-constexpr auto kByteMasks = [] {
-    std::array<uint64_t, 256> table{};
-    for (uint64_t byte = 0; byte < 256; ++byte)
-        for (int bit = 0; bit < 8; ++bit)
-            if (byte & (1u << bit)) table[byte] |= uint64_t{0xff} << (8 * bit);
-    return table;
-}();
-
-constexpr uint64_t repeated(uint8_t byte) { return byte * 0x0101010101010101ull; }
-
-}  // namespace
-
 void TiaRenderer::render_to(int32_t target) {
     if (target < t_.draw_start || t_.drawn_to >= t_.draw_stop || t_.drawn_to >= target) return;
     target = std::min(target, t_.draw_stop);
