@@ -5,13 +5,9 @@ with the observations of vectors.
 """
 
 import random
-import sys
 from dataclasses import fields
 from functools import partial
-from pathlib import Path
 from typing import Any
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import numpy as np
 from guarded import Guards

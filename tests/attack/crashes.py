@@ -1,13 +1,10 @@
 """Trainings that are killed, lose power or have a full disk, at any durable operation, once or twice."""
 
 import random
-import sys
 import tempfile
 from functools import cache
 from pathlib import Path
 from typing import Any
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 from crash_model import Disk
 from crash_trainings import Outcome, assert_ends_or_says_so, assert_goes_on, go_on, outcome, train

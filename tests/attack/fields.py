@@ -1,22 +1,15 @@
 """Tasks at the ends of their fields' ranges, and in all modes of all games, in vectors beside single environments."""
 
 import random
-import sys
 from itertools import combinations
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-
-import atari
-from atari.games.catalog import playable_ids
-from atari.games.game import Game
-from atari.task import Task
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-
 from field_values import DRAWN, end, seconds_of_noop, seconds_of_step, task_with, value_of
 from lane_oracle import Lanes
+
+from atari.task import Task
+from attack.task_doors import any_game
 
 SEEDS = 2**32
 MODES = ("NextStep", "SameStep", "Disabled")
@@ -39,11 +32,6 @@ def attack(seed: int) -> None:
         play(source, [task], " and ".join(pair))
     if (task := task_with(source, any_game(source), {}, source.choice((0.1, 0.3)))) is not None:
         play(source, lanes_of(source, task), "several games and modes")
-
-
-def any_game(source: random.Random) -> Game:
-    """A game; each is equally likely."""
-    return atari.games[source.choice(playable_ids())]
 
 
 def lanes_of(source: random.Random, task: Task) -> list[Task]:

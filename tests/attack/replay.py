@@ -1,13 +1,10 @@
 """Replay memories against a naive one: modes, orders of resets, files, compression, priorities, threads."""
 
 import random
-import sys
 import tempfile
 import threading
 from pathlib import Path
 from typing import Any
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
 
 import numpy as np
 from memory_cases import compare, play, random_case

@@ -7,12 +7,11 @@ import io
 import json
 import pickle
 import random
-import sys
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from field_values import DRAWN, flags_of, seconds_of_noop, seconds_of_step, small, task_with, value_of
 
 import atari
 from atari.games.catalog import playable_ids
@@ -21,10 +20,6 @@ from atari.task import Task
 from atari.task.arguments import add_task, task_of
 from atari.task.checks import FrameSkip, OneOf, OrNone, Probability, Span, Whole, check_actions, check_bool
 from atari.task.fields import CHECKS, DEFAULTS, ROWS
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "support"))
-
-from field_values import DRAWN, flags_of, seconds_of_noop, seconds_of_step, small, task_with, value_of
 
 MOST_SECONDS = 0.1
 """The seconds that a step, or the no-ops of a reset, of a played task may take."""

@@ -6,6 +6,7 @@ tests compare the native side with the file; `test_ale_goldens.py` plays the oth
 `python tests/conformance/ale_goldens.py` writes the file anew, from ale-py alone.
 """
 
+import copy
 import itertools
 import json
 import sys
@@ -14,6 +15,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import ale_py
 import ale_py.env
 import numpy as np
 
@@ -108,6 +110,32 @@ def check_sum_of_middle(core: Core, actions: list[int]) -> str:
     return str(found)
 
 
+def lives_of_unused_rules(game: str, side: str) -> list[int | bool]:
+    """The lives after 150 frames, and whether ale-py truncates there for a lost life.
+
+    It does while the lives are fewer than those of its unused rules. In Atlantis II it compares with an uninitialised
+    variable.
+    """
+    rules = atari.games[game].rules
+    assert rules is not None
+    if side == "native":
+        core = NativeCore(game, seed=1, repeat_action_probability=0.0)
+        for _ in range(150):
+            if core.lives >= rules.lives_initial:
+                core.act(0)
+        lives, truncated = core.lives, core.lives < rules.lives_initial
+    else:
+        ale = ale_py.ALEInterface()
+        ale.setInt("random_seed", 1)
+        ale.setFloat("repeat_action_probability", 0.0)
+        ale.setBool("truncate_on_loss_of_life", True)
+        ale.loadROM(Path(ale_py.__file__).parent / "roms" / f"{game}.bin")
+        for _ in range(150):
+            ale.act(0)
+        lives, truncated = ale.lives(), ale.game_truncated()
+    return [lives] if game == "atlantis2" else [lives, truncated]
+
+
 # The environments.
 
 
@@ -160,6 +188,23 @@ def started(env: Any) -> Play:
     play = Play(env)
     play.sum.add([str(env.observation_space), str(env.action_space), env.get_action_meanings()])
     return play
+
+
+def play_pixels(game: str, side: str) -> str:
+    """Colour screens with the default options, 150 steps. On our side a deep copy plays the second half."""
+    play = started(make_env(game, side, render_mode="rgb_array"))
+    play.sum.add(str(play.env.get_keys_to_action()))
+    play.reset(seed=7)
+    play.steps(60)
+    play.reset()
+    play.steps(40)
+    if side == "native":
+        play.env = copy.deepcopy(play.env)
+    play.sum.add(play.env.render())
+    play.steps(40)
+    play.reset()
+    play.steps(10)
+    return str(play.sum)
 
 
 def ram_options(game: str) -> dict[str, Any]:
@@ -237,11 +282,13 @@ def _play_setting(env: Any, seed: int | None) -> str:
     return str(found)
 
 
-SCRIPTS: dict[str, Callable[[str, str], str | list[str]]] = {
+SCRIPTS: dict[str, Callable[[str, str], Any]] = {
     "modes": lambda game, side: [check_sum(run, side) for run in mode_runs(game)],
     "pokes": lambda game, side: check_sum(poke_run(game), side),
     "paddles": lambda game, side: check_sum(paddle_run(game), side) if game in PADDLE_GAMES else "",
     "middle": lambda game, side: check_sum_of_middle(*cores_of_middle(game, side)),
+    "unused rules": lives_of_unused_rules,
+    "pixels": play_pixels,
     "ram": play_ram,
     "grayscale": play_grayscale,
     "settings": play_settings,

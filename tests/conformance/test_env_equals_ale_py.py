@@ -1,9 +1,8 @@
-"""`AtariEnv` equals ale-py's environment of the same name: every game, to the byte.
+"""`AtariEnv` equals ale-py's environment of the same name, to the byte.
 
-Both are made with the same options, seeded alike and given the same actions; after every call
-all results are compared. The number of emulated frames compared is recorded as the property "frames" of each test.
-`test_ale_goldens.py` compares RAM, grayscale, sound, continuous actions, all modes and all difficulties with check sums
-of ale-py's environment.
+Both are made with the same options, seeded alike and given the same actions; after every call all results are compared.
+`test_ale_goldens.py` compares every game with check sums of ale-py's environment: colours, RAM, grayscale, sound,
+continuous actions, all modes and all difficulties.
 
 Deliberate differences, tested in `tests/env/test_env.py`: an action outside the space raises (ale-py takes negative
 indices), so does a step before the first reset; `metadata["render_fps"]` is the true rate, rounded.
@@ -30,7 +29,6 @@ class Pair:
         self.ours = AtariEnv(game, core=core, **options)
         self.theirs = ale_py.env.AtariEnv(game, **options)
         self.rng = np.random.default_rng(list(game.encode()))
-        self.frames = 0
         self.calls = 0
 
     def reset(self, seed: int | None = None) -> None:
@@ -49,10 +47,7 @@ class Pair:
             if left == 0:
                 action, left = self.sample(), int(self.rng.choice((1, 1, 2, 4, 8)))
             left -= 1
-            before = self.ours.core.frame_number
-            ended = self.step(action)
-            self.frames += self.ours.core.frame_number - before
-            if ended:
+            if self.step(action):
                 self.reset()
 
     def sample(self) -> int:
@@ -72,8 +67,8 @@ def equal(ours: Any, theirs: Any) -> bool:
     return bool(ours.dtype == theirs.dtype and np.array_equal(ours, theirs))
 
 
-@pytest.mark.parametrize("game", GAMES)
-def test_pixels_with_the_default_options_also_from_a_copy(game: str, record_property: Any) -> None:
+@pytest.mark.parametrize("game", GAMES[::8])
+def test_pixels_with_the_default_options_also_from_a_copy(game: str) -> None:
     """A deep copy plays the second half; it must continue exactly as the original would."""
     pair = Pair(game, render_mode="rgb_array")
     assert pair.ours.observation_space == pair.theirs.observation_space
@@ -89,11 +84,10 @@ def test_pixels_with_the_default_options_also_from_a_copy(game: str, record_prop
     pair.play(40)
     pair.reset()
     pair.play(10)
-    record_property("frames", pair.frames)
 
 
 @pytest.mark.parametrize("game", GAMES[::8])
-def test_states_of_the_core_of_ale_py(game: str, record_property: Any) -> None:
+def test_states_of_the_core_of_ale_py(game: str) -> None:
     """The states of this core leave out the same parts as ale-py's."""
     pair = Pair(game, core="ale", **ram_options(game))
     pair.reset(seed=2**40 + 1)
@@ -103,4 +97,3 @@ def test_states_of_the_core_of_ale_py(game: str, record_property: Any) -> None:
     pair.ours.restore_state(ours)
     pair.theirs.restore_state(theirs)
     pair.play(20)
-    record_property("frames", pair.frames)

@@ -5,7 +5,6 @@ import hashlib
 import random
 import struct
 from pathlib import Path
-from typing import Any
 
 import ale_py
 import numpy as np
@@ -22,21 +21,14 @@ GAMES = [game.id for game in atari.games.playable()]
 ALEInterface.setLoggerMode(LoggerMode.Error)
 
 
-def load(game: Game, **settings: bool) -> ALEInterface:
+@pytest.fixture(scope="module", params=GAMES)
+def loaded(request: pytest.FixtureRequest) -> tuple[Game, ALEInterface]:
+    """A game and ale-py some frames after loading it."""
+    game = atari.games[request.param]
     ale = ALEInterface()
     ale.setInt("random_seed", 1)
     ale.setFloat("repeat_action_probability", 0.0)
-    for key, value in settings.items():
-        ale.setBool(key, value)
     ale.loadROM(ROMS / f"{game.id}.bin")
-    return ale
-
-
-@pytest.fixture(scope="module", params=GAMES)
-def loaded(request: pytest.FixtureRequest) -> tuple[Game, ALEInterface]:
-    """A game and ale-py some frames after loading it, with an episode end at each lost life."""
-    game = atari.games[request.param]
-    ale = load(game, truncate_on_loss_of_life=True)
     for _ in range(150):
         ale.act(0)
     return game, ale
@@ -70,16 +62,6 @@ def test_tv_format(loaded: tuple[Game, ALEInterface]) -> None:
     assert formats == ([game.screen.format] if index.any() else every)
 
 
-def test_lives_of_unused_rules(loaded: tuple[Game, ALEInterface]) -> None:
-    """ale-py truncates at a lost life while the lives are fewer than those of its unused rules."""
-    game, ale = loaded
-    assert game.rules is not None
-    if game.id == "atlantis2":  # in these games ale-py compares with an uninitialised variable
-        assert (game.rules.lives_initial, ale.lives()) == (0, 6)
-    else:
-        assert ale.game_truncated() == (ale.lives() < game.rules.lives_initial)
-
-
 def test_ram_labels_of_lives(loaded: tuple[Game, ALEInterface]) -> None:
     """A confirmed label of this kind gives the lives."""
     game, ale = loaded
@@ -99,10 +81,9 @@ def test_paddles(loaded: tuple[Game, ALEInterface]) -> None:
     game, ale = loaded
     before = ale.cloneState().serialize()
     assert struct.unpack("<2i", before[-8:]) == (game.controllers.paddle_range or (27450, 790196))
-    truncated = ale.game_truncated()
     ale.act(ale_py.Action.RIGHT)
     moved = struct.unpack_from("<2i", ale.cloneState().serialize()) != struct.unpack_from("<2i", before)
-    assert moved == (game.controllers.paddles and not truncated)
+    assert moved == game.controllers.paddles
 
 
 @pytest.mark.parametrize("game", list(atari.games))
@@ -113,14 +94,12 @@ def test_rom_hashes(game: str) -> None:
     assert hashlib.sha256(image).hexdigest() == rom.sha256
 
 
-@pytest.mark.parametrize("game", GAMES)
-def test_rules_give_the_reward_lives_and_end_of_every_frame(game: str, record_property: Any) -> None:
+def test_rules_give_the_reward_lives_and_end_of_every_frame(loaded: tuple[Game, ALEInterface]) -> None:
     """100 frames of play, then 300 more while bytes that the rules read are overwritten, to see rare branches."""
-    facts = atari.games[game]
+    facts, ale = loaded
     assert facts.rules is not None
-    ale = load(facts)
     rules = Interpreter(facts.rules)
-    rng = random.Random(game)
+    rng = random.Random(facts.id)
     numbers = [number for _, source in facts.rules.step for number in numbers_in(source)]
     addresses = [number for number in numbers if 0x80 <= number <= 0xFF] or [0x80]
     values = [0, 1, 0xFF, *(number & 0xFF for number in numbers)]
@@ -139,7 +118,6 @@ def test_rules_give_the_reward_lives_and_end_of_every_frame(game: str, record_pr
         reward = ale.act(rng.choice(facts.minimal_actions))
         now = rules.step(ale.getRAM(), cartridge_ram(ale, facts))
         assert reward == now["reward"], f"frame {frame}"
-    record_property("frames", 400)
 
 
 def numbers_in(source: str) -> list[int]:

@@ -10,7 +10,7 @@ import platform
 import random
 import sys
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,22 +23,19 @@ import atari
 from atari.roms import find
 
 
-class Pair:
-    """A fast console and a reference console with the same cartridge, which receive the same calls."""
+class Cores:
+    """Two fast consoles and a reference console with the same cartridge, which receive the same calls.
 
-    translated: ClassVar[bool]
-    """Whether the fast console runs translated code, on platforms that have it."""
+    The first fast console runs translated code, on platforms that have it; the second one handlers alone.
+    """
 
     def __init__(self, image: bytes, cartridge: str, what: str, rng: random.Random, **options: Any) -> None:
-        self.fast = Console(image, cartridge, plain=False, translated=self.translated, **options)
+        self.fast = [Console(image, cartridge, plain=False, translated=on, **options) for on in (True, False)]
         self.plain = Console(image, cartridge, plain=True, **options)
+        self.all = (*self.fast, self.plain)
         self.what, self.rng, self.frames = what, rng, 0
         self.watching = False
-        self.snapshots = self.fast.snapshot(), self.plain.snapshot()
-
-    @property
-    def both(self) -> tuple[Console, Console]:
-        return self.fast, self.plain
+        self.snapshots = [console.snapshot() for console in self.all]
 
     def play(
         self, frames: int, *, pokes: float = 0.03, resets: float = 0.01, looks: float = 0.15, travels: float = 0.08
@@ -48,11 +45,11 @@ class Pair:
             if self.rng.random() < pokes:
                 self.poke()
             if self.rng.random() < resets:
-                for console in self.both:
+                for console in self.all:
                     console.reset()
             if self.rng.random() < travels:
                 self.travel()
-            for console in self.both:
+            for console in self.all:
                 console.run_frame()
             self.frames += 1
             self.watching ^= self.rng.random() < 0.08
@@ -60,43 +57,44 @@ class Pair:
                 self.compare_framebuffers()
             self.compare(self.rng.random() < looks)
             if self.rng.random() < 0.05:
-                first, second = (console.make_samples() for console in self.both)
-                assert np.array_equal(first, second), f"{self.what}, frame {self.frames}: sound"
+                self.compare_arrays("sound", [console.make_samples() for console in self.all])
 
     def poke(self) -> None:
         ram = bytearray(self.plain.ram)
         ram[self.rng.randrange(128)] = self.rng.randrange(256)
-        for console in self.both:
+        for console in self.all:
             console.ram = bytes(ram)
 
     def travel(self) -> None:
         """Load the state of one console into the other, or take a snapshot of both, or restore it."""
         choice = self.rng.random()
         if choice < 0.3:
-            source, target = self.rng.sample(self.both, 2)
-            target.load(source.save())
+            if self.rng.sample((True, False), 2)[0]:
+                states = [fast.save() for fast in self.fast]
+                self.plain.load(states[self.frames % 2])
+            else:
+                state = self.plain.save()
+                for fast in self.fast:
+                    fast.load(state)
         elif choice < 0.65:
-            self.snapshots = self.fast.snapshot(), self.plain.snapshot()
+            self.snapshots = [console.snapshot() for console in self.all]
         else:
-            for console, snapshot in zip(self.both, self.snapshots, strict=True):
+            for console, snapshot in zip(self.all, self.snapshots, strict=True):
                 console.restore(snapshot)
             self.compare(self.rng.random() < 0.5)
 
     def compare_framebuffers(self) -> None:
-        first, second = (console.framebuffer() for console in self.both)
-        assert np.array_equal(first, second), f"{self.what}, frame {self.frames}: framebuffer"
+        self.compare_arrays("framebuffer", [console.framebuffer() for console in self.all])
+
+    def compare_arrays(self, name: str, arrays: list[Any]) -> None:
+        for core, array in zip(("translated", "handlers"), arrays, strict=False):
+            assert np.array_equal(array, arrays[-1]), f"{self.what}, {core}, frame {self.frames}: {name}"
 
     def compare(self, complete: bool) -> None:
-        if not same_state(self.fast, self.plain, complete):
-            differing = "; ".join(differences(*map(seen, self.both)))
-            pytest.fail(f"{self.what}, frame {self.frames}: {differing} (fast, plain)")
-
-
-@pytest.fixture(autouse=True, params=[True, False], ids=["translated", "handlers"])
-def translated(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
-    """Runs every test once with translated code and once with handlers alone."""
-    monkeypatch.setattr(Pair, "translated", request.param, raising=False)
-    return bool(request.param)
+        for core, fast in zip(("translated", "handlers"), self.fast, strict=True):
+            if not same_state(fast, self.plain, complete):
+                differing = "; ".join(differences(seen(fast), seen(self.plain)))
+                pytest.fail(f"{self.what}, {core}, frame {self.frames}: {differing} (fast, plain)")
 
 
 def seen(console: Console) -> dict[str, Any]:
@@ -122,9 +120,9 @@ def differences(first: Any, second: Any, name: str = "") -> Iterator[str]:
         yield f"{name} {first} and {second}"
 
 
-def press(pair: Pair, player: bool) -> None:
+def press(cores: Cores, player: bool) -> None:
     """Set the inputs of the next frames: with `player` as in a game, otherwise any."""
-    rng = pair.rng
+    rng = cores.rng
     start = 0x3E if rng.random() < 0.05 else 0x3F
     inputs: dict[str, Any] = {
         "switches": start if player else rng.randrange(256),
@@ -133,7 +131,7 @@ def press(pair: Pair, player: bool) -> None:
         "resistances": [rng.randrange(800_000) for _ in range(4)],
         "paddle_fire": [rng.random() < 0.4, rng.random() < 0.2, False, False],
     }
-    for console in pair.both:
+    for console in cores.all:
         console.set_inputs(**inputs)
 
 
@@ -141,7 +139,7 @@ def press(pair: Pair, player: bool) -> None:
 def test_games(game: str) -> None:
     """The cartridge of every game: a game is started and played."""
     facts = atari.games[game]
-    pair = Pair(
+    cores = Cores(
         find(game).read_bytes(),
         facts.rom.cartridge,
         game,
@@ -154,12 +152,13 @@ def test_games(game: str) -> None:
         swap_ports=facts.controllers.swap_ports,
         swap_paddles=facts.controllers.swap_paddles,
     )
-    pair.play(40, pokes=0, resets=0)
+    cores.play(40, pokes=0, resets=0)
     for _ in range(45):
-        press(pair, player=True)
-        pair.play(6, pokes=0.005, resets=0.001)
+        press(cores, player=True)
+        cores.play(6, pokes=0.005, resets=0.001)
 
 
+@pytest.mark.parametrize("translated", [True, False])
 def test_what_runs(translated: bool) -> None:
     """Translated code runs if it is enabled and this processor is supported."""
     console = Console(wild_programs.noise(random.Random(0), "4K"), "4K", plain=False, translated=translated)
@@ -182,10 +181,10 @@ def options(rng: random.Random) -> dict[str, Any]:
 
 
 def play(image: bytes, cartridge: str, what: str, rng: random.Random, rounds: int = 4, **chances: float) -> None:
-    pair = Pair(image, cartridge, what, rng, **options(rng))
+    cores = Cores(image, cartridge, what, rng, **options(rng))
     for _ in range(rounds):
-        press(pair, player=False)
-        pair.play(5, **chances)
+        press(cores, player=False)
+        cores.play(5, **chances)
 
 
 @pytest.mark.parametrize("kind", list(SIZES))
@@ -269,10 +268,10 @@ def test_short_frames(batch: int) -> None:
 @pytest.mark.parametrize("looks", [0, 0.5, 1])
 def test_frames_that_end_in_a_blanked_line(look: bytes, wait: int, looks: float) -> None:
     """How far the black of HMOVE's blank reaches there depends on the first access for which the TIA renders."""
-    pair = Pair(wild_programs.blank_ends(look, wait), "4K", look.hex(), random.Random(0), first_line=34, height=210)
+    cores = Cores(wild_programs.blank_ends(look, wait), "4K", look.hex(), random.Random(0), first_line=34, height=210)
     for _ in range(4):
-        pair.play(5, pokes=0, resets=0, looks=looks, travels=0)
-        pair.compare_framebuffers()
+        cores.play(5, pokes=0, resets=0, looks=looks, travels=0)
+        cores.compare_framebuffers()
 
 
 @pytest.mark.parametrize("batch", range(4))
@@ -286,8 +285,8 @@ def test_latches_read_in_blanked_lines(batch: int) -> None:
 @pytest.mark.parametrize("kind", ["4K", "FE"])
 def test_latches_fetched_as_code_right_after_a_store(end: bytes, kind: str) -> None:
     """The last write may show later than the fetch, which then sees the collisions up to there."""
-    pair = Pair(wild_programs.runs_into_tia_space(end, kind), kind, end.hex(), random.Random(0))
-    pair.play(40, pokes=0, resets=0, travels=0)
+    cores = Cores(wild_programs.runs_into_tia_space(end, kind), kind, end.hex(), random.Random(0))
+    cores.play(40, pokes=0, resets=0, travels=0)
 
 
 @pytest.mark.parametrize("batch", range(4))
@@ -310,8 +309,8 @@ def test_the_limit_within_a_straight_line(after: int) -> None:
     round_ = [0xEA] * 2000 + [0xCA, 0xF0, 0x03, 0x4C, 0x02, 0xF0]  # DEX; BEQ past the jump to the beginning; JMP
     program = [0xA2, 12, *round_, *([0xEA] * after), 0x85, 0x09, 0x4C, 0x00, 0xF0]  # LDX #12; ...; STA COLUBK; JMP
     image = bytes(program).ljust(0xFFC, b"\xea") + bytes([0x00, 0xF0, 0x00, 0xF0])
-    pair = Pair(image, "4K", f"{after} instructions after the loop", random.Random(0))
-    pair.play(20, pokes=0, resets=0, travels=0)
+    cores = Cores(image, "4K", f"{after} instructions after the loop", random.Random(0))
+    cores.play(20, pokes=0, resets=0, travels=0)
 
 
 def test_the_deadline_check_of_the_first_instruction() -> None:
@@ -320,7 +319,7 @@ def test_the_deadline_check_of_the_first_instruction() -> None:
     writes = [0x85, 0x09, 0x69, 0x02, 0xE6, 0x80, 0x85, 0x08]  # STA COLUBK; ADC #2; INC; STA COLUPF
     program = [*writes, *wait, 0x4C, 0x00, 0xF0]  # JMP to the beginning
     image = bytes(program).ljust(0xFFC, b"\xea") + bytes([0x00, 0xF0, 0x00, 0xF0])
-    Pair(image, "4K", "a late write at the first byte", random.Random(0)).play(20)
+    Cores(image, "4K", "a late write at the first byte", random.Random(0)).play(20)
 
 
 @pytest.mark.parametrize("batch", range(4))
@@ -334,16 +333,16 @@ def test_programs_that_are_compared_with_ale_py(make: Any, batch: int) -> None:
 @pytest.mark.parametrize("game", ["seaquest", "freeway", "enduro", "galaxian"])
 def test_unread_collision_latches_are_restored(game: str) -> None:
     """A restore computes the latches from the write log of a frame that has already been rendered."""
-    pair = Pair(find(game).read_bytes(), "", game, random.Random(game))
-    pair.play(20, pokes=0, resets=0)
+    cores = Cores(find(game).read_bytes(), "", game, random.Random(game))
+    cores.play(20, pokes=0, resets=0)
     for _ in range(60):
-        press(pair, player=True)
-        pair.play(3, pokes=0, resets=0, looks=0)
-        pair.compare_framebuffers()
-        snapshots = [console.snapshot() for console in pair.both]
-        for console in pair.both:
+        press(cores, player=True)
+        cores.play(3, pokes=0, resets=0, looks=0)
+        cores.compare_framebuffers()
+        snapshots = [console.snapshot() for console in cores.all]
+        for console in cores.all:
             for _ in range(4):
                 console.run_frame()
-        for console, snapshot in zip(pair.both, snapshots, strict=True):
+        for console, snapshot in zip(cores.all, snapshots, strict=True):
             console.restore(snapshot)
-        pair.compare(complete=True)
+        cores.compare(complete=True)
