@@ -12,6 +12,9 @@ from typing import Any
 
 from atari_inspection import Console
 
+import atari._emulator as _emulator
+from atari.games.compiler import CompiledRules
+
 FACTS = Path(__file__).parent / "facts"
 TIA_FACTS: dict[str, Any] = json.loads((FACTS / "tia.json").read_text())
 MACHINE_FACTS: dict[str, Any] = json.loads((FACTS / "machine.json").read_text())
@@ -44,6 +47,25 @@ def rom(program: bytes | list[int] = b"", *, banks: int = 1, start: int = 0xF000
 def console(program: bytes | list[int] = b"", **options: Any) -> Console:
     """A 4 KiB cartridge with this program at $F000, reset."""
     return Console(rom(program), "4K", **options)
+
+
+def game_of(image: bytes, rules: CompiledRules, cartridge: str = "", rows: int = 210) -> _emulator.Game:
+    """An image under some rules, for the extension module; 250 rows are PAL."""
+    return _emulator.make_game(
+        image=image, cartridge=cartridge, format="PAL" if rows == 250 else "NTSC", detect_format=True, first_line=34,
+        height=rows, hmove_blanks=True, paddles=(False, False), swap_ports=False, swap_paddles=False,
+        paddle_range=(27450, 790196), power_on_switches=0x3F, legal_actions=list(range(18)), starting_actions=[],
+        default_mode=0, variables=rules.variables, initial=rules.initial, kept=rules.kept, outputs=rules.outputs,
+        step=rules.step, select_mode=rules.select_mode,
+    )  # fmt: skip
+
+
+def emulator(game: _emulator.Game, *, plain: bool = False) -> _emulator.Emulator:
+    """The native or the plain emulator of a game, with sound and without sticky actions."""
+    return _emulator.Emulator(
+        game=game, repeat_action_probability=0.0, frame_skip=1, max_num_frames_per_episode=0, sound=True,
+        color_averaging=False, seed=1, plain=plain,
+    )  # fmt: skip
 
 
 def beam(height: int = 8, **options: Any) -> Console:

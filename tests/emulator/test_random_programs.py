@@ -21,11 +21,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from emulator import wild_programs
-from emulator.machines import FACTS
+from emulator.machines import FACTS, emulator, game_of
 from emulator.programs import cpu_program, tia_program
 from emulator.reference import GAME
 
-import atari._emulator as _emulator
 from atari.games.catalog import games
 from atari.games.compiler import compile_rules
 
@@ -101,18 +100,7 @@ def played_by_us(program: Program, rows: int, names: tuple[str, ...]) -> dict[st
     """The same of our emulator, with the rules under which ale-py plays the image, and the format that it detected."""
     rules_of_game = games[GAME].rules
     assert rules_of_game is not None
-    rules = compile_rules(rules_of_game)
-    game = _emulator.make_game(
-        image=program.image, cartridge="", format="PAL" if rows == 250 else "NTSC", detect_format=True, first_line=34,
-        height=rows, hmove_blanks=True, paddles=(False, False), swap_ports=False, swap_paddles=False,
-        paddle_range=(27450, 790196), power_on_switches=0x3F, legal_actions=list(range(18)), starting_actions=[],
-        default_mode=0, variables=rules.variables, initial=rules.initial, kept=rules.kept, outputs=rules.outputs,
-        step=rules.step, select_mode=rules.select_mode,
-    )  # fmt: skip
-    ours = _emulator.Emulator(
-        game=game, repeat_action_probability=0.0, frame_skip=1, max_num_frames_per_episode=0, sound=True,
-        color_averaging=False, seed=1,
-    )  # fmt: skip
+    ours = emulator(game_of(program.image, compile_rules(rules_of_game), rows=rows))
     seen: dict[str, list[Any]] = {name: [] for name in names}
     for action in [None, *program.actions]:
         if action == -1:
