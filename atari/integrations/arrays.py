@@ -2,10 +2,9 @@
 
 from typing import Any
 
-import gymnasium
 import numpy as np
 
-from atari.base.extras import pip_install
+from atari.base.extras import import_extra, pip_install
 
 
 def to_torch(arrays: Any, device: Any = None, pin_memory: bool = False) -> Any:
@@ -31,11 +30,7 @@ def to_torch(arrays: Any, device: Any = None, pin_memory: bool = False) -> Any:
         >>> atari.to_torch(observations).shape  # the memory of the array, without a copy
         torch.Size([8, 4, 84, 84])
     """
-    try:
-        import torch
-    except ImportError:
-        raise gymnasium.error.DependencyNotInstalled(f"atari.to_torch needs PyTorch: {pip_install('torch')}") from None
-
+    torch = import_extra("torch", f"atari.to_torch needs PyTorch: {pip_install('torch')}")
     pins = pin_memory and torch.cuda.is_available()
 
     def convert(array: Any) -> Any:
@@ -55,11 +50,8 @@ def to_jax(arrays: Any) -> Any:
         gymnasium.error.DependencyNotInstalled: JAX is not installed.
         TypeError: something else is given, or JAX has no such dtype.
     """
-    try:
-        import jax.numpy
-    except ImportError:
-        raise gymnasium.error.DependencyNotInstalled(f"atari.to_jax needs JAX: {pip_install('jax')}") from None
-    return _mapped(jax.numpy.from_dlpack, arrays)
+    jax_numpy = import_extra("jax.numpy", f"atari.to_jax needs JAX: {pip_install('jax')}")
+    return _mapped(jax_numpy.from_dlpack, arrays)
 
 
 def _mapped(convert: Any, arrays: Any) -> Any:

@@ -106,7 +106,10 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
 
     def reset(self) -> Any:
         """Begin new games, with the seeds of `seed` if it was called. Warn if a `VecFrameStack` calls it."""
-        if _is_stacked(self.observation_space) and _called_by(VecFrameStack, sys._getframe(1)):
+        space = self.observation_space
+        shape = (space["image"] if isinstance(space, spaces.Dict) else space).shape or ()
+        is_stacked = len(shape) == 3 and shape[0] not in (1, 3)  # more than the channels of one image
+        if is_stacked and _called_by(VecFrameStack, sys._getframe(1)):
             logger.warn(
                 "VecFrameStack stacks the observations of AtariVecEnv, which are stacks already; "
                 "leave VecFrameStack out, or make AtariVecEnv with stack_num=1"
@@ -209,14 +212,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
         return [issubclass(wrapper_class, Monitor) for _ in self._get_indices(indices)]
 
 
-def _is_stacked(space: spaces.Space[Any]) -> bool:
-    """Whether observations have more than the channels of one image."""
-    image = space["image"] if isinstance(space, spaces.Dict) else space
-    return image.shape is not None and len(image.shape) == 3 and image.shape[0] not in (1, 3)
-
-
 def _called_by(kind: type[Any], frame: FrameType | None) -> bool:
-    """Whether the frame, or one of its callers, runs a method of an object of this kind."""
     while frame is not None:
         if isinstance(frame.f_locals.get("self"), kind):
             return True
@@ -231,7 +227,6 @@ def _split(info: dict[str, Any]) -> list[dict[str, Any]]:
 
 
 def _channels_first(space: spaces.Space[Any]) -> spaces.Space[Any]:
-    """The space of the observations that `_as_sb3` returns."""
     if isinstance(space, spaces.Dict):
         return spaces.Dict({name: _channels_first(part) for name, part in space.spaces.items()})
     shape = space.shape or ()
@@ -280,7 +275,6 @@ class _Recorder(VecEnvWrapper):  # type: ignore[misc]
 
 
 def _of_recorder(name: str) -> Any:
-    """An attribute of the recorder of the vector."""
     path = f"venv.vector.{name}"
 
     def put(self: Any, value: Any) -> None:

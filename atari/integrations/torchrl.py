@@ -83,7 +83,6 @@ class AtariTorchRLEnv(EnvBase):
         self.done_spec = Composite(flags, shape=rows)
 
     def _reset(self, tensordict: Any = None, **_: Any) -> Any:
-        """Reset all environments, or those in the mask "_reset"."""
         mask = None if tensordict is None else tensordict.get("_reset", None)
         options = None if mask is None else {"reset_mask": mask.reshape(self.batch_size)}
         if mask is not None and bool(mask.all()):
@@ -115,7 +114,6 @@ class AtariTorchRLEnv(EnvBase):
 
 
 def _spec(space: spaces.Space[Any], rows: tuple[int, ...], device: Any) -> Any:
-    """TorchRL's spec for a batch, from the space of one environment."""
     if isinstance(space, spaces.Discrete):
         return Categorical(int(space.n), shape=rows, device=device)
     assert isinstance(space, spaces.Box)

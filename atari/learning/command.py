@@ -91,7 +91,6 @@ def training_options(code: AgentCode, argv: Sequence[str], prog: str) -> Trainin
 
 
 def _options(agent: type[Agent], args: argparse.Namespace) -> Any:
-    """The options of the training that a command line describes."""
     game, kind, fields_of_task = read_game(args.game), agent.options_class, given_options(args)
     names = {field.name for field in fields(kind)}
     own = {name: value for name, value in vars(args).items() if name in names}

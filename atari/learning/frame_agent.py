@@ -110,7 +110,6 @@ class FrameAgent:
             seed, noops = None, 0 if task.new_game_after_life else None
 
     def _choose(self, seen: Any) -> int:
-        """The index of the policy's action."""
         batch = {name: part[None] for name, part in seen.items()} if isinstance(seen, dict) else seen[None]
         (chosen,) = self._policy(self._layout.apply(batch), self._lanes)
         return int(chosen)

@@ -134,7 +134,6 @@ class Encoder(nn.Module):
 
 
 def _layers(shape: Sequence[int], kind: str, layer_norm: bool) -> tuple[nn.Module, int]:
-    """The layers of a network of this package, and the number of their features."""
     if kind in ("mlp", "bits"):
         size, layers = torch.Size(shape).numel(), [nn.Flatten()]
         widths = [256, 256]
@@ -151,12 +150,6 @@ def _layers(shape: Sequence[int], kind: str, layer_norm: bool) -> tuple[nn.Modul
 
 
 def _own_layers(shape: Sequence[int], make: Callable[[Any], Any]) -> tuple[nn.Module, int]:
-    """The module that a class or function of the user's makes, and the number of its features.
-
-    Raises:
-        TypeError: it makes no module.
-        ValueError: the module returns no features.
-    """
     name = getattr(make, "__name__", repr(make))
     try:
         layers = make(gymnasium.spaces.Box(0, 255, tuple(shape), np.uint8))

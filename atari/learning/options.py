@@ -175,7 +175,6 @@ class TrainingOptions:
             )
 
     def _check_games(self) -> None:
-        """Raises: gymnasium.error.NameNotFound, ValueError: the games cannot be played together."""
         names = [task.game for task in self.tasks]
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise ValueError(f"{twice[0]} is named twice in more_games={self.more_games!r} and the task; leave one out")

@@ -105,7 +105,6 @@ def import_named(name: str, owner: str) -> Any:
 
 
 def _of_object(source: Any, sample: bool) -> Policy:
-    """The policy from an object, or from a class or a function without parameters that makes one."""
     if makes_policy(source):
         try:
             source = source()
@@ -121,7 +120,6 @@ def _of_object(source: Any, sample: bool) -> Policy:
 
 
 def _run_folder(folder: Path, sample: bool) -> Policy:
-    """The newest weights of a run folder of `atari train`."""
     if not (folder / "config.json").is_file():  # this error needs no PyTorch
         raise ValueError(f"{folder} is no run folder of `atari train`: it has no config.json")
     _need("torch", f"{folder}, a run folder,", install_extra("learn"))
@@ -269,7 +267,6 @@ def _algorithm(file: Path, facts: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def _sb3_scores(model: Any, name: str) -> Any:
-    """A function of observations that returns logits or action values."""
     torch = import_module("torch")
     policy = model.policy
 
@@ -286,7 +283,6 @@ def _sb3_scores(model: Any, name: str) -> Any:
 
 
 def _of_space(file: Path, space: Any, actions: int) -> dict[str, Any]:
-    """The options of the environment that a model of Stable-Baselines3 was trained in."""
     options: dict[str, Any] = {"preset": "baselines", "full_action_space": actions == 18}
     shape = getattr(space, "shape", None)
     if shape == (128,):
@@ -352,7 +348,6 @@ def _network(module: Any, name: str, sample: bool, **facts: Any) -> ScoresPolicy
 
 
 def _failed(name: str, observations: Any, error: Exception) -> ValueError:
-    """The error of a network that cannot be computed on the observations."""
     return ValueError(
         f"{name} cannot be computed on observations {describe(observations)}: {_first_line(error)}; a network takes "
         "observations as its task or environment says, and divides them by 255 itself"
@@ -399,7 +394,6 @@ def _of_shape(shape: list[Any]) -> dict[str, Any]:
 
 
 def _environment(file: Path, text: str | bytes) -> dict[str, Any]:
-    """The `environment` in a file of a network."""
     if not text:
         return {}
     options = json_text.parse(text, f"{file}: its environment")

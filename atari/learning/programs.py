@@ -70,7 +70,6 @@ def program_of(value: Any) -> Program:
 
 
 def _has_guard(source: bytes) -> bool:
-    """Whether a script asks at its top if it is the program that runs."""
     return any(
         isinstance(node, ast.If) and any(getattr(part, "id", "") == "__name__" for part in ast.walk(node.test))
         for node in ast.parse(source).body

@@ -145,7 +145,6 @@ def draw_scores(axes: Any, rows: Sequence[Mapping[str, float]], label: str, colo
 
 
 def _with_scores(rows: Sequence[Mapping[str, float]]) -> list[Mapping[str, float]]:
-    """The rows of a training's log since its first game has ended."""
     return [row for row in rows if not math.isnan(row["score"])]
 
 

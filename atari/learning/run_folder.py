@@ -389,7 +389,6 @@ class RunFolder:
             raise ValueError(f"{self.path} is open for reading; RunFolder.resume opens it for a training")
 
     def _check_memory(self, memory: ReplayMemory) -> None:
-        """Refuse a memory with which `resume` could not go on."""
         file = self.path / "memory.replay"
         if memory.path is None or memory.path.resolve() != file.resolve():
             given = "in no file" if memory.path is None else f"in {memory.path}"

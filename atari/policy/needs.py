@@ -76,7 +76,6 @@ def needs_of(policy: Any, game: Game) -> Needs:
 
 
 def _checked(environment: Any) -> dict[str, Any]:
-    """The options of a policy's `environment`."""
     if not isinstance(environment, Mapping):
         raise TypeError(f"it must be a mapping of options, got {environment!r}")
     known = (*OPTIONS, *ALIASES, *NAMES, *_LAYOUT, "preset", "task")

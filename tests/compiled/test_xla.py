@@ -25,6 +25,18 @@ def make(game: Any = "breakout", num_envs: int | None = 2, **options: Any) -> at
     return atari.AtariVectorEnv(game, num_envs, **{**QUICK_ENDS, **options})
 
 
+def started(**options: Any) -> tuple[Any, ...]:
+    """Environments with observations of RAM after a reset, and their handle, `recv`, `send` and `step`."""
+    envs = make(**{"obs_type": "ram", **options})
+    envs.reset(seed=0)
+    return envs, *xla(envs, callback=False)
+
+
+def fails(text: str, call: Any, *arguments: Any) -> None:
+    with pytest.raises(Failure, match=text):
+        jax.block_until_ready(call(*arguments))
+
+
 def rollout(step: Any, handle: Any, actions: Any) -> Any:
     return jax.jit(lambda handle, actions: jax.lax.scan(step, handle, actions))(handle, actions)
 
@@ -104,8 +116,7 @@ def test_options(case: str, callback: bool) -> None:
 @pytest.mark.parametrize("callback", [False, True], ids=["ffi", "callback"])
 @pytest.mark.parametrize("batch_size", [0, 2])
 def test_send_and_recv(batch_size: int, callback: bool) -> None:
-    envs = make(num_envs=4, batch_size=batch_size, num_threads=1, obs_type="ram")
-    twin = make(num_envs=4, batch_size=batch_size, num_threads=1, obs_type="ram")
+    envs, twin = (make(num_envs=4, batch_size=batch_size, num_threads=1, obs_type="ram") for _ in range(2))
     handle, recv, send, step = xla(envs, callback=callback)
     for env in (envs, twin):
         env.reset_async(seed=0)
@@ -125,22 +136,18 @@ def test_send_and_recv(batch_size: int, callback: bool) -> None:
 
 
 def test_what_one_begins_the_other_does_not_disturb() -> None:
-    envs = make(obs_type="ram")
-    handle, recv, send, step = xla(envs, callback=False)
-    envs.reset(seed=0)
+    envs, handle, recv, send, step = started()
     handle = send(handle, np.zeros(2, int))
     jax.block_until_ready(handle)
     with pytest.raises(RuntimeError, match="receive it first"):
         envs.step(np.zeros(2, int))
-    with pytest.raises(Failure, match="receive it first"):
-        jax.block_until_ready(step(handle, np.zeros(2, int)))
+    fails("receive it first", step, handle, np.zeros(2, int))
     with pytest.raises(RuntimeError, match="being played"):
         envs.snapshot()
     handle, _ = recv(handle)
     jax.block_until_ready(handle)
     assert envs.snapshot()
-    with pytest.raises(Failure, match="nothing has been sent"):
-        jax.block_until_ready(recv(handle))
+    fails("nothing has been sent", recv, handle)
     envs.send(np.zeros(2, int))
     handle, results = recv(handle)
     np.testing.assert_array_equal(results[0], envs.ram())
@@ -149,32 +156,23 @@ def test_what_one_begins_the_other_does_not_disturb() -> None:
 
 class TestRefusals:
     def test_a_handle_of_a_closed_environment(self) -> None:
-        envs = make(obs_type="ram")
-        handle, _, _, step = xla(envs, callback=False)
-        step = jax.jit(step)
-        envs.reset(seed=0)
-        step(handle, np.zeros(2, int))
+        envs, handle, _, _, step = started()
+        step, actions = jax.jit(step), np.zeros(2, int)
+        step(handle, actions)
         envs.close()
-        with pytest.raises(Failure, match="no environment of this handle"):
-            jax.block_until_ready(step(handle, np.zeros(2, int)))
+        fails("no environment of this handle", step, handle, actions)
         envs.reset(seed=0)
         handle, *_ = xla(envs, callback=False)
-        jax.block_until_ready(step(handle, np.zeros(2, int)))
+        jax.block_until_ready(step(handle, actions))
         del envs
         gc.collect()
-        with pytest.raises(Failure, match="no environment of this handle"):
-            jax.block_until_ready(step(handle, np.zeros(2, int)))
+        fails("no environment of this handle", step, handle, actions)
 
     @pytest.mark.parametrize("handle", [np.zeros(8, np.uint8), np.full(8, 255, np.uint8)])
     def test_an_unknown_handle(self, handle: Any) -> None:
         _, recv, send, step = xla(make(), callback=False)
-        for call in (
-            lambda: step(handle, np.zeros(2, int)),
-            lambda: send(handle, np.zeros(2, int)),
-            lambda: recv(handle),
-        ):
-            with pytest.raises(Failure, match="no environment of this handle"):
-                jax.block_until_ready(call())
+        for call, *actions in ((step, np.zeros(2, int)), (send, np.zeros(2, int)), (recv,)):
+            fails("no environment of this handle", call, handle, *actions)
 
     @pytest.mark.parametrize("handle", [np.zeros(8, np.int32), np.zeros(7, np.uint8), 3])
     def test_no_handle(self, handle: Any) -> None:
@@ -184,12 +182,10 @@ class TestRefusals:
 
     def test_a_handle_of_another_kind_of_environment(self) -> None:
         _, _, _, step = xla(make(obs_type="ram"), callback=False)
-        others = [make(num_envs=3, obs_type="ram"), make(), make(obs_type="ram", autoreset_mode="SameStep")]
-        for other in others:
-            other.reset(seed=0)
+        for options in ({"num_envs": 3}, {"obs_type": "grayscale"}, {"autoreset_mode": "SameStep"}):
+            other, handle, *_ = started(**options)
             before = other.ram()
-            with pytest.raises(Failure, match=r"result|action"):
-                jax.block_until_ready(step(xla(other, callback=False).handle, np.zeros(2, int)))
+            fails(r"result|action", step, handle, np.zeros(2, int))
             np.testing.assert_array_equal(other.ram(), before)
 
     @pytest.mark.parametrize("callback", [False, True])
@@ -197,9 +193,9 @@ class TestRefusals:
         ("actions", "error"),
         [
             (np.zeros(2), TypeError),
+            ("no", TypeError),
             (np.zeros(3, int), ValueError),
             (np.zeros((2, 1), int), ValueError),
-            ("no", TypeError),
         ],
     )
     def test_actions_of_another_kind(self, actions: Any, error: type[Exception], callback: bool) -> None:
@@ -214,43 +210,40 @@ class TestRefusals:
 
     @pytest.mark.parametrize("dtype", [np.int8, np.uint8, np.int16, np.uint16, np.int32, np.uint32])
     def test_actions_out_of_range_of_every_integer_dtype(self, dtype: Any) -> None:
-        envs = make(obs_type="ram")
-        handle, _, _, step = xla(envs, callback=False)
-        envs.reset(seed=0)
+        envs, handle, _, _, step = started()
         before = envs.ram()
         for wrong in (4, np.iinfo(dtype).max, np.iinfo(dtype).min or 100):
-            with pytest.raises(Failure, match=r"is not within 0\.\.3"):
-                jax.block_until_ready(step(handle, np.array([1, wrong], dtype)))
+            fails(r"is not within 0\.\.3", step, handle, np.array([1, wrong], dtype))
         np.testing.assert_array_equal(envs.ram(), before)
         jax.block_until_ready(step(handle, np.array([1, 3], dtype)))
 
     def test_env_id(self) -> None:
-        envs = make(num_envs=3, obs_type="ram")
-        handle, _, send, _ = xla(envs, callback=False)
-        envs.reset(seed=0)
+        envs, handle, _, send, _ = started(num_envs=3)
         for env_id in ([0, 1, 3], [0, 1, 1], [0, 1, -1]):
-            with pytest.raises(Failure, match=r"does not exist|given twice"):
-                jax.block_until_ready(send(handle, np.zeros(3, int), np.array(env_id)))
+            fails(r"does not exist|given twice", send, handle, np.zeros(3, int), np.array(env_id))
         envs.step(np.zeros(3, int))
 
     def test_before_the_first_reset(self) -> None:
         envs = make()
         handle, _, _, step = xla(envs, callback=False)
-        with pytest.raises(Failure, match=r"call envs\.reset"):
-            jax.block_until_ready(step(handle, np.zeros(2, int)))
+        fails(r"call envs\.reset", step, handle, np.zeros(2, int))
 
-    def test_options_that_compiled_functions_cannot_have(self) -> None:
-        with pytest.raises(ValueError, match="continuous"):
-            xla(make(continuous=True))
-        with pytest.raises(ValueError, match="agent_indicator"):
-            xla(make("pong", players=2, agent_indicator=True))
-        with pytest.raises(TypeError, match="callback"):
-            xla(make(), callback=1)  # type: ignore[arg-type]
+    @pytest.mark.parametrize(
+        ("options", "callback", "error", "text"),
+        [
+            ({"continuous": True}, None, ValueError, "continuous"),
+            ({"game": "pong", "players": 2, "agent_indicator": True}, None, ValueError, "agent_indicator"),
+            ({}, 1, TypeError, "callback"),
+        ],
+    )
+    def test_options_of_no_compiled_function(
+        self, options: Any, callback: Any, error: type[Exception], text: str
+    ) -> None:
+        with pytest.raises(error, match=text):
+            xla(make(**options), callback=callback)
 
     def test_a_port_that_goes_with_a_step_in_flight(self) -> None:
-        envs = make(num_envs=8, num_threads=2)
-        handle, _, send, _ = xla(envs, callback=False)
-        envs.reset(seed=0)
+        envs, handle, _, send, _ = started(num_envs=8, num_threads=2)
         jax.block_until_ready(send(handle, np.zeros(8, int)))
         envs._port = None
         for call in (
@@ -334,9 +327,7 @@ def test_a_page_locked_array_is_written_in_place() -> None:
 def test_an_environment_closed_while_a_function_runs() -> None:
     actions = np.zeros((200, 8), int)
     for wait in range(6):
-        envs = make(num_envs=8, num_threads=2)
-        handle, _, _, step = xla(envs, callback=False)
-        envs.reset(seed=0)
+        envs, handle, _, _, step = started(num_envs=8, num_threads=2)
         compiled = jax.jit(
             lambda handle, step=step: jax.lax.scan(lambda h, a: (step(h, a)[0], None), handle, actions)[0]
         )
@@ -345,5 +336,4 @@ def test_an_environment_closed_while_a_function_runs() -> None:
         with suppress(Failure):  # or it has ended before
             jax.block_until_ready(compiled(handle))
         closer.join()
-        with pytest.raises(Failure, match="no environment of this handle"):
-            jax.block_until_ready(compiled(handle))
+        fails("no environment of this handle", compiled, handle)

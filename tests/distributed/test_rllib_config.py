@@ -1,13 +1,14 @@
 """`atari.integrations.ray.config` trains in the workers of a cluster, which import nothing by themselves."""
 
-import subprocess
-import sys
+import copy
+import pickle
 import time
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
+from own_process import run_program
 
 import atari
 
@@ -51,6 +52,7 @@ def test_an_algorithm_trains_in_remote_workers(
     observed = {"obs_type": "ram"} if obs == "ram" else {}
     algo = small(algorithm, game, preset=preset, **observed).build_algo()
     try:
+        assert algo.config.callbacks_class is GameScores
         nodes = algo.env_runner_group.foreach_env_runner(node_and_kind, local_env_runner=False)
         assert [kind for _, kind in nodes] == ["AtariVectorEnv"] * 2
         before = weights(algo)
@@ -92,6 +94,11 @@ def test_the_scores_of_whole_games_are_reported(cluster: Any) -> None:
     assert all(-10 < result["game_return_mean"] <= 0 for result in ended)
 
 
+def test_scores_can_be_copied_as_rllib_does() -> None:
+    for other in (copy.deepcopy(GameScores()), pickle.loads(pickle.dumps(GameScores()))):
+        assert type(other) is GameScores
+
+
 def test_the_environment_is_the_vector_with_other_seeds() -> None:
     ours = env_creator({"game": "pong", "num_envs": 3, "preset": "baselines", "channels_last": True})
     plain = atari.AtariVectorEnv("pong", 3, preset="baselines", channels_last=True)
@@ -118,8 +125,7 @@ def test_an_id_plays_what_it_says(env_id: str) -> None:
 
 def test_several_games_are_played_in_turn() -> None:
     envs = env_creator({"game": ["pong", "breakout"], "num_envs": 5})
-    played = [lane.game.id for lane in envs.unwrapped.lanes]
-    assert played == ["pong", "breakout", "pong", "breakout", "pong"]
+    assert [lane.game.id for lane in envs.unwrapped.lanes] == ["pong", "breakout", "pong", "breakout", "pong"]
     assert envs.single_action_space.n == 18
 
 
@@ -141,18 +147,16 @@ def test_a_wrong_environment_is_refused(wrong: dict[str, Any], error: type[Excep
 
 
 @pytest.mark.parametrize(
-    ("algorithm", "options", "error", "text"),
+    ("given", "error", "text"),
     [
-        ("A3C", {}, ValueError, "algorithm must be one of 'PPO'"),
-        ("PPO", {"obs_type": "sound"}, ValueError, "obs_type must"),
-        ("PPO", {"obs": "ram"}, TypeError, "did you mean 'obs_type'"),
+        ({"algorithm": "A3C"}, ValueError, "algorithm must be one of 'PPO'"),
+        ({"obs_type": "sound"}, ValueError, "obs_type must"),
+        ({"obs": "ram"}, TypeError, "did you mean 'obs_type'"),
     ],
 )
-def test_a_wrong_configuration_is_refused(
-    algorithm: str, options: dict[str, Any], error: type[Exception], text: str
-) -> None:
+def test_a_wrong_configuration_is_refused(given: dict[str, Any], error: type[Exception], text: str) -> None:
     with pytest.raises(error, match=text):
-        config(algorithm, "pong", **options)
+        config(**{"algorithm": "PPO", "game": "pong", **given})
 
 
 def test_the_network_divides_bytes() -> None:
@@ -178,11 +182,5 @@ def spaces() -> dict[str, Any]:
     return {DEFAULT_MODULE_ID: (envs.single_observation_space, envs.single_action_space)}
 
 
-def test_scores_are_an_rllib_callback() -> None:
-    assert config("PPO", "pong").callbacks_class is GameScores
-
-
 def test_importing_the_package_does_not_import_ray() -> None:
-    code = "import sys, atari.integrations; print('ray' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    assert done.stdout.strip() == "False"
+    assert run_program("import sys, atari.integrations; print('ray' in sys.modules)") == "False\n"

@@ -1,5 +1,6 @@
 """`RolloutActors` on a cluster: what is delivered, also when actors and nodes are lost."""
 
+import copy
 import logging
 import os
 import pickle
@@ -155,22 +156,26 @@ def test_no_more_batches_are_played_than_in_flight(cluster: Any, tmp_path: Any) 
             assert played() == 10 * (number + 3)
 
 
-def test_an_error_of_the_policy_is_raised(cluster: Any) -> None:
-    class Broken:
-        def __call__(self, observations: Any, lanes: Any) -> Any:
-            raise ZeroDivisionError("of the policy")
+def test_an_error_and_the_death_of_a_policy_are_raised(cluster: Any) -> None:
+    def broken(observations: Any, lanes: Any) -> Any:
+        raise ZeroDivisionError("of the policy")
 
-    with RolloutActors("pong", 1, 1, Broken) as actors, pytest.raises(ZeroDivisionError, match="of the policy"):
-        next(actors)
+    def deadly(observations: Any, lanes: Any) -> Any:
+        os._exit(1)
+
+    for policy, error, text in (
+        (broken, ZeroDivisionError, "of the policy"),
+        (deadly, RuntimeError, "was lost 6 times"),
+    ):
+        with RolloutActors("pong", 1, 1, policy) as actors, pytest.raises(error, match=text):
+            next(actors)
 
 
-def test_an_actor_that_always_dies_is_an_error(cluster: Any) -> None:
-    class Deadly:
-        def __call__(self, observations: Any, lanes: Any) -> Any:
-            os._exit(1)
-
-    with RolloutActors("pong", 1, 1, Deadly) as actors, pytest.raises(RuntimeError, match="was lost 6 times"):
-        next(actors)
+def test_actors_refuse_to_be_copied(cluster: Any) -> None:
+    with RolloutActors("pong", 1, 1, "noop", steps=4) as actors:
+        for duplicate in (copy.deepcopy, pickle.dumps):
+            with pytest.raises(TypeError, match="RolloutActors own processes on a cluster and cannot be copied"):
+                duplicate(actors)
 
 
 def test_arguments_are_checked_before_anything_starts(cluster: Any) -> None:

@@ -1,6 +1,5 @@
 """What a worker of `RolloutActors` plays, without Ray: its observations, and that positions continue it to the bit."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ import atari
 pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./scripts/test --ray")
 pytestmark = pytest.mark.ray
 
-from atari.base.frozen import FrozenDict  # noqa: E402
 from atari.integrations.ray.rollout import Rollout  # noqa: E402
 from atari.integrations.ray.rollout_worker import Played, Position, RolloutWorker, WorkerSettings  # noqa: E402
 from atari.learning import ScoresPolicy  # noqa: E402
@@ -41,11 +39,8 @@ class Drawn:
         self.count, self.random = state
 
 
-DQN2015: Mapping[str, Any] = FrozenDict({"preset": "dqn2015"})
-
-
-def settings(options: Mapping[str, Any] = DQN2015, steps: int = 100, unstacked: bool = True) -> WorkerSettings:
-    running = dict(options)
+def settings(steps: int = 100, unstacked: bool = True, **options: Any) -> WorkerSettings:
+    running = options or {"preset": "dqn2015"}
     fields = {name: running.pop(name) for name in OF_TASKS if name in running}
     tasks, _ = resolve_lanes("breakout", 3, running.pop("preset", None), fields)
     return WorkerSettings(tasks, steps, seed=5, unstacked=unstacked, options=running)
@@ -59,10 +54,9 @@ def copied(played: Played) -> Rollout:
 
 
 def same(a: Rollout, b: Rollout) -> bool:
-    return all(
-        np.array_equal(getattr(a, name), getattr(b, name))
-        for name in ("observations", "actions", "rewards", "terminations", "truncations", "valid", "scores", "lengths")
-    ) and all(np.array_equal(a.extras[name], b.extras[name]) for name in ("count",))
+    names = ("observations", "actions", "rewards", "terminations", "truncations", "valid", "scores", "lengths")
+    pairs = [*((getattr(a, name), getattr(b, name)) for name in names), (a.extras["count"], b.extras["count"])]
+    return all(np.array_equal(one, other) for one, other in pairs)
 
 
 @pytest.mark.parametrize(
@@ -78,7 +72,7 @@ def same(a: Rollout, b: Rollout) -> bool:
 )
 @pytest.mark.parametrize("unstacked", [True, False])
 def test_a_rollout_has_what_the_environments_show(options: Any, unstacked: bool) -> None:
-    worker = RolloutWorker(settings(options=options, unstacked=unstacked), 1, Drawn, Position())
+    worker = RolloutWorker(settings(unstacked=unstacked, **options), 1, Drawn, Position())
     envs = atari.AtariVectorEnv("breakout", 3, **options)
     observations, _ = envs.reset(seed=5 + 3)
     ended = np.zeros(3, bool)
@@ -110,34 +104,25 @@ def test_single_frames_take_a_quarter() -> None:
     assert sizes[0] < 0.3 * sizes[1]
 
 
-@pytest.mark.parametrize("played_before", [0, 1, 2])
-def test_a_position_continues_to_the_bit(played_before: int) -> None:
-    """From a snapshot, from a snapshot and actions after it, and from actions alone."""
+@pytest.mark.parametrize("case", range(4))
+def test_a_position_continues_to_the_bit(case: int) -> None:
+    """From the reset, a snapshot, a snapshot and actions after it, and from actions after the reset alone."""
     worker = RolloutWorker(settings(), 2, Drawn, Position())
     played, rollouts = [], []
     for number in range(4):
-        one = worker.play(3 if number == 1 else None, 0, number == 0)
-        played.append(one)
-        rollouts.append(copied(one))
+        played.append(worker.play(3 if number == 1 else None, 0, number == 0))
+        rollouts.append(copied(played[-1]))
     position = [
         Position(),
         Position(1, played[0].environments, (), played[0].policy),
         Position(2, played[0].environments, (rollouts[1].actions,), played[1].policy),
-    ][played_before]
+        Position(1, None, (rollouts[0].actions,), played[0].policy),
+    ][case]
     other = RolloutWorker(settings(), 2, Drawn, position)
-    for number in range(played_before, 4):
+    for number in range(position.number, 4):
         again = other.play(3 if number == 1 else None, 0, False).rollout
         assert again.number == number
         assert same(again, rollouts[number])
-
-
-def test_actions_alone_continue_from_the_reset() -> None:
-    worker = RolloutWorker(settings(), 0, Drawn, Position())
-    first = worker.play(None, 0, False)
-    actions = first.rollout.actions.copy()
-    second = copied(worker.play(None, 0, False))
-    other = RolloutWorker(settings(), 0, Drawn, Position(1, None, (actions,), first.policy))
-    assert same(other.play(None, 0, False).rollout, second)
 
 
 @pytest.mark.parametrize("source", ["random", "noop", ScoresPolicy(lambda seen: np.zeros((len(seen), 4)), sample=True)])
@@ -153,26 +138,19 @@ def test_a_worker_plays_what_load_policy_loads(source: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("attributes", "weights", "text"),
+    ("options", "weights", "text"),
     [
-        ({"environment": {"preset": "dqn2015", "obs_type": "ram"}}, None, "needs obs_type='ram', and the environments"),
-        (
-            {"environment": {"preset": "dqn2015", "frameskip": 3}},
-            None,
-            "needs frameskip=3, and the environments have 4",
-        ),
-        (
-            {"environment": {"preset": "dqn2015", "channels_last": True}},
-            None,
-            "mine needs channels_last, which rollouts do not",
-        ),
-        ({"environment": {"preset": "dqn2015", "rom": "pong.bin"}}, None, "mine needs rom, which rollouts do not have"),
+        ({"obs_type": "ram"}, None, "needs obs_type='ram', and the environments"),
+        ({"frameskip": 3}, None, "needs frameskip=3, and the environments have 4"),
+        ({"channels_last": True}, None, "mine needs channels_last, which rollouts do not"),
+        ({"rom": "pong.bin"}, None, "mine needs rom, which rollouts do not have"),
         ({}, 1, r"policy mine has no load\(weights\), which set_weights needs"),
-        ({"environment": {"preset": "dqn2015"}}, None, "mine gives scores of 3 actions, and in breakout it has 4"),
+        ({}, None, "mine gives scores of 3 actions, and in breakout it has 4"),
     ],
 )
-def test_a_policy_of_other_environments_is_refused(attributes: Any, weights: Any, text: str) -> None:
-    policy = ScoresPolicy(lambda seen: np.zeros((len(seen), 3)), name="mine", **attributes)
+def test_a_policy_of_other_environments_is_refused(options: Any, weights: Any, text: str) -> None:
+    environment = {"preset": "dqn2015", **options}
+    policy = ScoresPolicy(lambda seen: np.zeros((len(seen), 3)), name="mine", environment=environment)
     with pytest.raises(ValueError, match=text):
         RolloutWorker(settings(), 0, policy, Position()).play(weights, 0, False)
 
@@ -188,7 +166,7 @@ def test_a_policy_hears_of_new_stacks(seamless: bool) -> None:
             self.begun += [(self.count - 1, lane) for lane in lanes.tolist()]
 
     made: list[Listens] = []
-    played = settings(steps=900, options={"episodic_life": True, "on_reset": "continue", "seamless_lives": seamless})
+    played = settings(steps=900, episodic_life=True, on_reset="continue", seamless_lives=seamless)
     worker = RolloutWorker(played, 0, lambda: made.append(Listens()) or made[0], Position())
     rollout = worker.play(None, 0, False).rollout
     episodes = [tuple(place) for place in np.argwhere(~rollout.valid).tolist()]
@@ -200,12 +178,11 @@ def test_a_policy_hears_of_new_stacks(seamless: bool) -> None:
 class Ordered(Drawn):
     """Records the order of calls; its memory is made by `load` if `needs_weights`."""
 
-    calls: list[str]
     needs_weights = False
 
     def __init__(self) -> None:
         super().__init__()
-        self.calls = []
+        self.calls: list[str] = []
 
     def __call__(self, observations: Any, lanes: Any) -> Any:
         self.calls.append("act")
@@ -223,21 +200,16 @@ class Ordered(Drawn):
 
 def test_a_successor_restores_before_it_loads() -> None:
     first = RolloutWorker(settings(), 0, Drawn, Position()).play(1, 1, True)
-    made: list[Ordered] = []
-    successor = RolloutWorker(
-        settings(), 0, lambda: made.append(Ordered()) or made[0], Position(1, first.environments, (), first.policy)
-    )
+    position, made = Position(1, first.environments, (), first.policy), []
+    successor = RolloutWorker(settings(), 0, lambda: made.append(Ordered()) or made[0], position)
     successor.play(1, 1, False)
     assert made[0].calls[:3] == ["restore", "load", "act"]
     assert made[0].calls.count("restore") == 1
 
-
-def test_a_policy_that_needs_weights_to_restore_is_named_in_the_error() -> None:
     class NeedsWeights(Ordered):
         needs_weights = True
 
-    first = RolloutWorker(settings(), 0, Drawn, Position()).play(1, 1, True)
-    successor = RolloutWorker(settings(), 0, NeedsWeights, Position(1, first.environments, (), first.policy))
+    successor = RolloutWorker(settings(), 0, NeedsWeights, position)
     with pytest.raises(RuntimeError, match=r"NeedsWeights failed .*no network.* before load\(weights\)"):
         successor.play(1, 1, False)
 
@@ -251,7 +223,7 @@ def test_a_policy_that_needs_weights_to_restore_is_named_in_the_error() -> None:
 )  # fmt: skip
 def test_options_that_rollouts_do_not_have_are_refused(options: Any) -> None:
     with pytest.raises(ValueError, match="leave it out"):
-        settings(options=options).make()
+        settings(**options).make()
 
 
 def test_a_policy_that_returns_nonsense_is_refused() -> None:

@@ -3,6 +3,7 @@
 import importlib
 import subprocess
 import sys
+from collections.abc import Callable
 
 import gymnasium
 import numpy as np
@@ -18,43 +19,27 @@ def test_neither_library_is_imported_before_its_use() -> None:
     assert done.stdout.strip() == "set()"
 
 
-@pytest.mark.parametrize(("name", "package"), [("to_torch", "PyTorch"), ("to_jax", "JAX")])
-def test_a_missing_library_is_named(name: str, package: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in ("torch", "jax"):
-        monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=f"needs {package}: .* -m pip install"):
-        getattr(atari, name)(np.zeros(3))
+def imported(module: str) -> Callable[[], object]:
+    return lambda: importlib.import_module(module)
 
 
-def test_a_missing_stable_baselines3_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "stable_baselines3", None)
-    ours = ("atari.sb3", "atari.integrations.sb3")
-    for name in [name for name in sys.modules if name in ours or name.startswith("stable_baselines3.")]:
+@pytest.mark.parametrize(
+    ("missing", "use", "text"),
+    [
+        ("torch", lambda: atari.to_torch(np.zeros(3)), "needs PyTorch"),
+        ("torch", imported("atari.integrations.torch"), "TorchEnvs needs PyTorch"),
+        ("jax", lambda: atari.to_jax(np.zeros(3)), "needs JAX"),
+        ("jax", lambda: xla(atari.AtariVectorEnv("pong", 1)), r"xla\(\) needs JAX.*"),
+        ("stable_baselines3", imported("atari.sb3"), r"atari\.sb3 needs Stable-Baselines3"),
+        ("ray", imported("atari.integrations.ray"), r"atari\.integrations\.ray needs Ray"),
+    ],
+)
+def test_a_missing_library_is_named(
+    missing: str, use: Callable[[], object], text: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ours = ("atari.sb3", "atari.integrations.sb3", "atari.integrations.torch", "atari.integrations.ray")
+    for name in [name for name in sys.modules if name.startswith((*ours, "stable_baselines3."))]:
         monkeypatch.delitem(sys.modules, name)
-    with pytest.raises(
-        gymnasium.error.DependencyNotInstalled, match=r"atari\.sb3 needs Stable-Baselines3: .* -m pip install"
-    ):
-        importlib.import_module("atari.sb3")
-
-
-def test_a_missing_jax_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "jax", None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"xla\(\) needs JAX.*: .* -m pip install"):
-        xla(atari.AtariVectorEnv("pong", 1))
-
-
-def test_a_missing_torch_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "torch", None)
-    monkeypatch.delitem(sys.modules, "atari.integrations.torch", raising=False)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"TorchEnvs needs PyTorch: .* -m pip install"):
-        importlib.import_module("atari.integrations.torch")
-
-
-def test_a_missing_ray_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "ray", None)
-    for name in [name for name in sys.modules if name.startswith("atari.integrations.ray")]:
-        monkeypatch.delitem(sys.modules, name)
-    with pytest.raises(
-        gymnasium.error.DependencyNotInstalled, match=r"atari\.integrations\.ray needs Ray: .* -m pip install"
-    ):
-        importlib.import_module("atari.integrations.ray")
+    monkeypatch.setitem(sys.modules, missing, None)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=f"{text}: .* -m pip install"):
+        use()

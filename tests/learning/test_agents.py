@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import closing
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,11 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
+from crash_trainings import outcome  # noqa: E402
 from small_trainings import SUPPORT, make_options  # noqa: E402
 
-from atari.learning.agents import AGENTS, find_agent  # noqa: E402
+from atari.learning import Replicas  # noqa: E402
+from atari.learning.agents import AGENTS, find_agent, ppo, pqn  # noqa: E402
 from atari.learning.run_folder import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
 from atari.task.arguments import descriptions  # noqa: E402
@@ -67,51 +70,41 @@ def test_the_weights_move(trainings: list[tuple[Weights, Weights]]) -> None:
     assert [name for name in before if torch.equal(before[name], after[name])] == []
 
 
-COMMAND = """
+TRAINING = f"""
 import sys
+sys.path.insert(0, {SUPPORT!r})
 from pathlib import Path
 from small_trainings import make_options
 from atari.learning.training import Training
-agent, folder, steps = sys.argv[1], Path(sys.argv[2]), int(sys.argv[3])
-if folder.exists():
-    training = Training.resume(folder)
-else:
-    training = Training.begin(agent, make_options(agent, total_steps=steps, checkpoint_minutes=0.0005), folder)
-training.run()
-training.close()
+options = make_options("dqn", total_steps=5000, checkpoint_minutes=0.0005)
+Training.begin("dqn", options, Path(sys.argv[1])).run()
 """
 
 
-def train(agent: str, folder: Path, steps: int) -> "subprocess.Popen[bytes]":
-    command = [sys.executable, "-c", f"import sys; sys.path.insert(0, {SUPPORT!r}){COMMAND}"]
-    return subprocess.Popen([*command, agent, str(folder), str(steps)])
-
-
-@pytest.mark.parametrize("agent", AGENTS)
-def test_a_killed_training_ends_with_the_same_weights(agent: str, tmp_path: Path) -> None:
-    steps = {"ppo": 960, "pqn": 960, "dqn": 5000}[agent]
-    assert train(agent, tmp_path / "whole", steps).wait() == 0
-    killed = train(agent, tmp_path / "killed", steps)
+def test_a_killed_training_ends_with_the_same_weights(tmp_path: Path) -> None:
+    """The process of a training is killed; `test_crashes.py` has all moments of all agents."""
+    options = make_options("dqn", total_steps=5000, checkpoint_minutes=0.0005)
+    with closing(Training.begin("dqn", options, tmp_path / "whole")) as training:
+        training.run()
+    killed = subprocess.Popen([sys.executable, "-c", TRAINING, str(tmp_path / "killed")])
     checkpoint = tmp_path / "killed" / "checkpoint.pt"
     while not checkpoint.exists() and killed.poll() is None:
         time.sleep(0.01)
     time.sleep(0.05)
     killed.send_signal(signal.SIGKILL)
     assert killed.wait() == -signal.SIGKILL, "the training ended before it could be killed"
-    assert train(agent, tmp_path / "killed", steps).wait() == 0
-    whole, resumed = (RunFolder.open(tmp_path / name) for name in ("whole", "killed"))
-    assert equal(whole.load_weights(), resumed.load_weights())
-    without_time = [[{**row, "seconds": 0} for row in folder.rows()] for folder in (whole, resumed)]
-    assert str(without_time[0]) == str(without_time[1])
+    with closing(Training.resume(tmp_path / "killed")) as training:
+        training.run()
+    whole, resumed = (outcome(tmp_path / name) for name in ("whole", "killed"))
+    assert equal(whole[0], resumed[0])
+    assert whole[1] == resumed[1]
 
 
 def test_ppo_estimates_advantages() -> None:
-    from atari.learning.agents.ppo import PPO, Returns
-
     options = make_options("ppo", workers=1, num_envs=2, minibatch=32)
-    agent = PPO(options)
+    agent = ppo.PPO(options)
     worker = agent.rollouts[0]
-    worker.play(Returns(False))
+    worker.play(ppo.Returns(False))
     rewards, ends, values = worker.rewards.numpy(), worker.ends.numpy().copy(), worker.values.numpy()
     ends[5, 1] = 1
     worker.ends[5, 1] = 1
@@ -132,40 +125,29 @@ def test_ppo_estimates_advantages() -> None:
 
 @pytest.mark.parametrize(("middle", "expected"), [(None, [1, 0.55, 0.1, 0.1, 0.1]), (0.5, [1, 0.75, 0.5, 0.3, 0.1])])
 def test_pqn_explores_less_and_less(middle: float | None, expected: list[float]) -> None:
-    from atari.learning.agents.pqn import PQN
-
-    agent = PQN(make_options("pqn", epsilon=0.1, epsilon_middle=middle, exploration=0.2))
+    agent = pqn.PQN(make_options("pqn", epsilon=0.1, epsilon_middle=middle, exploration=0.2))
     assert [agent._epsilon(done) for done in (0, 0.1, 0.2, 0.6, 1)] == pytest.approx(expected)
     agent.close()
 
 
 @pytest.mark.parametrize(
-    ("options", "text"),
-    [
-        ({"exploration": 0.0}, "exploration must be above 0 and at most 1, got 0.0"),
-        ({"exploration": 1.5}, "exploration must be above 0 and at most 1, got 1.5"),
-        ({"epsilon_middle": 1.5}, "epsilon_middle must be within 0..1, got 1.5"),
-        ({"epsilon": 2}, "epsilon must be within 0..1, got 2"),
-    ],
+    ("name", "value"), [("exploration", 0.0), ("exploration", 1.5), ("epsilon_middle", 1.5), ("epsilon", 2)]
 )
-def test_pqn_refuses_parts_above_1(options: dict[str, float], text: str) -> None:
-    with pytest.raises(ValueError, match=text):
-        make_options("pqn", **options)
+def test_pqn_refuses_parts_above_1(name: str, value: float) -> None:
+    with pytest.raises(ValueError, match=f"{name} must be .*, got {value}"):
+        make_options("pqn", **{name: value})
 
 
 def test_replicas_refuse_other_networks_and_counts() -> None:
-    from atari.learning.replicas import Replicas
-
-    with pytest.raises(TypeError, match=r"network must be a torch\.nn\.Module, got 3"):
-        Replicas(3, 2)  # type: ignore[type-var]
-    for count in (0, 2**40):
-        with pytest.raises(ValueError, match="count"):
-            Replicas(torch.nn.Linear(1, 1), count)
+    for network, count, error in (
+        (3, 2, TypeError),
+        *((torch.nn.Linear(1, 1), count, ValueError) for count in (0, 2**40)),
+    ):
+        with pytest.raises(error, match="network must be" if network == 3 else "count"):
+            Replicas(network, count)
 
 
 def test_replicas_give_the_gradient_of_the_whole_batch() -> None:
-    from atari.learning.replicas import Replicas
-
     network = torch.nn.Linear(3, 1)
     data = torch.randn(8, 3)
     network(data).square().mean().backward()
@@ -184,8 +166,6 @@ def test_replicas_give_the_gradient_of_the_whole_batch() -> None:
 
 
 def test_a_copy_of_replicas_has_a_network_and_threads_of_its_own() -> None:
-    from atari.learning import Replicas
-
     one = Replicas(torch.nn.Linear(3, 1), 2)
     for other in (copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
         assert torch.equal(other.network.weight, one.network.weight)
@@ -197,8 +177,6 @@ def test_a_copy_of_replicas_has_a_network_and_threads_of_its_own() -> None:
 
 
 def test_one_replica_is_the_network_itself() -> None:
-    from atari.learning import Replicas
-
     network = torch.nn.Linear(3, 1)
     replicas = Replicas(network, 1)
     assert replicas.networks == [network]
@@ -211,8 +189,6 @@ def test_one_replica_is_the_network_itself() -> None:
 
 @pytest.mark.parametrize("update", [1, 5, 6, 7, 100, 5000])
 def test_pqn_steps_as_radam(update: int) -> None:
-    from atari.learning.agents.pqn import rectification
-
     def steps(make: Any, factor: Any) -> "torch.Tensor":
         weights = torch.nn.Parameter(torch.ones(3))
         optimizer = make([weights], lr=1.0)
@@ -224,10 +200,10 @@ def test_pqn_steps_as_radam(update: int) -> None:
         return weights.detach() - before
 
     if update <= 5:  # RAdam takes steps without mean squares, which Adam cannot take
-        assert rectification(update) == 0
+        assert pqn.rectification(update) == 0
     else:
         expected = steps(torch.optim.RAdam, lambda _: 1.0)
-        assert torch.allclose(steps(torch.optim.Adam, rectification), expected, atol=1e-6)
+        assert torch.allclose(steps(torch.optim.Adam, pqn.rectification), expected, atol=1e-6)
 
 
 def test_a_loss_that_is_no_number_stops_the_training(tmp_path: Path) -> None:
@@ -249,9 +225,8 @@ def test_a_loss_that_is_no_number_stops_the_training(tmp_path: Path) -> None:
 
 
 def test_progress_is_that_of_the_whole_training(tmp_path: Path) -> None:
-    training = Training.begin("ppo", make_options("ppo"), tmp_path / "run")
     shown: list[int] = []
-    training.run(progress=lambda steps, score: shown.append(steps))
-    training.close()
+    with closing(Training.begin("ppo", make_options("ppo", total_steps=256), tmp_path / "run")) as training:
+        training.run(progress=lambda steps, score: shown.append(steps))
     assert shown == [row["step"] for row in RunFolder.open(tmp_path / "run").rows()]
     assert shown[-1] == training.agent.steps

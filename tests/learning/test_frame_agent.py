@@ -67,24 +67,15 @@ def compare(policy: Recorder, expected: list[Any]) -> None:
     """The last observation of a game may be of its end, where the policy's action has no effect."""
     assert len(policy.seen) in (len(expected), len(expected) + 1)
     for ours, theirs in zip(policy.seen, expected, strict=False):
-        if isinstance(theirs, dict):
-            assert ours.keys() == theirs.keys()
-            for name in theirs:
-                assert_array_equal(ours[name], theirs[name])
-        else:
-            assert (ours.dtype, ours.shape) == (theirs.dtype, theirs.shape)
-            assert_array_equal(ours, theirs)
+        own, wanted = (seen if isinstance(seen, dict) else {"": seen} for seen in (ours, theirs))
+        assert own.keys() == wanted.keys()
+        for name, array in wanted.items():
+            assert_array_equal(own[name], array, strict=True)
 
 
+PRESETS = "baselines dqn2015 dopamine gymnasium machado2018 envpool atari100k ale_vector".split()
 TASKS: dict[str, dict[str, Any]] = {
-    "baselines": {"preset": "baselines"},
-    "dqn2015": {"preset": "dqn2015"},
-    "dopamine": {"preset": "dopamine"},
-    "gymnasium": {"preset": "gymnasium"},
-    "machado2018": {"preset": "machado2018"},
-    "envpool": {"preset": "envpool"},
-    "atari100k": {"preset": "atari100k"},
-    "ale_vector": {"preset": "ale_vector"},
+    **{name: {"preset": name} for name in PRESETS},
     "ram": {"preset": "baselines", "obs_type": "ram"},
     "stacks of ram": {"preset": "envpool", "obs_type": "ram", "stack_num": 3, "episodic_life": True},
     "ram of dqn2015": {"preset": "dqn2015", "obs_type": "ram"},

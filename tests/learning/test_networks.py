@@ -17,37 +17,28 @@ def images(count: int, seed: int = 0) -> "torch.Tensor":
     return torch.randint(256, (count, 4, 42, 42), dtype=torch.uint8, generator=generator)
 
 
-def test_normalize_divides_by_255() -> None:
-    normalize = Normalize((4, 42, 42), running=False)
-    seen = images(3)
-    normalize.update(seen)
-    assert torch.allclose(normalize(seen), seen / 255)
-
-
-def test_normalize_gives_mean_0_and_variance_1() -> None:
-    normalize = Normalize((4, 42, 42), running=True)
-    seen = images(2000)
+def test_normalize() -> None:
+    """It divides by 255; with `running`, pixels have the mean 0 and the variance 1, and constant ones are finite."""
+    divides, normalize = (Normalize((4, 42, 42), running=running) for running in (False, True))
+    seen = images(1000)
+    divides.update(seen)
+    assert torch.allclose(divides(seen), seen / 255)
     for part in seen.split(300):
         normalize.update(part)
     values = normalize(seen)
     assert values.mean(0).abs().max() < 1e-4
     assert torch.allclose(values.var(0, correction=0), torch.ones(4, 42, 42), atol=1e-3)
-
-
-def test_normalize_leaves_constant_pixels_finite() -> None:
     normalize = Normalize((2,), running=True)
     normalize.update(torch.full((10, 2), 7, dtype=torch.uint8))
     assert normalize(torch.tensor([[7, 255]], dtype=torch.uint8)).tolist() == [[0.0, 5.0]]  # clipped
 
 
-@pytest.mark.parametrize(("kind", "size", "width"), [("nature", 84, 512), ("small", 42, 256)])
-def test_encoders_of_images(kind: str, size: int, width: int) -> None:
-    encoder = Encoder((4, size, size), kind)
-    assert encoder(torch.zeros(2, 4, size, size, dtype=torch.uint8)).shape == (2, width)
-
-
-def test_nature_has_the_parameters_of_the_paper() -> None:
-    count = sum(parameter.numel() for parameter in Encoder((4, 84, 84), "nature").parameters())
+def test_encoders_of_images() -> None:
+    """The network "nature" has the parameters of the paper."""
+    small, nature = Encoder((4, 42, 42), "small"), Encoder((4, 84, 84), "nature")
+    assert small(images(2)).shape == (2, 256)
+    assert nature(torch.zeros(2, 4, 84, 84, dtype=torch.uint8)).shape == (2, 512)
+    count = sum(parameter.numel() for parameter in nature.parameters())
     assert count == (8 * 8 * 4 + 1) * 32 + (4 * 4 * 32 + 1) * 64 + (3 * 3 * 64 + 1) * 64 + (3136 + 1) * 512
 
 
@@ -107,9 +98,7 @@ def test_heads() -> None:
         ({"avx512_bf16": True, "amx_bf16": False}, "cpu", True),
         ({"avx512_bf16": False, "amx_bf16": True}, "cpu", True),
         ({"avx512_bf16": False, "avx2": True}, "cpu", False),
-        ({}, "cpu", False),
-        ({}, "cuda", True),
-        ({}, "auto", True),
+        *(({}, device, device != "cpu") for device in ("cpu", "cuda", "auto")),
     ],
 )
 def test_bfloat16_is_chosen_by_the_processor(
@@ -118,9 +107,8 @@ def test_bfloat16_is_chosen_by_the_processor(
     monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: capabilities, raising=False)
     monkeypatch.setattr(torch.cuda, "is_available", lambda: True)
     monkeypatch.setattr(torch.cuda, "device_count", lambda: 1)
-    assert TrainingOptions.of("pong", bfloat16="auto", device=device).computes_bfloat16 == expected
-    assert TrainingOptions.of("pong", bfloat16=True, device=device).computes_bfloat16
-    assert not TrainingOptions.of("pong", bfloat16=False, device=device).computes_bfloat16
+    for given, computes in (("auto", expected), (True, True), (False, False)):
+        assert TrainingOptions.of("pong", bfloat16=given, device=device).computes_bfloat16 == computes
 
 
 def test_the_device_is_a_gpu_if_there_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -147,23 +135,15 @@ class TestNetworksOfOnesOwn:
         assert pqn.QNetwork(encoder, 3)(images(2)).shape == (2, 3)
 
     @pytest.mark.parametrize(
-        ("make", "kind", "text"),
+        ("made", "kind", "text"),
         [
-            (lambda space: 3, TypeError, r"must make a torch.nn.Module from the observation space, got 3"),
-            (
-                lambda space: torch.nn.Linear(5, 3),
-                ValueError,
-                r"fails with observations of shape \(2, 4, 42, 42\): mat1",
-            ),
-            (
-                lambda space: torch.nn.Identity(),
-                ValueError,
-                r"floats \(n, width\).* returned torch.float32 \(2, 4, 42, 42\)",
-            ),
-            (lambda space: torch.nn.Flatten(0), ValueError, r"it returned torch.float32 \(14112,\)"),
-            (lambda space: torch.nn.LSTM(42, 3), ValueError, r"fails with observations"),
+            (3, TypeError, r"must make a torch.nn.Module from the observation space, got 3"),
+            (torch.nn.Linear(5, 3), ValueError, r"fails with observations of shape \(2, 4, 42, 42\): mat1"),
+            (torch.nn.Identity(), ValueError, r"floats \(n, width\).* returned torch.float32 \(2, 4, 42, 42\)"),
+            (torch.nn.Flatten(0), ValueError, r"it returned torch.float32 \(14112,\)"),
+            (torch.nn.LSTM(42, 3), ValueError, r"fails with observations"),
         ],
     )
-    def test_others_are_refused(self, make: Any, kind: type[Exception], text: str) -> None:
+    def test_others_are_refused(self, made: Any, kind: type[Exception], text: str) -> None:
         with pytest.raises(kind, match=text):
-            Encoder((4, 42, 42), make)
+            Encoder((4, 42, 42), lambda space: made)

@@ -1,11 +1,14 @@
 """Run folders: the files that are written, and the folders that are refused."""
 
+import errno
 import json
 import random
+import re
 import shutil
 import signal
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -15,30 +18,36 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
-from small_trainings import SUPPORT, make_options  # noqa: E402
+from small_trainings import make_options  # noqa: E402
 
 import atari  # noqa: E402
 from atari.base import durable  # noqa: E402
 from atari.cli import main  # noqa: E402
-from atari.learning import ReplayMemory, load_policy, record_games  # noqa: E402
+from atari.learning import ReplayMemory, TrainingEnvironments, evaluate, load_policy, record_games  # noqa: E402
+from atari.learning.agent import read_options  # noqa: E402
 from atari.learning.command import Lines  # noqa: E402
 from atari.learning.report import draw_levels, finish, learning_curves  # noqa: E402
 from atari.learning.run_folder import RunFolder  # noqa: E402
+from atari.learning.run_policy import run_policy, training_protocol  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
 from atari.recording import Replay  # noqa: E402
-from atari.task import Task  # noqa: E402
 
 
 def make_run(path: Path, agent: str = "ppo", steps: int = 256, **options: Any) -> RunFolder:
-    training = Training.begin(agent, make_options(agent, total_steps=steps, **options), path)
-    assert training.run() == "steps"
-    training.close()
+    with closing(Training.begin(agent, make_options(agent, total_steps=steps, **options), path)) as training:
+        assert training.run() == "steps"
     return RunFolder.open(path)
 
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
     return make_run(tmp_path_factory.mktemp("runs") / "pong")
+
+
+@pytest.fixture
+def copy(run: RunFolder, tmp_path: Path) -> Path:
+    """A copy of the folder of `run`."""
+    return shutil.copytree(run.path, tmp_path / "copy")
 
 
 def test_the_log_has_a_row_for_each_update(run: RunFolder) -> None:
@@ -52,21 +61,16 @@ def test_the_log_has_a_row_for_each_update(run: RunFolder) -> None:
 
 
 def test_a_training_stops_and_goes_on(tmp_path: Path) -> None:
-    training = Training.begin("ppo", make_options("ppo", total_steps=256), tmp_path / "run")
     stop = Event()
-    assert training.run(stop, lambda steps, score: stop.set()) == "stop"
-    training.close()
+    with closing(Training.begin("ppo", make_options("ppo", total_steps=256), tmp_path / "run")) as training:
+        assert training.run(stop, lambda steps, score: stop.set()) == "stop"
     assert training.agent.steps == 64
-    resumed = Training.resume(tmp_path / "run")
-    assert resumed.run() == "steps"
-    resumed.close()
+    with closing(Training.resume(tmp_path / "run")) as resumed:
+        assert resumed.run() == "steps"
     assert [row["step"] for row in resumed.folder.rows()] == [64, 128, 192, 256]
 
 
 def test_the_policy_plays_the_same_games_whatever_the_lanes(run: RunFolder, tmp_path: Path) -> None:
-    from atari.learning import evaluate
-    from atari.learning.run_policy import training_protocol
-
     protocol = training_protocol(run)
     scores = [evaluate(str(run.path), "pong", protocol, episodes=2, num_envs=lanes)["pong"] for lanes in (1, 2)]
     assert scores[0].scores == scores[1].scores
@@ -79,8 +83,11 @@ def test_the_policy_plays_the_same_games_whatever_the_lanes(run: RunFolder, tmp_
 @pytest.mark.parametrize(("agent", "epsilon"), [("ppo", 0.0), ("pqn", 0.001), ("dqn", 0.3)])
 def test_a_run_is_evaluated_with_the_random_actions_of_its_end(tmp_path: Path, agent: str, epsilon: float) -> None:
     given = {"epsilon": epsilon} if agent == "dqn" else {}
-    folder = make_run(tmp_path / "run", agent, steps=64, game="breakout", **given)  # an untrained game is short
-    assert finish(folder, episodes=1).protocol.epsilon == epsilon
+    folder = make_run(tmp_path / "run", agent, steps=64, **given)
+    assert training_protocol(folder).epsilon == epsilon
+    policy, lane = load_policy(folder.path), np.arange(1)
+    policy.begin("pong", ("NOOP",) * 6, lane, lane)
+    assert policy(np.zeros((1, 2, 42, 42), np.uint8), lane).shape == (1,)
 
 
 PLAYED: dict[str, dict[str, Any]] = {
@@ -105,16 +112,12 @@ PLAYED: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("name", PLAYED)
 def test_games_of_the_evaluation_are_those_of_the_training(tmp_path: Path, name: str) -> None:
-    from atari.learning import evaluate
-    from atari.learning.agent import read_options
-    from atari.learning.environments import TrainingEnvironments
-    from atari.learning.run_policy import run_policy, training_protocol
-
     folder = make_run(tmp_path / "run", game="breakout", steps=64, **PLAYED[name])
     policy = run_policy(folder.path, sample=False)
     count = len(folder.task.action_set)
     policy._scores = lambda seen: np.eye(count, dtype=np.float32)[seen.reshape(len(seen), -1).sum(1) % count]
     result = evaluate(policy, folder.task, training_protocol(folder), episodes=1)["breakout"]
+    assert folder.rows()[-1]["frames"] == (3 if name == "other frames" else 4) * 64
     assert result.task["reward_clipping"] is False
     assert result.task["noops"] == list(folder.task.noops)
     envs = TrainingEnvironments(read_options(folder), 1)
@@ -129,20 +132,16 @@ def test_games_of_the_evaluation_are_those_of_the_training(tmp_path: Path, name:
 def test_report(run: RunFolder) -> None:
     result = finish(run, episodes=2)
     page = (run.path / "report.html").read_text()
-    assert "PPO on Pong, from pixels" in page
-    assert "No game has ended in the training" in page  # test_curves_say_what_is_drawn has games
-    assert 'src="best.mp4' in page
-    assert "http://" not in page.replace("http://www.w3.org", "").replace("http://purl.org", "").replace(
-        "http://creativecommons.org", ""
-    )
+    # test_curves_say_what_is_drawn has games
+    for text in ("PPO on Pong, from pixels", "No game has ended in the training", 'src="best.mp4'):
+        assert text in page
+    assert {*re.findall("http://([^/]*)/", page)} <= {"www.w3.org", "purl.org", "creativecommons.org"}
     assert Replay.load(run.path / "best.a26r").episodes[0].score == max(result["pong"].scores)
     assert (run.path / "best.mp4").stat().st_size > 10_000
     assert json.loads((run.path / "evaluation.json").read_text())
 
 
-def test_a_report_without_pyav_has_no_video(run: RunFolder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    copy = tmp_path / "copy"
-    shutil.copytree(run.path, copy)
+def test_a_report_without_pyav_has_no_video(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (copy / "best.mp4").unlink(missing_ok=True)
     monkeypatch.setitem(sys.modules, "av", None)
     finish(RunFolder.open(copy), episodes=1)
@@ -155,6 +154,7 @@ def test_a_report_without_pyav_has_no_video(run: RunFolder, tmp_path: Path, monk
     [
         ("config.json", b"{", "config.json is damaged"),
         ("config.json", b'{"format": 3}', "config.json is damaged"),
+        ("config.json", b"[" * 100_000, "nested more than 32 deep"),
         ("config.json", None, "is no run folder"),
         ("policy.pt", b"PK rubbish", "policy.pt is damaged"),
         ("policy.pt", None, "before its first checkpoint"),
@@ -162,9 +162,7 @@ def test_a_report_without_pyav_has_no_video(run: RunFolder, tmp_path: Path, monk
         ("checkpoint.pt", None, "checkpoint.pt is missing"),
     ],
 )
-def test_damaged_folders(run: RunFolder, tmp_path: Path, file: str, content: bytes | None, text: str) -> None:
-    copy = tmp_path / "copy"
-    shutil.copytree(run.path, copy)
+def test_damaged_folders(copy: Path, file: str, content: bytes | None, text: str) -> None:
     if content is None:
         (copy / file).unlink()
     else:
@@ -188,16 +186,6 @@ def test_a_folder_has_the_task(run: RunFolder) -> None:
     assert (policy.task, policy.protocol.task, policy.game) == (run.task, run.task, "pong")
 
 
-def test_a_task_that_a_folder_does_not_have(run: RunFolder, tmp_path: Path) -> None:
-    (tmp_path / "config.json").write_text(json.dumps({**run.config, "task": {**run.config["task"], "luck": 1}}))
-    with pytest.raises(ValueError, match=r"config.json: a task has no key 'luck'"):
-        load_policy(tmp_path)
-
-
-def test_frames_of_the_log_are_those_of_the_frame_skip(tmp_path: Path) -> None:
-    assert make_run(tmp_path / "run", steps=64, frameskip=(2, 5)).rows()[-1]["frames"] == 3 * 64
-
-
 def test_a_folder_that_is_not_empty_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("x")
     with pytest.raises(FileExistsError, match="is not empty"):
@@ -205,31 +193,28 @@ def test_a_folder_that_is_not_empty_is_left_alone(tmp_path: Path) -> None:
     assert [file.name for file in tmp_path.iterdir()] == ["mine.txt"]
 
 
-FULL = """
-import resource, sys
-from pathlib import Path
-from small_trainings import make_options
-from atari.learning.training import Training
-training = Training.begin("ppo", make_options("ppo", total_steps=256, checkpoint_minutes=0.0), Path(sys.argv[1]))
-training.save()
-resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
-try:
-    training.run()
-except OSError as error:
-    print(training.agent.steps, error)
-"""
-
-
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of a file's size")
 def test_a_full_disk_ends_a_training_at_its_end_alone(tmp_path: Path) -> None:
-    program = f"import sys; sys.path.insert(0, {SUPPORT!r}){FULL}"
-    command = [sys.executable, "-c", program, str(tmp_path / "run")]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert result.stdout.startswith("256 [Errno 27] File too large"), result.stderr
-    assert "no checkpoint at step 64, the one before stays" in result.stderr
-    assert "the log is kept in memory until there is room" in result.stderr
-    resumed = Training.resume(tmp_path / "run")
-    assert resumed.agent.steps == 0
-    resumed.close()
+    import resource
+
+    options = make_options("ppo", total_steps=256, checkpoint_minutes=0.0)
+    with closing(Training.begin("ppo", options, tmp_path / "run")) as training:
+        training.save()
+        limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+        with pytest.warns(RuntimeWarning) as caught:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (200, limits[1]))
+            try:
+                training.run()
+            except OSError as error:
+                ended = error
+            finally:
+                resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert (training.agent.steps, ended.errno) == (256, errno.EFBIG)
+    warned = "\n".join(str(one.message) for one in caught)
+    assert "no checkpoint at step 64, the one before stays" in warned
+    assert "the log is kept in memory until there is room" in warned
+    with closing(Training.resume(tmp_path / "run")) as resumed:
+        assert resumed.agent.steps == 0
 
 
 def begin(path: Path) -> RunFolder:
@@ -267,9 +252,7 @@ def test_rows_of_other_columns_are_refused(tmp_path: Path, row: dict[str, float]
 
 
 @pytest.mark.parametrize("end", ["192,768,0.", "192,7", "\0" * 500, "192,,,\n"])
-def test_a_damaged_end_of_the_log_blocks_nothing(run: RunFolder, tmp_path: Path, end: str) -> None:
-    copy = tmp_path / "copy"
-    shutil.copytree(run.path, copy)
+def test_a_damaged_end_of_the_log_blocks_nothing(copy: Path, end: str) -> None:
     with (copy / "log.csv").open("a") as file:
         file.write(end)
     with pytest.warns(RuntimeWarning, match="log.csv is damaged: line 6 and those after it are left out"):
@@ -287,32 +270,17 @@ def test_a_folder_has_one_training_at_a_time(tmp_path: Path) -> None:
                 call(tmp_path / "run")
         assert RunFolder.open(tmp_path / "run").config["agent"] == "mine"
     reading = RunFolder.open(tmp_path / "run")
-    for write in (
-        lambda: reading.checkpoint(1, {}, {}),
-        lambda: reading.log({"step": 1}),
-        lambda: reading.end("steps"),
-    ):
+    for write, *given in ((reading.checkpoint, 1, {}, {}), (reading.log, {"step": 1}), (reading.end, "steps")):
         with pytest.raises(ValueError, match="is open for reading"):
-            write()
+            write(*given)
     RunFolder.resume(tmp_path / "run").close()
 
 
-def test_arguments_of_the_wrong_type(tmp_path: Path) -> None:
-    with pytest.raises(TypeError, match=r"task must be an atari.Task, such as .*, got 'pong'"):
-        RunFolder.begin(tmp_path / "run", "mine", "pong", {})  # type: ignore[arg-type]
-    with begin(tmp_path / "run") as folder, pytest.raises(TypeError, match=r"as network.state_dict\(\), got Linear"):
-        folder.checkpoint(0, {}, torch.nn.Linear(1, 1))  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match=r"policy my_policy.py:policy is named by its module: my_policy:policy"):
-        load_policy("my_policy.py:policy")
-
-
-def test_a_flipped_bit_is_found(run: RunFolder, tmp_path: Path) -> None:
-    copy = tmp_path / "copy"
-    shutil.copytree(run.path, copy)
+def test_a_flipped_bit_is_found(copy: Path) -> None:
     generator = random.Random(0)
     for name, load in (("policy.pt", load_policy), ("checkpoint.pt", RunFolder.resume)):
         good = (copy / name).read_bytes()
-        for _ in range(100):
+        for _ in range(50):
             bad = bytearray(good)
             bad[generator.randrange(len(bad))] ^= 1 << generator.randrange(8)
             (copy / name).write_bytes(bad)
@@ -342,6 +310,7 @@ def test_files_are_not_written_through_links(tmp_path: Path) -> None:
 
 HOSTILE: dict[str, Any] = {
     "a large image": {"task": {"img_height": 1_000_000}},
+    "luck": {"task": {"luck": 1}},
     "nothing": {"task": None},
     "a number": {"options": 5},
     "a list": {"options": {"network": ["nature"]}},
@@ -360,9 +329,7 @@ HOSTILE: dict[str, Any] = {
 
 
 @pytest.mark.parametrize("name", HOSTILE)
-def test_a_hostile_configuration_is_refused(run: RunFolder, tmp_path: Path, name: str) -> None:
-    copy = tmp_path / "copy"
-    shutil.copytree(run.path, copy)
+def test_a_hostile_configuration_is_refused(run: RunFolder, copy: Path, name: str) -> None:
     config = dict(run.config)
     for key, value in HOSTILE[name].items():
         config[key] = {**config.get(key, {}), **value} if isinstance(value, dict) and value else value
@@ -372,15 +339,7 @@ def test_a_hostile_configuration_is_refused(run: RunFolder, tmp_path: Path, name
             load(copy)
 
 
-def test_a_nested_configuration_is_refused(run: RunFolder, tmp_path: Path) -> None:
-    (tmp_path / "config.json").write_text("[" * 100_000)
-    with pytest.raises(ValueError, match="nested more than 32 deep"):
-        load_policy(tmp_path)
-
-
-def test_weights_of_another_network_are_refused_before_it_is_made(run: RunFolder, tmp_path: Path) -> None:
-    copy = tmp_path / "copy"
-    shutil.copytree(run.path, copy)
+def test_weights_of_another_network_are_refused_before_it_is_made(run: RunFolder, copy: Path) -> None:
     config = {**run.config, "task": {**run.config["task"], "img_height": 84, "img_width": 84}}
     (copy / "config.json").write_text(json.dumps(config))
     with pytest.raises(ValueError, match=r"policy.pt has weights of another network: encoder\S+ is \S+ \(.*\), not"):
@@ -405,11 +364,10 @@ def test_a_complete_run_is_not_trained_again(run: RunFolder, capsys: pytest.Capt
 
 def test_the_memory_is_as_large_as_the_training_and_goes_with_it(tmp_path: Path) -> None:
     options = make_options("dqn", total_steps=1200, memory=1_000_000, learning_starts=1000)
-    training = Training.begin("dqn", options, tmp_path / "run")
     memory = tmp_path / "run" / "memory.replay"
-    assert memory.stat().st_size < 10e6
-    assert training.run() == "steps"
-    training.close()
+    with closing(Training.begin("dqn", options, tmp_path / "run")) as training:
+        assert memory.stat().st_size < 10e6
+        assert training.run() == "steps"
     assert not memory.exists()
     with pytest.raises(ValueError, match=r"is complete, and its memory was removed, .* or --keep-memory, keeps"):
         RunFolder.resume(tmp_path / "run")
@@ -433,9 +391,8 @@ def test_a_full_disk_at_the_end_keeps_the_memory(tmp_path: Path, monkeypatch: py
         training.run()
     training.close()
     monkeypatch.setattr(durable, "write_file", write)
-    resumed = Training.resume(tmp_path / "run")
-    assert resumed.run() == "steps"
-    resumed.close()
+    with closing(Training.resume(tmp_path / "run")) as resumed:
+        assert resumed.run() == "steps"
 
 
 def test_ctrl_c_saves_and_says_how_to_go_on(tmp_path: Path) -> None:
@@ -478,19 +435,18 @@ def test_a_human_far_above_the_curves_is_not_drawn() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error", "text"),
+    ("arguments", "text"),
     [
-        ((1.5, {}, {}), TypeError, "step must be an integer"),
-        ((1, [1, 2], {}), TypeError, "state must be a mapping"),
-        ((1, {}, {"w": [1.0]}), TypeError, "got list under 'w'"),
-        ((1, {}, {"net": {"w": torch.ones(1)}}), TypeError, "got dict under 'net'; several networks go into one"),
+        ((1.5, {}, {}), "step must be an integer"),
+        ((1, [1, 2], {}), "state must be a mapping"),
+        ((1, {}, torch.nn.Linear(1, 1)), r"as network.state_dict\(\), got Linear"),
+        ((1, {}, {"w": [1.0]}), "got list under 'w'"),
+        ((1, {}, {"net": {"w": torch.ones(1)}}), "got dict under 'net'; several networks go into one"),
     ],
 )
-def test_a_checkpoint_that_could_not_be_read_is_refused(
-    arguments: Any, error: type[Exception], text: str, tmp_path: Path
-) -> None:
-    with RunFolder.begin(tmp_path / "run", "mine", Task.of("pong"), {}) as run:
-        with pytest.raises(error, match=text):
+def test_a_checkpoint_that_could_not_be_read_is_refused(arguments: Any, text: str, tmp_path: Path) -> None:
+    with begin(tmp_path / "run") as run:
+        with pytest.raises(TypeError, match=text):
             run.checkpoint(*arguments)
         assert not (run.path / "checkpoint.pt").exists()
 
@@ -504,15 +460,23 @@ def test_a_checkpoint_that_could_not_be_read_is_refused(
     ],
 )
 def test_a_memory_that_could_not_go_on_is_refused(file: str | None, autoflush: bool, text: str, tmp_path: Path) -> None:
-    with RunFolder.begin(tmp_path / "run", "mine", Task.of("pong"), {}) as run:
+    with begin(tmp_path / "run") as run:
         path = None if file is None else tmp_path / file
         memory = ReplayMemory(100, 2, (84, 84), path=path, autoflush=autoflush)
         with memory, pytest.raises(ValueError, match=text):
             run.checkpoint(1, {}, {"w": torch.ones(1)}, memory)
 
 
-@pytest.mark.parametrize(("agent", "options"), [(5, {}), ("mine", ["lr"])])
-def test_a_run_has_a_name_and_options(agent: Any, options: Any, tmp_path: Path) -> None:
-    with pytest.raises(TypeError, match="must be a"):
-        RunFolder.begin(tmp_path / "run", agent, Task.of("pong"), options)
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        ({"agent": 5}, "agent must be a name"),
+        ({"task": "pong"}, "task must be an atari.Task, such as .*, got 'pong'"),
+        ({"options": ["lr"]}, "options must be a mapping"),
+    ],
+)
+def test_a_run_has_a_name_a_task_and_options(wrong: dict[str, Any], text: str, tmp_path: Path) -> None:
+    given: Any = {"agent": "mine", "task": atari.Task.of("pong"), "options": {}, **wrong}
+    with pytest.raises(TypeError, match=text):
+        RunFolder.begin(tmp_path / "run", **given)
     assert not (tmp_path / "run").exists()

@@ -8,7 +8,7 @@ from atari.learning import ReplayMemory
 
 
 class Stream:
-    """Plays random steps into several memories. `ends` is the probability of an end at each step."""
+    """Plays random steps into a memory, and its naive twin. `ends` is the probability of an end at each step."""
 
     def __init__(self, lanes: int, shape: tuple[int, ...], mode: str, ends: float, seed: int) -> None:
         self.lanes, self.shape, self.mode, self.ends = lanes, shape, mode, ends
@@ -22,13 +22,14 @@ class Stream:
             frames[...] = frames[..., :1]
         return frames
 
-    def reset(self, memory: ReplayMemory, naive: Any, first: bool = False) -> None:
+    def reset(self, memory: ReplayMemory, naive: Any = None, first: bool = False) -> None:
         frames = self.frames()
         memory.reset(frames)
-        naive.reset(frames, first=first)
+        if naive is not None:
+            naive.reset(frames, first=first)
         self.waiting[:] = False
 
-    def step(self, memory: ReplayMemory, naive: Any, copied: bool = False) -> None:
+    def step(self, memory: ReplayMemory, naive: Any = None, copied: bool = False) -> None:
         random, lanes = self.random, self.lanes
         actions, frames, finals = random.integers(0, 18, lanes), self.frames(), self.frames()
         rewards = random.normal(size=lanes).astype(np.float32)
@@ -39,7 +40,8 @@ class Stream:
         else:
             memory.frames()[...] = frames
             memory.add(actions, rewards, terminated, truncated, info)
-        naive.add(actions, rewards, terminated, truncated, frames, finals)
+        if naive is not None:
+            naive.add(actions, rewards, terminated, truncated, frames, finals)
         ended = (terminated | truncated) & ~self.waiting
         if self.mode == "next_step":
             self.waiting = ended
@@ -49,7 +51,8 @@ class Stream:
             for mask in self.masks():
                 frames = self.frames()
                 memory.reset(frames, mask)
-                naive.reset(frames, mask)
+                if naive is not None:
+                    naive.reset(frames, mask)
                 self.waiting &= ~mask
 
     def masks(self) -> list[np.ndarray]:

@@ -196,7 +196,17 @@ class EnvPool:
         Raises:
             gymnasium.error.DependencyNotInstalled: JAX is not installed, or is older than 0.5.0.
         """
-        return _xla(xla(self.vector), partial(as_envpool, returns_done=self.returns_done))
+        handle, recv, send, step = xla(self.vector)
+        as_results = partial(as_envpool, returns_done=self.returns_done)  # compiled functions may keep it
+
+        def converted(function: Callable[..., Any]) -> Callable[..., Any]:
+            def call(*arguments: Any, **named: Any) -> tuple[Any, Any]:
+                handle, results = function(*arguments, **named)
+                return handle, as_results(results)
+
+            return call
+
+        return handle, converted(recv), send, converted(step)
 
     def close(self, **_: Any) -> None:
         """Join the threads and release the environments."""
@@ -215,7 +225,6 @@ class EnvPool:
     __str__ = __repr__
 
     def _take_seed(self, seed: Any) -> Any:
-        """The given seed, or else the seed that waits for a reset."""
         seed, self._seed = self._seed if seed is None else seed, None
         if isinstance(seed, (int, np.integer)):
             return int(seed) % SEED_LIMIT
@@ -232,7 +241,6 @@ class EnvPool:
         return array.astype(np.int64)
 
     def _results(self, results: Any, reset: bool, return_info: bool = True) -> Any:
-        """Results of the vector environment in EnvPool's form."""
         if reset:
             image, *_, info = as_envpool(results, self.returns_done)
             return (image, info) if self._reset_returns_info and return_info else image
@@ -276,28 +284,6 @@ def as_envpool(results: Any, returns_done: bool) -> tuple[Any, ...]:
     return (image, reward.astype(np.float32), *ends, info)
 
 
-def _xla(
-    functions: tuple[Any, Callable[..., Any], Callable[..., Any], Callable[..., Any]], convert: Callable[[Any], Any]
-) -> tuple[Any, Callable[..., Any], Callable[..., Any], Callable[..., Any]]:
-    """Make EnvPool's `(handle, recv, send, step)` from the functions of `atari.integrations.jax.xla`.
-
-    Args:
-        functions: the functions of the vector environment.
-        convert: converts the vector environment's results to EnvPool's; compiled functions may keep it.
-    """
-    handle, vector_recv, send, vector_step = functions
-
-    def recv(handle: Any) -> tuple[Any, Any]:
-        handle, results = vector_recv(handle)
-        return handle, convert(results)
-
-    def step(handle: Any, action: Any, env_id: Any = None) -> tuple[Any, Any]:
-        handle, results = vector_step(handle, action, env_id)
-        return handle, convert(results)
-
-    return handle, recv, send, step
-
-
 class GymnasiumEnvPool(EnvPool, VectorEnv, gymnasium.Env[Any, Any]):  # type: ignore[misc]
     """An `EnvPool` for Gymnasium's wrappers of single and of vector environments, like EnvPool's own.
 
@@ -334,13 +320,10 @@ def make(task_id: GameLike, env_type: str, **options: Any) -> EnvPool:
         >>> observations.shape
         (2, 4, 84, 84)
     """
-    if env_type == "gym":
-        return make_gym(task_id, **options)
-    if env_type == "gymnasium":
-        return make_gymnasium(task_id, **options)
-    if env_type == "dm":
-        return make_dm(task_id, **options)
-    raise ValueError(f"env_type must be 'gym', 'gymnasium' or 'dm', got {env_type!r}")
+    makers = {"gym": make_gym, "gymnasium": make_gymnasium, "dm": make_dm}
+    if env_type not in makers:
+        raise ValueError(f"env_type must be 'gym', 'gymnasium' or 'dm', got {env_type!r}")
+    return makers[env_type](task_id, **options)
 
 
 def make_dm(task_id: GameLike, **options: Any) -> EnvPool:
@@ -358,11 +341,10 @@ def make_dm(task_id: GameLike, **options: Any) -> EnvPool:
         >>> envs.step(np.zeros(2, int)).discount
         array([1., 1.], dtype=float32)
     """
-    envs: EnvPool = _made(import_dm().DMEnvPool, task_id, options)
-    return envs
+    return _made(import_dm().DMEnvPool, task_id, options)
 
 
-def _made(kind: Any, task_id: GameLike, options: dict[str, Any], **form: Any) -> Any:
+def _made(kind: type[EnvPool], task_id: GameLike, options: dict[str, Any], **form: Any) -> EnvPool:
     render = {name: options.pop(name) for name in _RENDER_OPTIONS if name in options}
     return kind(make_spec(task_id, **options), **render, **form)
 
@@ -382,8 +364,7 @@ def make_gym(task_id: GameLike, **options: Any) -> EnvPool:
         >>> rewards.shape, dones.dtype
         ((2,), dtype('bool'))
     """
-    envs: EnvPool = _made(_gym_class(), task_id, options, returns_done=True)
-    return envs
+    return _made(_gym_class(), task_id, options, returns_done=True)
 
 
 def _gym_class() -> type[EnvPool]:
@@ -391,11 +372,8 @@ def _gym_class() -> type[EnvPool]:
     gym = sys.modules.get("gym")
     if gym is None:
         return GymnasiumEnvPool
-    return type("GymEnvPool", (EnvPool, gym.Env), {"__doc__": EnvPool.__doc__, "__reduce__": _reduced})
-
-
-def _reduced(envs: EnvPool) -> tuple[Any, ...]:
-    return _allocated, (), vars(envs)
+    names = {"__doc__": EnvPool.__doc__, "__reduce__": lambda envs: (_allocated, (), vars(envs))}
+    return type("GymEnvPool", (EnvPool, gym.Env), names)
 
 
 def _allocated() -> EnvPool:
@@ -415,8 +393,7 @@ def make_gymnasium(task_id: GameLike, **options: Any) -> EnvPool:
         >>> rewards.shape
         (2,)
     """
-    envs: EnvPool = _made(GymnasiumEnvPool, task_id, options)
-    return envs
+    return _made(GymnasiumEnvPool, task_id, options)
 
 
 def list_all_envs() -> list[str]:

@@ -273,7 +273,6 @@ def make_spec(task_id: GameLike, **options: Any) -> EnvPoolSpec:
 
 
 def _task(found: FoundGame, fields: Mapping[str, Any]) -> Task:
-    """A name's task with EnvPool's defaults, or a task for one player, with these fields."""
     if isinstance(task := found.game, Task):
         if task.players > 1:
             raise ValueError(f"a game has one player, and the task has players={task.players}; use AtariVectorEnv")
@@ -284,7 +283,6 @@ def _task(found: FoundGame, fields: Mapping[str, Any]) -> Task:
 
 
 def _look_up(task_id: GameLike) -> FoundGame:
-    """Look up a name of EnvPool's, or GAME."""
     try:
         return look_up(task_ids().get(str(task_id), task_id))
     except (gymnasium.error.NameNotFound, ValueError):

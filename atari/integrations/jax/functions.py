@@ -3,11 +3,10 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-import gymnasium
 import numpy as np
 
 import atari._emulator as _emulator
-from atari.base.extras import pip_install
+from atari.base.extras import import_extra, pip_install
 from atari.integrations.jax.results import ResultParts
 
 _registered = False
@@ -57,7 +56,10 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
         (8,)
     """
     port, options = envs.xla_port(), envs.options
-    jax = _import_jax()
+    import_extra("jax.ffi", f"xla() needs JAX 0.5.0 or newer: {pip_install('jax')}")
+    import jax
+    import jax.numpy
+
     if callback is not None and not isinstance(callback, bool):
         raise TypeError(f"callback must be True, False or None, got {callback!r}")
     if options.continuous:
@@ -77,16 +79,6 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
     else:
         send, recv, step = _foreign_functions(jax, parts)
     return XlaFunctions(handle, recv, *_checked(jax, shape, send, recv, step))
-
-
-def _import_jax() -> Any:
-    try:
-        import jax
-        import jax.ffi
-        import jax.numpy
-    except ImportError:
-        raise gymnasium.error.DependencyNotInstalled(f"xla() needs JAX 0.5.0 or newer: {pip_install('jax')}") from None
-    return jax
 
 
 def _foreign_functions(jax: Any, parts: ResultParts) -> tuple[Callable[..., Any], ...]:

@@ -46,13 +46,8 @@ class _Work:
     version: str
 
 
-@dataclass(frozen=True)
-class _Part:
-    """The file of a game, and the line of the manifest about it."""
-
-    seed: int
-    data: bytes
-    facts: dict[str, Any]
+_Part = tuple[bytes, dict[str, Any]]
+"""The file of a game, and its facts for the manifest, "seed" among them."""
 
 
 def collect(
@@ -131,8 +126,8 @@ def collect(
         progress(len(wanted) - len(missing))
     stored = {"task": task, "policy": name}
     given = (played, protocol.epsilon, policy, stored, format, frames, names, version("atari-envs"))
-    for part in _played([_Work(seed, *given) for seed in missing]):
-        manifest.add(part)
+    for data, facts in _played([_Work(seed, *given) for seed in missing]):
+        manifest.add(data, facts)
         if progress is not None:
             progress(1)
     lines = [manifest.finished[seed] for seed in wanted]
@@ -176,11 +171,11 @@ def _play(work: _Work) -> _Part:
         replay = Path(folder, "game.a26r")
         ((score, length),) = record_task(load_policy(work.policy), work.task, work.epsilon, [work.seed], replay)
         if work.format != "parquet":
-            return _Part(work.seed, replay.read_bytes(), {"score": score, "frames": length})
+            return replay.read_bytes(), {"seed": work.seed, "score": score, "frames": length}
         rows = Path(folder, "rows.parquet")
         options: dict[str, Any] = {"frames": work.frames, "labels": work.labels, "first_episode": work.seed}
         result = write_dataset(replay, rows, facts=work.facts, **options)
-        return _Part(work.seed, rows.read_bytes(), {"score": score, "steps": result["steps"]})
+        return rows.read_bytes(), {"seed": work.seed, "score": score, "steps": result["steps"]}
 
 
 class _Manifest:
@@ -211,18 +206,20 @@ class _Manifest:
             other = ", ".join(f"{name} {first.get(name)!r}" for name in facts if first.get(name) != facts[name])
             raise ValueError(f"{folder} has data of {other or 'another kind'}; choose another name")
         for line in lines:
-            if self._is_whole(check_table(line, f"{self._path}: a line", _LINE, _OF_FORMATS)):
+            file = folder / check_table(line, f"{self._path}: a line", _LINE, _OF_FORMATS)["file"]
+            if file.is_file() and file.stat().st_size == line["bytes"]:
                 self.finished[line["seed"]] = line
 
-    def add(self, part: _Part) -> None:
+    def add(self, data: bytes, facts: dict[str, Any]) -> None:
         """Write the file of a seed, and its line."""
-        file = f"seed-{part.seed:010}" + (".parquet" if "steps" in part.facts else ".a26r")
+        seed = facts["seed"]
+        file = f"seed-{seed:010}" + (".parquet" if "steps" in facts else ".a26r")
         new = self._folder / f"_{file}"  # readers of a folder skip names that begin with _
-        durable.write_file(new, part.data)
+        durable.write_file(new, data)
         durable.replace(new, self._folder / file)
-        line = {"seed": part.seed, "file": file, "bytes": len(part.data), **part.facts}
+        line = {"seed": seed, "file": file, "bytes": len(data), **facts}
         durable.append(self._path, (json.dumps(line) + "\n").encode())
-        self.finished[part.seed] = line
+        self.finished[seed] = line
 
     def _parse(self, line: bytes) -> dict[str, Any]:
         try:
@@ -230,7 +227,3 @@ class _Manifest:
         except ValueError as error:
             text = f"{self._path} is damaged at {line[:40]!r}; delete the line, or the folder"
             raise ValueError(f"{text} ({error})") from None
-
-    def _is_whole(self, line: dict[str, Any]) -> bool:
-        file = self._folder / str(line.get("file"))
-        return file.is_file() and file.stat().st_size == line.get("bytes")

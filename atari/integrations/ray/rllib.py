@@ -21,12 +21,7 @@ from atari.task.task import GameLike, look_up
 from atari.vector.env import AtariVectorEnv
 
 ALGORITHMS = ("PPO", "DQN", "IMPALA", "APPO")
-_RUN_OPTIONS = frozenset(inspect.signature(AtariVectorEnv.__init__).parameters) - {
-    "self",
-    "game",
-    "num_envs",
-    "options",
-}
+_RUN_OPTIONS = {*inspect.signature(AtariVectorEnv).parameters} - {"game", "num_envs", "options"}
 """Options of `AtariVectorEnv` that are not fields of the task."""
 
 
@@ -158,7 +153,6 @@ class GameScores(RLlibCallback):
 
 
 def _with_network(algorithm: str, obs: str) -> Any:
-    """The algorithm's own configuration with a network for bytes."""
     from ray.rllib.core.rl_module.default_model_config import DefaultModelConfig
     from ray.rllib.core.rl_module.rl_module import RLModuleSpec
 

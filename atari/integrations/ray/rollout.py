@@ -59,9 +59,8 @@ class Rollout:
 
         If frames are stacked, each call makes a new array; `observations_at` makes the observations of a minibatch.
         """
-        if self.observations_index is None:
-            return self.observations_table
-        return self.observations_table[self.observations_index]
+        table, index = self.observations_table, self.observations_index
+        return table if index is None else table[index]
 
     def observations_at(self, steps: Any, environments: Any) -> Bytes:
         """The observations before some steps, uint8 (n, ...).
@@ -76,10 +75,8 @@ class Rollout:
         Example:
             `rollout.observations_at(*np.nonzero(rollout.valid))` are the observations of all transitions.
         """
-        if self.observations_index is None:
-            found: Bytes = self.observations_table[steps, environments]
-        else:
-            found = self.observations_table[self.observations_index[steps, environments]]
+        table, index = self.observations_table, self.observations_index
+        found: Bytes = table[steps, environments] if index is None else table[index[steps, environments]]
         return found
 
     @property

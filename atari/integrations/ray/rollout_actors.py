@@ -195,7 +195,6 @@ class RolloutActors:
         self.close()
 
     def _next_ready(self) -> int:
-        """The actor whose oldest batch is delivered next."""
         count = len(self._seats)
         turns = [(self._turn + step) % count for step in range(count)]
         if self._in_order:
@@ -205,7 +204,6 @@ class RolloutActors:
         return heads[ready]
 
     def _deliver(self, index: int, played: Played) -> None:
-        """Record the arrival of an actor's oldest batch."""
         seat = self._seats[index]
         number = seat.orders.popleft().number
         if played.rollout.number != number:
@@ -219,7 +217,6 @@ class RolloutActors:
         self._turn = (index + 1) % len(self._seats)
 
     def _order(self, index: int) -> None:
-        """Order batches of an actor until the allowed number is in flight."""
         seat = self._seats[index]
         while len(seat.orders) < self._in_flight:
             order = _Order(seat.ordered, self._version, self._weights)

@@ -178,7 +178,6 @@ class RolloutWorker:
         return self._table
 
     def _note_ends(self, terminations: Any, truncations: Any, info: Mapping[str, Any]) -> None:
-        """Record the lanes in which the next step begins an episode, and a new stack of images."""
         self._ended = terminations | truncations
         self._renewed = ends_of_stacks(self._envs.task, terminations, truncations, info)
 

@@ -183,7 +183,8 @@ def compare(
         raise ValueError(f"these are not comparable: {'; '.join(faults)}; mixed=True compares them, and says so")
     games_of = [{one.game for result in own for one in result.games} for own in agents.values()]
     played, shared = set.union(*games_of), set.intersection(*games_of)
-    common = [game for game in references if game in shared and all(_has(other, game, frames) for other in others)]
+    known = [{game for game in shared & {*other.games} if len(_scores_at(other, game, frames))} for other in others]
+    common = [game for game in references if game in shared.intersection(*known)]
     if not common:
         raise ValueError(f"there is no game that all of {', '.join([*agents, human, *to])} have scores of")
     references = {game: references[game] for game in common}
@@ -203,7 +204,6 @@ def _notes(
     others: Sequence[Published],
     frames: int | None,
 ) -> Iterator[str]:
-    """Sentences on what the scores depend on."""
     yield from (f"MIXED: {fault}" for fault in faults)
     if left_out:
         yield f"left out, because not all have scores of them: {', '.join(left_out)}"
@@ -221,7 +221,6 @@ def _notes(
 
 
 def _agents(results: Any) -> dict[str, list[Result]]:
-    """The results of each agent by its name, in their order."""
     if isinstance(results, Mapping) and results:
         return {str(name): _check_results(own) for name, own in results.items()}
     agents: dict[str, list[Result]] = {}
@@ -310,12 +309,7 @@ def _frames_at(other: Published, frames: int | None) -> int | None:
     return max(before, default=min(other.budgets, default=None))
 
 
-def _has(other: Published, game: str, frames: int | None) -> bool:
-    return game in other.games and len(_scores_at(other, game, frames)) > 0
-
-
 def _scores_at(other: Published, game: str, frames: int | None) -> Floats:
-    """The scores of a published agent at `_frames_at`."""
     at = _frames_at(other, frames)
     return other.final(game) if at is None or (at == other.final_frames != frames) else other.at(game, at)
 

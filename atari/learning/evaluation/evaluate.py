@@ -235,7 +235,6 @@ class _Work:
 def _play_all(
     work: Sequence[_Work], players: Sequence[EvaluatedPolicy], workers: Workers | None, progress: Progress | None
 ) -> list[GameResult]:
-    """Do the work: in this process with the players, or by workers."""
     results: list[GameResult] = []
     elsewhere = None if workers is None else iter(workers.map(_play_elsewhere, work))
     total, before = sum(len(part.seeds) for part in work), 0
@@ -251,7 +250,6 @@ def _play_all(
 
 
 def _play_elsewhere(work: _Work) -> GameResult:
-    """Do the work of a worker."""
     if (own := version("atari-envs")) != work.version:
         raise RuntimeError(f"a worker has atari-envs {own}, and the evaluation was begun with {work.version}")
     player = EvaluatedPolicy(load_policy(work.policy), work.task, work.epsilon)
@@ -270,7 +268,6 @@ def _joined(parts: Sequence[GameResult]) -> GameResult:
 
 
 def _play(work: _Work, player: EvaluatedPolicy, num_threads: int, report: Callable[[int], Any]) -> GameResult:
-    """Play a game for each seed and return the results in the order of the seeds."""
     lanes = min(work.lanes, len(work.seeds))
     with closing(player.make(lanes, num_threads)) as envs:
         games = _Games(envs, player, np.array(work.seeds, np.int64), report)
@@ -339,7 +336,6 @@ class _Games:
         return over
 
     def _begin(self, lanes: npt.NDArray[np.bool_]) -> None:
-        """Begin the next games of some lanes, if they have any."""
         lanes = lanes & self.active
         if not lanes.any():
             return
@@ -350,7 +346,6 @@ class _Games:
 
 
 def _rows(observations: Any, rows: IntArray, count: int) -> Any:
-    """The observations of some lanes."""
     if len(rows) == count:
         return observations
     if isinstance(observations, dict):

@@ -35,7 +35,12 @@ class EvaluatedPolicy:
         needs = needs_of(policy, task.definition)
         self._options = needs.options
         every = tuple(action.name for action in task.action_set)
-        self._names = every if needs.actions is None else _names(needs.actions, every, task.game)
+        self._names = every if needs.actions is None else needs.actions
+        if missing := [name for name in self._names if name not in every]:
+            raise ValueError(
+                f"the policy has the action {missing[0]!r} in {task.game}, where this protocol has {', '.join(every)}; "
+                "choose a protocol with all 18 actions, such as 'machado2018', or a policy with these"
+            )
         self._every = len(every)
         self._indices = np.array([every.index(name) for name in self._names])
         self.max_frames = task.max_num_frames_per_episode or NO_LIMIT
@@ -78,14 +83,3 @@ class EvaluatedPolicy:
                 if generator.random() < self._epsilon:
                     chosen[row] = generator.integers(self._every)
         return chosen
-
-
-def _names(chosen: tuple[str, ...], given: tuple[str, ...], game: str) -> tuple[str, ...]:
-    """The names of a policy's actions."""
-    missing = [name for name in chosen if name not in given]
-    if missing:
-        raise ValueError(
-            f"the policy has the action {missing[0]!r} in {game}, where this protocol has {', '.join(given)}; "
-            "choose a protocol with all 18 actions, such as 'machado2018', or a policy with these"
-        )
-    return chosen

@@ -119,7 +119,10 @@ def played_task(game: EvaluatedGame, protocol: EvaluationProtocol, policy: Any) 
     _check_id(game, protocol, own)
     seen = own or (game.task if game.ram else None)
     if protocol.task is not None:
-        _check_same_game(game.task, protocol.task)
+        if game.id != protocol.task.game:
+            text = f"the protocol is of {protocol.task.game}, and the game is {game.id}"
+            raise ValueError(f"{text}; pass {protocol.task.game!r} as the game")
+        _check_alike(game.task, protocol.task, "protocol", OF_GAME)
         played = _whole_games(protocol, protocol.task, seen)
     else:
         fields = {**_observation(seen, protocol.preset), **_play(protocol), **_lives(protocol)}
@@ -134,13 +137,11 @@ def _of_game(task: Task) -> dict[str, Any]:
 
 
 def _observation(seen: Task | None, preset: str) -> dict[str, Any]:
-    """The fields of a policy's observations, from its task or from a preset."""
     fields = PRESETS[preset].fields if seen is None else {name: getattr(seen, name) for name in GROUPS["observation"]}
     return {name: fields[name] for name in GROUPS["observation"] if name in fields and name not in OF_GAME}
 
 
 def _play(protocol: EvaluationProtocol) -> dict[str, Any]:
-    """The numbers of a protocol as fields of a task."""
     return {
         "repeat_action_probability": protocol.repeat_action_probability,
         "actions": "full" if protocol.full_action_space else "minimal",
@@ -175,7 +176,6 @@ def _whole_games(protocol: EvaluationProtocol, task: Task, seen: Task | None) ->
 
 
 def _check_alone(task: Task, owner: str) -> None:
-    """Refuse a task of several players, or with continuous actions."""
     for name, value in (("players", 1), ("continuous", False)):
         if getattr(task, name) != value:
             raise ValueError(
@@ -195,7 +195,6 @@ def _check_policy(game: Task, protocol: EvaluationProtocol, policy: Task) -> Non
 
 
 def _check_id(game: EvaluatedGame, protocol: EvaluationProtocol, policy: Task | None) -> None:
-    """Refuse an ID, or a task of RAM, whose observations or sticky actions the evaluation does not play."""
     named = game.ram or game.env_id is not None
     if named and policy is not None and (not policy.kind.image) != game.ram:
         shown, name = "RAM" if game.ram else "images", game.env_id or f"the task of {game.id}"
@@ -222,15 +221,7 @@ def _check_given(task: Task, played: Task, protocol: EvaluationProtocol) -> None
         )
 
 
-def _check_same_game(game: Task, task: Task) -> None:
-    """Refuse another game than the game of the protocol's task."""
-    if game.game != task.game:
-        raise ValueError(f"the protocol is of {task.game}, and the game is {game.game}; pass {task.game!r} as the game")
-    _check_alike(game, task, "protocol", OF_GAME)
-
-
 def _check_alike(game: Task, wanted: Task, owner: str, names: Iterable[str]) -> None:
-    """Refuse a game that differs from the policy's or the protocol's in one of these fields."""
     for name in names:
         if wanted.as_options()[name] != game.as_options()[name]:
             theirs, ours = _shown(wanted, name), _shown(game, name)
@@ -242,7 +233,6 @@ def _check_alike(game: Task, wanted: Task, owner: str, names: Iterable[str]) -> 
 
 
 def _flags(task: Task, name: str) -> str:
-    """The flags of a command that give a task this field."""
     value, flag = task.as_options()[name], f"--{name.removesuffix('s').replace('_', '-')}"
     values = [one.name for one in task.interventions] if name == "interventions" else [value]
     texts = [",".join(map(str, one)) if isinstance(one, tuple) else one for one in values]

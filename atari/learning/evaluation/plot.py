@@ -4,17 +4,13 @@ import io
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 
 from atari.base import durable
-from atari.base.extras import install_extra
+from atari.base.extras import import_extra, install_extra
 from atari.learning.evaluation.statistics import profile
 
-try:
-    from matplotlib.figure import Figure
-except ImportError:
-    raise gymnasium.error.DependencyNotInstalled(f"plots need Matplotlib: {install_extra('learn')}") from None
+Figure = import_extra("matplotlib.figure", f"plots need Matplotlib: {install_extra('learn')}").Figure
 
 _SUMMARIES = {"median": "median", "iqm": "interquartile mean", "mean": "mean"}
 

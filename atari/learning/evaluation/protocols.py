@@ -95,7 +95,6 @@ class EvaluationProtocol:
             raise ValueError(f"a protocol with other numbers than {self.name!r} needs another name: give name=...")
 
     def _check_task(self) -> None:
-        """Check that the protocol has either a task or a preset, and that its numbers are the task's."""
         if self.task is None:
             if self.lives == "task":
                 raise ValueError("lives='task' plays the games of a task; use EvaluationProtocol.of_task(task, ...)")
@@ -149,7 +148,6 @@ class EvaluationProtocol:
 
     @property
     def _fires_after_lost_lives(self) -> bool:
-        """Whether FIRE is pressed after each lost life."""
         if self.task is not None:
             return self.task.fire != "never" and self.task.episodic_life
         return self.lives == "fire" or (self.lives == "preset" and "fire" in PRESETS[self.preset].fields)
@@ -194,7 +192,6 @@ def in_words(frames: tuple[int, int]) -> str:
 
 
 def _numbers_of(task: Task) -> dict[str, Any]:
-    """The numbers of a protocol that a task decides."""
     numbers = {
         "repeat_action_probability": task.repeat_action_probability,
         "full_action_space": task.actions == "full",

@@ -161,19 +161,16 @@ class Result:
 
 
 _KINDS: dict[str, Any] = {
-    "policy": str,
-    "protocol": dict,
-    "seed": int,
-    "games": list,
-    "training_frames": int | None,
-}
+    "format": str, "policy": str, "protocol": dict, "seed": int, "games": list, "training_frames": int | None,
+    "versions": dict,
+}  # fmt: skip
 _KINDS_OF_GAME = {
     "game": str, "scores": list, "frames": list, "truncated": list, "seeds": list, "observation": dict, "task": dict
 }  # fmt: skip
 
 
 def _checked_result(content: dict[str, Any]) -> Result:
-    check_table(content, "it", {"format": str, **_KINDS, "versions": dict})
+    check_table(content, "it", _KINDS)
     games = tuple(_checked_game(one) for one in content["games"])
     if not games or len({one.game for one in games}) < len(games):
         raise ValueError("games must have each game once, and at least one")
@@ -193,7 +190,6 @@ def _checked_game(content: Any) -> GameResult:
 
 
 def _in_words(changes: Mapping[str, Any]) -> str:
-    """Fields of a task with their values; interventions by name."""
     named = {**changes}
     if isinstance(each := named.get("interventions"), list):  # a file may have anything else
         named["interventions"] = [one.get("name") if isinstance(one, dict) else one for one in each]

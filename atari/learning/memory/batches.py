@@ -10,7 +10,7 @@ import numpy as np
 import atari._emulator as _emulator
 from atari.base.extras import import_extra, pip_install
 from atari.base.validation import check_integer
-from atari.learning.memory.options import MemoryOptions, as_numpy, check_stack
+from atari.learning.memory.options import MemoryOptions, as_numpy
 from atari.task.checks import check_bool
 
 Array = Callable[[tuple[int, ...], Any], Any]
@@ -194,7 +194,6 @@ def target_of(
 def _parts(
     name: str, arrays: Any, options: MemoryOptions, shown: tuple[int, ...], shared: bool = False
 ) -> tuple[list[Any], list[int]]:
-    """The arrays of observations by part, and the number of frames in each."""
     named = list(options.observation_shape) != [""]
     parts = arrays if named else {"": arrays}
     if not isinstance(parts, Mapping) or set(parts) != set(options.observation_shape):
@@ -202,7 +201,8 @@ def _parts(
     result, stacks = [], []
     for part in options.parts:
         array = as_numpy(name, parts[part.name])
-        stack = check_stack(part, max(1, math.prod(array.shape[len(shown) :]) // part.size - shared))
+        found = max(1, math.prod(array.shape[len(shown) :]) // part.size - shared)
+        stack = check_integer("stack_num", found, 1, part.stack)
         shape = part.shared(stack) if shared else part.stacked(stack)
         result.append(_checked(name, array, (*shown, *shape), np.uint8))
         stacks.append(stack)
@@ -216,16 +216,6 @@ def _checked(name: str, array: Any, shape: tuple[int, ...], dtype: Any) -> Any:
     if not (values.flags.c_contiguous and values.flags.writeable):
         raise ValueError(f"{name} of out must be writable and C-contiguous")
     return values
-
-
-def check_stacks(options: MemoryOptions, stack_num: Any) -> dict[str, int]:
-    """The number of frames in an observation, by part; None is the memory's own number."""
-    if stack_num is None:
-        return dict(options.stack_num)
-    if isinstance(stack_num, Mapping) and set(stack_num) != set(options.observation_shape):
-        raise ValueError(f"stack_num must be a number, or a dict with the keys {', '.join(options.observation_shape)}")
-    chosen = stack_num if isinstance(stack_num, Mapping) else dict.fromkeys(options.observation_shape, stack_num)
-    return {part.name: check_stack(part, chosen[part.name]) for part in options.parts}
 
 
 def check_size(batch_size: Any) -> int:

@@ -16,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, get_type_hints
 
 import numpy as np
 import numpy.typing as npt
@@ -31,22 +31,6 @@ Block = npt.NDArray[np.uint8]
 _PAGE = 8192
 _ORDER = b"<" if sys.byteorder == "little" else b">"
 _START = struct.Struct("<16sII")  # magic, length of the JSON, CRC of what follows
-_KINDS: dict[str, Any] = {
-    "capacity": int,
-    "num_envs": int,
-    "observation_shape": dict,
-    "stack_num": dict,
-    "padding": str,
-    "autoreset_mode": str,
-    "action_shape": list,
-    "action_dtype": str,
-    "priority_exponent": float | None,
-    "final_frames": int,
-    "compressed_bytes": int | None,
-    "margin": int,
-    "saved": bool,
-}
-"""The options at the beginning of a file or a state."""
 
 
 def allocate(options: MemoryOptions) -> Block:
@@ -220,7 +204,7 @@ def checked_options(values: Any) -> MemoryOptions:
         ValueError: an option is missing, unknown, or wrong.
     """
     try:
-        check_table(values, "the table of options", _KINDS)
+        check_table(values, "the table of options", get_type_hints(MemoryOptions))
         if not re.fullmatch(r"[<>|=][biuf]\d{1,2}", values["action_dtype"]):
             raise ValueError(f"action_dtype is {values['action_dtype']!r:.60}")
         return MemoryOptions.check(**values)
@@ -297,7 +281,6 @@ def _gigabytes(size: int) -> str:
 
 
 def _available() -> int:
-    """Bytes of memory that the system reports as available to this process."""
     limits = [2**62]
     with suppress(OSError, ValueError, IndexError):
         lines = Path("/proc/meminfo").read_text().splitlines()

@@ -103,7 +103,6 @@ class MemoryOptions:
         lanes = check_integer("num_envs", num_envs, 1, 2**20)
         capacity = check_integer("capacity", capacity, 1, _MOST)
         shapes = _check_shapes(observation_shape)
-        stacks = _check_stacks(stack_num, shapes)
         mode = known_mode(autoreset_mode)
         if padding not in _PADDINGS:
             raise ValueError(f"padding must be one of {', '.join(map(repr, _PADDINGS))}, got {padding!r}")
@@ -121,7 +120,7 @@ class MemoryOptions:
             capacity=capacity,
             num_envs=lanes,
             observation_shape={name: list(shape) for name, shape in shapes.items()},
-            stack_num=stacks,
+            stack_num=check_stacks(stack_num, dict.fromkeys(shapes, 1024)),
             padding=padding,
             autoreset_mode=mode.value,
             action_shape=list(_check_shape("action_shape", action_shape, least=0)),
@@ -133,23 +132,20 @@ class MemoryOptions:
             saved=saved,
         )
         if compress or compressed_bytes is not None:
-            chosen = max(raw // 7, options._least_packed()) if compressed_bytes is None else compressed_bytes
+            least = _emulator.ReplayGeometry.least_packed_bytes(options._geometry(packed_bytes=2**45))
+            chosen = max(raw // 7, least) if compressed_bytes is None else compressed_bytes
             options = replace(options, compressed_bytes=check_integer("compressed_bytes", chosen, 1, 2**46))
         options.geometry()
         return options
 
-    def _least_packed(self) -> int:
-        return _emulator.ReplayGeometry.least_packed_bytes(self._geometry(packed_bytes=2**45))
+    def stacks(self, stack_num: Any) -> dict[str, int]:
+        """The number of frames in an observation, by part; None is the memory's own number."""
+        return dict(self.stack_num) if stack_num is None else check_stacks(stack_num, self.stack_num)
 
     @property
     def parts(self) -> tuple[Part, ...]:
         """The arrays of an observation."""
         return tuple(Part(name, tuple(shape), self.stack_num[name]) for name, shape in self.observation_shape.items())
-
-    @property
-    def action_size(self) -> int:
-        """Bytes of an action."""
-        return math.prod(self.action_shape) * np.dtype(self.action_dtype).itemsize
 
     def geometry(self) -> _emulator.ReplayGeometry:
         """The sizes for the extension module.
@@ -166,7 +162,7 @@ class MemoryOptions:
             margin=-(-self.margin // self.num_envs),
             finals=self.final_frames,
             parts=[(part.size, part.pitch, part.stack) for part in self.parts],
-            action_bytes=self.action_size,
+            action_bytes=math.prod(self.action_shape) * np.dtype(self.action_dtype).itemsize,
             autoreset=_MODES[AutoresetMode(self.autoreset_mode)],
             repeat_first=self.padding == "reset",
             exponent=self.priority_exponent,
@@ -228,11 +224,6 @@ def _atari_options(envs: AtariVectorEnv) -> dict[str, Any]:
     return {"padding": task.padding}
 
 
-def check_stack(part: Part, stack: Any) -> int:
-    """The number of frames in an observation, at most the `stack_num` of the memory."""
-    return check_integer("stack_num", stack, 1, part.stack)
-
-
 def _check_shape(name: str, shape: Any, least: int = 1) -> Shape:
     try:
         result = tuple(check_integer(name, size, 1, _MOST_FRAME) for size in shape)
@@ -254,11 +245,12 @@ def _check_shapes(shapes: Any) -> dict[str, Shape]:
     return {name: _check_shape("observation_shape", shape) for name, shape in parts.items()}
 
 
-def _check_stacks(stacks: Any, shapes: Mapping[str, Shape]) -> dict[str, int]:
-    parts = dict(stacks) if isinstance(stacks, Mapping) else dict.fromkeys(shapes, stacks)
-    if set(parts) != set(shapes):
-        raise ValueError(f"stack_num must be a number, or a dict with the keys {', '.join(shapes)}, got {stacks!r}")
-    return {name: check_integer("stack_num", parts[name], 1, 1024) for name in shapes}
+def check_stacks(stacks: Any, most: Mapping[str, int]) -> dict[str, int]:
+    """The number of frames in an observation by part, from a number or a dict of numbers, at most `most`."""
+    parts = dict(stacks) if isinstance(stacks, Mapping) else dict.fromkeys(most, stacks)
+    if set(parts) != set(most):
+        raise ValueError(f"stack_num must be a number, or a dict with the keys {', '.join(most)}, got {stacks!r}")
+    return {name: check_integer("stack_num", parts[name], 1, most[name]) for name in most}
 
 
 def _check_exponent(exponent: Any) -> float:

@@ -16,7 +16,7 @@ from atari.base.validation import check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.learning.memory import memory_file
 from atari.learning.memory.batch_pool import BatchPool
-from atari.learning.memory.batches import Batch, Sequences, array_maker, check_size, check_stacks, make_batch, target_of
+from atari.learning.memory.batches import Batch, Sequences, array_maker, check_size, make_batch, target_of
 from atari.learning.memory.options import MemoryOptions, as_numpy, options_for
 from atari.learning.memory.step_arrays import StepArrays
 from atari.learning.memory.stored_memory import StoredMemory, atomic
@@ -281,7 +281,6 @@ class ReplayMemory(StoredMemory):
         return mark is not None and (len(mark) < len(_UNWRITTEN) or mark.tobytes() != _UNWRITTEN.tobytes())
 
     def _begun(self, core: _emulator.ReplayMemory) -> bool:
-        """Whether there was a `reset`."""
         return self._started or bool(core.numbers[0])
 
     def _write_frames(self, arrays: list[npt.NDArray[np.uint8]]) -> None:
@@ -303,7 +302,7 @@ class ReplayMemory(StoredMemory):
         Raises:
             ValueError: before the first `reset`, or `out` does not fit.
         """
-        stacks = check_stacks(self._options, stack_num)
+        stacks = self._options.stacks(stack_num)
         shapes = {part.name: (self.num_envs, *part.stacked(stacks[part.name])) for part in self._options.parts}
         if out is None:
             arrays = {name: np.empty(shape, np.uint8) for name, shape in shapes.items()}
@@ -342,7 +341,7 @@ class ReplayMemory(StoredMemory):
         Raises:
             gymnasium.error.DependencyNotInstalled: PyTorch is not installed.
         """
-        stacks = check_stacks(self._options, stack_num)
+        stacks = self._options.stacks(stack_num)
         size, array = check_size(batch_size), array_maker(torch, pin_memory)
         return cast(Batch, make_batch(self._options, size, 0, stacks, array, share))
 
@@ -356,7 +355,7 @@ class ReplayMemory(StoredMemory):
         pin_memory: bool = False,
     ) -> Sequences:
         """Arrays for `sample_sequences(batch_size, length, out=...)`; see `make_batch`."""
-        stacks = check_stacks(self._options, stack_num)
+        stacks = self._options.stacks(stack_num)
         size, length = check_size(batch_size), check_integer("length", length, 1, _SEQUENCE_MOST)
         return cast(Sequences, make_batch(self._options, size, length, stacks, array_maker(torch, pin_memory)))
 
@@ -416,7 +415,7 @@ class ReplayMemory(StoredMemory):
     ) -> tuple[Batch | Sequences, _emulator.ReplayTarget]:
         """The batch to write to, `out` or a new one, and its target; with a length other than 0, of sequences."""
         if out is None:
-            return self._pool.take(core, size, length, check_stacks(self._options, stack_num))
+            return self._pool.take(core, size, length, self._options.stacks(stack_num))
         if stack_num is not None:
             raise ValueError("out has a number of frames; leave stack_num out")
         return out, target_of(out, core, self._options, size, length)

@@ -40,8 +40,6 @@ class StepArrays:
         array = as_numpy("rewards", values)
         if array.dtype.kind not in "iufb" or array.shape != self.shape:
             raise ValueError(f"rewards must be numbers {self.shape}, got {array.dtype} {array.shape}")
-        if array.dtype.kind != "f" or array.dtype.itemsize <= 4:
-            return np.ascontiguousarray(array, np.float32)
         try:
             with np.errstate(over="raise"):
                 return np.ascontiguousarray(array, np.float32)
@@ -58,11 +56,8 @@ class StepArrays:
             raise TypeError(f"actions must be {dtype} {shape}, got {array.dtype}")
         if array.shape != shape:
             raise ValueError(f"actions must have the shape {shape}, got {array.shape}")
-        if array.dtype == dtype:
-            stored = np.ascontiguousarray(array)
-        else:
-            with np.errstate(over="ignore"):
-                stored = np.ascontiguousarray(array, dtype)
+        with np.errstate(over="ignore"):
+            stored = np.ascontiguousarray(array, dtype)
         if dtype.kind == "f" or array.dtype != dtype:
             good = np.isfinite(stored) if dtype.kind == "f" else stored == array
             if not good.all():
@@ -100,9 +95,9 @@ class StepArrays:
         if info is None or key is None:
             raise ValueError("an episode has ended, and info has no final_obs; autoreset_mode is SAME_STEP here")
         found = info[key]
-        if self.named and isinstance(found, Mapping):
-            return [self._final_rows(found[part], ended, part, shape) for part, shape in self.frame_shapes.items()]
-        return [self._final_rows(found, ended, part, shape) for part, shape in self.frame_shapes.items()]
+        by_part = self.named and isinstance(found, Mapping)
+        shapes = self.frame_shapes.items()
+        return [self._final_rows(found[part] if by_part else found, ended, part, shape) for part, shape in shapes]
 
     def _final_rows(
         self, found: Any, ended: npt.NDArray[np.bool_], part: str, shape: tuple[int, ...]

@@ -142,11 +142,6 @@ class StoredMemory:
         return self._autoflush
 
     @property
-    def stack_nums(self) -> dict[str, int]:
-        """The most frames in an observation, by part; an observation that is no dict has the part ""."""
-        return dict(self._options.stack_num)
-
-    @property
     @atomic
     def flushes(self) -> int:
         """The number of the last flush, which `open` takes: flushes are counted from the first, of a new file."""

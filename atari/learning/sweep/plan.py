@@ -159,7 +159,6 @@ def keep_programs(folder: Path, words: Sequence[str]) -> list[str]:
 
 
 def _differences(theirs: TrainingOptions, ours: TrainingOptions) -> Iterator[str]:
-    """The options in which two trainings differ, in words."""
     for field in dataclasses.fields(ours):
         one, other = getattr(theirs, field.name), getattr(ours, field.name)
         if one == other:

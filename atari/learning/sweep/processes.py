@@ -129,7 +129,6 @@ def do_runs(
 
 
 def _look_after(one: Progress) -> None:
-    """Note the end of a process."""
     if one.process is None or one.process.poll() is None:
         return
     code = one.process.returncode
@@ -167,7 +166,6 @@ def _start(one: Progress, settings: Settings, free: bool) -> None:
 
 
 def _in_use(path: Path) -> bool:
-    """Whether another process writes into a run folder."""
     if not (path / "lock").exists():
         return False
     try:
@@ -180,7 +178,6 @@ def _in_use(path: Path) -> bool:
 
 
 def _log_file(run: TrainingRun) -> Path:
-    """The file with the output of a run's processes, beside its folder."""
     return run.path.with_name(f"{run.name}.log")
 
 

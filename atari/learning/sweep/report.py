@@ -99,7 +99,6 @@ def write_report(
 
 
 def _curves(game: str, runs: Sequence[TrainingRun]) -> str:
-    """A picture of the scores of the runs of a game."""
     logs = [
         (f"seed {run.options.seed}", f"C{number}", RunFolder.open(run.path).rows())
         for number, run in enumerate(runs, 3)
@@ -108,7 +107,6 @@ def _curves(game: str, runs: Sequence[TrainingRun]) -> str:
 
 
 def _table(runs: Sequence[TrainingRun], results: Sequence[Result]) -> str:
-    """The runs with their scores, and links to their own reports."""
     rows = ["<tr><th>run<th>games<th>mean score<th>standard deviation<th>least<th>greatest"]
     for run, result in zip(runs, results, strict=True):
         played = result.games[0]

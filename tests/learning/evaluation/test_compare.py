@@ -24,9 +24,8 @@ def result(protocol="dopamine", frames=None, shift=0.0, games=("breakout", "pong
 def test_scores_and_summaries():
     comparison = compare(result(), "dopamine/rainbow")
     mine, rainbow = comparison.rows
-    human = Published.human_scores()
-    breakout = (14.5 - human["breakout"][0]) / (human["breakout"][1] - human["breakout"][0])
-    pong = (14.5 - human["pong"][0]) / (human["pong"][1] - human["pong"][0])
+    references = (Published.human_scores()[game] for game in ("breakout", "pong"))
+    breakout, pong = ((14.5 - random) / (human - random) for random, human in references)
     assert mine.median.value == mine.mean.value == mine.iqm.value == pytest.approx((breakout + pong) / 2)
     assert mine.median.low < mine.median.value < mine.median.high
     assert comparison.normalised(mine)["pong"] == pytest.approx(pong)
@@ -67,35 +66,19 @@ def test_a_mapping_names_the_agents():
     assert len(compare(trainings, to=()).rows) == 2
 
 
-def test_agents_without_a_common_game_are_not_compared():
-    with pytest.raises(ValueError, match="no game that all of mine, other, noop57 have scores of"):
-        compare([result(games=["pong"]), replace(result(games=["breakout"]), policy="other")], to=())
-
-
-@pytest.mark.parametrize("to", [result(), ["dopamine/rainbow", result()]])
-def test_a_result_is_no_published_agent(to):
-    with pytest.raises(TypeError, match=r"a Result is none; .* compare\(\[result, other\], to=\(\)\)"):
-        compare(result(), to)
-
-
 @pytest.mark.parametrize(
     ("changes", "text"),
-    [
-        ({"mode": 4}, "another mode"),
-        ({"difficulty": 1}, "another difficulty"),
-        ({"interventions": [{}]}, "interventions"),
-    ],
+    [({}, ""), ({"mode": 4}, "mode"), ({"difficulty": 1}, "difficulty"), ({"interventions": [{}]}, "interventions")],
 )
 def test_games_of_another_mode_or_with_interventions_are_not_compared(changes, text):
-    played = result(games=["breakout"])
-    task = {"mode": 0, "difficulty": 0, "interventions": []}
-    usual, other = (
-        replace(played, games=(replace(played["breakout"], task=one),)) for one in (task, {**task, **changes})
-    )
-    assert not compare(usual, "dopamine/rainbow").mixed
-    with pytest.raises(ValueError, match=f"breakout was played with .*{text.split()[-1]}"):
-        compare(other, "dopamine/rainbow")
-    assert text in compare(other, "dopamine/rainbow", mixed=True).notes[0]
+    played, task = result(games=["breakout"]), {"mode": 0, "difficulty": 0, "interventions": [], **changes}
+    played = replace(played, games=(replace(played["breakout"], task=task),))
+    if not changes:
+        assert not compare(played, "dopamine/rainbow").mixed
+        return
+    with pytest.raises(ValueError, match=f"breakout was played with another {text}"):
+        compare(played, "dopamine/rainbow")
+    assert f"another {text}" in compare(played, "dopamine/rainbow", mixed=True).notes[0]
 
 
 def test_equal_frames():
@@ -104,14 +87,9 @@ def test_equal_frames():
     assert comparison.rows[1].scores["pong"] == tuple(Published("dopamine/rainbow").at("pong", 10_000_000))
     at_mean = compare(result(), "dopamine/rainbow", frames=30_000_000).rows[1]
     assert (at_mean.runs, at_mean.iqm.low) == (None, None)  # the source has only the mean over seeds there
-
-
-def test_between_two_points_of_a_curve_a_note_names_the_interval():
-    comparison = compare(result(), "dopamine/rainbow", frames=30_500_000)
-    assert "dopamine/rainbow at 30,500,000 frames: the mean of its games of frames 30,000,001 to 31,000,000" in (
-        comparison.notes
-    )
-    assert "the mean of its games" not in str(compare(result(), "dopamine/rainbow", frames=30_000_000))
+    between, at = (str(compare(result(), "dopamine/rainbow", frames=frames)) for frames in (30_500_000, 30_000_000))
+    assert "rainbow at 30,500,000 frames: the mean of its games of frames 30,000,001 to 31,000,000\n" in between
+    assert "the mean of its games" not in at
 
 
 @pytest.mark.parametrize(
@@ -189,6 +167,13 @@ def test_what_is_comparable():
         (ValueError, {"repetitions": 0}, "repetitions"),
         (ValueError, {"frames": 0}, "frames"),
         (ValueError, {"results": result(games=["adventure"])}, "there is no game"),
+        (
+            ValueError,
+            {"results": [result(games=["pong"]), replace(result(games=["breakout"]), policy="other")], "to": ()},
+            "no game that all of mine, other, noop57 have scores of",
+        ),
+        (TypeError, {"to": result()}, "a Result is none; results are compared with each other in a list, as compare(["),
+        (TypeError, {"to": ["dopamine/rainbow", result()]}, "a Result is none"),
     ],
 )
 def test_wrong_arguments(error, arguments, text):
@@ -223,13 +208,10 @@ def test_files_and_text(tmp_path):
     comparison = compare(result(), ["dopamine/rainbow"])
     comparison.save(tmp_path / "comparison.json")
     content = json.loads((tmp_path / "comparison.json").read_text())
-    assert content["rows"][0]["name"] == "mine"
-    assert content["human"] == "noop57"
-    text = str(comparison)
-    assert "dopamine/rainbow     5  199,000,000" in text
-    assert "google/dopamine, Apache-2.0" in text
-    video_pinball = compare(result(games=["video_pinball"]), "dopamine/rainbow")
-    assert "16,256.9" in str(video_pinball)
+    assert (content["rows"][0]["name"], content["human"]) == ("mine", "noop57")
+    assert "dopamine/rainbow     5  199,000,000" in str(comparison)
+    assert "google/dopamine, Apache-2.0" in str(comparison)
+    assert "16,256.9" in str(compare(result(games=["video_pinball"]), "dopamine/rainbow"))
 
 
 def test_iqm_is_the_trimmed_mean():

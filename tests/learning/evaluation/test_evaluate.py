@@ -22,6 +22,21 @@ def short(name, frames=1600, **changes):
     return replace(PROTOCOLS[name], **{"name": f"short {name}", "max_frames": frames, "epsilon": 0.0, **changes})
 
 
+def whole_games(task, episodes=1, epsilon=0.0):
+    return EvaluationProtocol.of_task(task, name="mine", source="", epsilon=epsilon, episodes=episodes)
+
+
+def constant(action=0, **attributes):
+    """A policy of one action that keeps its observations."""
+
+    def policy(observations, lanes):
+        policy.seen.append(observations.copy())
+        return np.full(len(lanes), action)
+
+    vars(policy).update(seen=[], **attributes)
+    return policy
+
+
 def sums(observations):
     """Actions that depend on every pixel."""
     return observations.reshape(len(observations), -1).sum(1, dtype=np.int64) % 4
@@ -46,23 +61,18 @@ def single_game(game, protocol, seed, policy=sums):
             return float(info["episode"]["r"]), int(info["episode"]["l"])
 
 
-@pytest.mark.parametrize("name", PROTOCOLS)
+OF_PRESETS = {f"lives of {name}": (name, "preset") for name in ("atari100k", "baselines", "dopamine", "dqn2015")}
+PLAYED = {name: (name, one.lives) for name, one in PROTOCOLS.items()} | OF_PRESETS
+
+
+@pytest.mark.parametrize(("name", "lives"), PLAYED.values(), ids=PLAYED)
 @pytest.mark.parametrize("game", ["breakout", "ms_pacman"])
-def test_games_are_those_of_the_wrappers(name, game):
-    protocol = short(name)
+def test_games_are_those_of_the_wrappers(name, lives, game):
+    protocol = short(name, lives=lives)
     result = evaluate(sums, game, protocol, episodes=3, seed=5, num_envs=2)[game]
     expected = [single_game(game, protocol, episode_seed(5, game, episode)) for episode in range(3)]
     assert list(zip(result.scores, result.frames, strict=True)) == expected
     assert result.truncated == tuple(frames >= protocol.max_frames for _, frames in expected)
-
-
-@pytest.mark.parametrize("name", ["atari100k", "baselines", "dopamine", "dqn2015"])
-@pytest.mark.parametrize("game", ["breakout", "ms_pacman"])
-def test_lives_begin_as_in_the_preset(name, game):
-    protocol = short(name, lives="preset")
-    result = evaluate(sums, game, protocol, episodes=3, seed=5, num_envs=2)[game]
-    expected = [single_game(game, protocol, episode_seed(5, game, episode)) for episode in range(3)]
-    assert list(zip(result.scores, result.frames, strict=True)) == expected
 
 
 def test_a_score_is_that_of_all_lives_and_not_clipped():
@@ -73,11 +83,11 @@ def test_a_score_is_that_of_all_lives_and_not_clipped():
 
 @pytest.mark.parametrize("name", ["dqn2015", "baselines"])
 def test_the_number_of_lanes_and_threads_does_not_matter(name):
-    protocol = short(name, epsilon=0.3)
+    protocol = short(name, 800, epsilon=0.3)
     games = ["pong", "breakout"]
     results = [
         evaluate("random", games, protocol, episodes=5, seed=3, num_envs=lanes, num_threads=threads)
-        for lanes, threads in [(1, 1), (2, 2), (5, 1), (7, 2), (None, 0)]
+        for lanes, threads in [(1, 1), (2, 2), (7, 2), (None, 0)]
     ]
     assert all(result == results[0] for result in results)
     fewer = evaluate("random", "breakout", protocol, episodes=2, seed=3)
@@ -117,15 +127,11 @@ def test_each_lane_plays_its_own_games_to_their_ends():
     assert [frames == 1600 for frames in result.frames] == [False, True, False, True, False]
 
 
-def test_truncated_games_are_reported():
-    result = evaluate("noop", "breakout", short("machado2018"), episodes=3)
-    assert result["breakout"].truncations == 3
-    assert str(result).splitlines()[-1] == "3 of 3 games did not end within 1,600 frames"
-
-
 def test_epsilon_draws_actions_that_the_policy_does_not_choose():
-    fire = evaluate("noop", "breakout", short("dopamine", epsilon=0.5), episodes=4)["breakout"]
-    assert fire.truncations < 4  # without random actions no ball is served
+    """Without random actions no ball is served, and all games are truncated."""
+    result, fire = (evaluate("noop", "breakout", short("dopamine", epsilon=one), episodes=4) for one in (0.0, 0.5))
+    assert fire["breakout"].truncations < result["breakout"].truncations == 4
+    assert str(result).splitlines()[-1] == "4 of 4 games did not end within 1,600 frames"
 
 
 @pytest.mark.parametrize(
@@ -140,40 +146,25 @@ def test_epsilon_draws_actions_that_the_policy_does_not_choose():
     ],
 )
 def test_a_policy_gets_the_observations_that_it_names(environment, shape):
-    def policy(observations, lanes):
-        assert observations.shape == (len(lanes), *shape)
-        return np.zeros(len(lanes), np.int64)
-
-    policy.environment = environment
+    policy = constant(environment=environment)
     result = evaluate(policy, "breakout", short("dqn2015", 100), episodes=2)
+    assert {seen.shape for seen in policy.seen} == {(2, *shape)}
     assert result["breakout"].observation["padding"] == "zero"
 
 
 def test_a_policy_of_the_games_own_actions_is_translated():
     """Index 2 of Breakout's four actions is RIGHT, which is index 3 of all."""
-
-    def minimal(observations):
-        return np.full(len(observations), 2)
-
-    def full(observations):
-        return np.full(len(observations), 3)
-
-    def named(observations):
-        return np.full(len(observations), 1)
-
-    minimal.environment = {"full_action_space": False}
-    named.environment = {"actions": ["LEFT", "RIGHT"]}
-    full.environment = {"full_action_space": True}
+    needed = ((2, {"full_action_space": False}), (3, {"full_action_space": True}), (1, {"actions": ["LEFT", "RIGHT"]}))
     shown = []
-    for policy in (minimal, full, named):
-        shown.append([])
+    for action, environment in needed:
+        policy = constant(action, environment=environment)
 
-        def recording(observations, policy=policy):  # a second argument with a default is not `lanes`
-            shown[-1].append(observations.copy())
-            return policy(observations)
+        def alone(observations, policy=policy):  # a second argument with a default is not `lanes`
+            return policy(observations, range(len(observations)))
 
-        recording.environment = policy.environment
-        evaluate(recording, "breakout", short("machado2018", 200), episodes=1)
+        alone.environment = environment
+        evaluate(alone, "breakout", short("machado2018", 200), episodes=1)
+        shown.append(policy.seen)
     assert len(shown[0]) == 50
     np.testing.assert_array_equal(shown[0], shown[1])
     np.testing.assert_array_equal(shown[0], shown[2])
@@ -238,40 +229,28 @@ def of_task(task, **environment):
         (ValueError, {"policy": needs(players=2)}, "plays games with players=1, and the policy has players=2"),
         (ValueError, {"policy": needs(continuous=True)}, "plays games with continuous=False, and the policy"),
         (ValueError, {"policy": needs(agent_indicator=True)}, "agent_indicator=True has no effect"),
-        (
-            ValueError,
-            {"policy": needs(continuous_action_threshold=0.25)},
-            "continuous_action_threshold=0.25 has no effect",
-        ),
+        (ValueError, {"policy": needs(continuous_action_threshold=0.25)}, "threshold=0.25 has no effect"),
         (ValueError, {"policy": needs(num_threads=2)}, "num_threads is an option of what plays the policy"),
         (ValueError, {"policy": needs(episodic_life="no")}, "episodic_life must be True or False"),
         (ValueError, {"policy": needs(task=5)}, "task must be an atari.Task"),
         (ValueError, {"policy": needs(task={"format": 1, "game": "pong", "luck": 1})}, "no key 'luck'"),
         (ValueError, {"policy": of_task(Task.of("pong", preset="dqn2015"), stack_num=2)}, "decides stack_num, too"),
         (ValueError, {"policy": of_task(Task.of("pong", mode=1))}, "pass atari.Task.of('pong', mode=1)"),
-        (
-            ValueError,
-            {"policy": of_task(Task.of("pong", frameskip=(2, 5)))},
-            "plays 4 frames an action, the policy 2 to 4",
-        ),
+        (ValueError, {"policy": of_task(Task.of("pong", frameskip=(2, 5)))}, "4 frames an action, the policy 2 to 4"),
         (ValueError, {"policy": needs(interventions=["lazy_enemy"])}, "give a command --intervention lazy_enemy"),
         (ValueError, {"games": Task.of("pong", players=2)}, "plays games with players=1"),
         (ValueError, {"games": Task.of("pong", continuous=True)}, "plays games with continuous=False"),
         (
             ValueError,
             {"games": "Pong-ram-v0", "policy": needs(preset="dopamine")},
-            "shows RAM, and the policy sees obs_type='gray",
+            "shows RAM, and the policy sees obs",
         ),
         (
             ValueError,
             {"games": "ALE/Pong-v5", "policy": needs(obs_type="ram")},
-            "ALE/Pong-v5 shows images, and the policy sees",
+            "ALE/Pong-v5 shows images, and the pol",
         ),
-        (
-            ValueError,
-            {"games": "PongNoFrameskip-v4"},
-            "PongNoFrameskip-v4 has repeat_action_probability=0.0, and protocol",
-        ),
+        (ValueError, {"games": "PongNoFrameskip-v4"}, "PongNoFrameskip-v4 has repeat_action_probability=0.0, and prot"),
         (ValueError, {"games": "ALE/Pong-v5", "protocol": "dqn2015"}, "pass 'pong', or another protocol"),
         (ValueError, {"games": ["pong", Task.of("pong", mode=1)]}, "pong is given twice"),
         (
@@ -304,34 +283,22 @@ def test_an_error_in_the_policy_is_raised():
 
 def test_progress_and_sources_by_game(tmp_path, monkeypatch):
     (tmp_path / "pong_policy.py").write_text("def act(o):\n    return [0] * len(o)\n")
-    (tmp_path / "breakout_policy.py").write_text(
-        "class act:\n    def __call__(self, o, lanes):\n        return lanes * 0\n"
-    )
+    (tmp_path / "breakout_policy.py").write_text("class act:\n    def __call__(self, o, lanes): return lanes * 0\n")
     monkeypatch.chdir(tmp_path)
-    seen = []
-    result = evaluate(
-        "{game}_policy:act",
-        ["pong", "breakout"],
-        short("dopamine", 100),
-        episodes=2,
-        progress=lambda *counts: seen.append(counts),
-    )
+    seen, games = [], ["pong", "breakout"]
+    options = {"episodes": 2, "progress": lambda *counts: seen.append(counts)}
+    result = evaluate("{game}_policy:act", games, short("dopamine", 100), **options)
     assert seen == [(1, 4), (2, 4), (3, 4), (4, 4)]
     assert result.policy == "{game}_policy:act"
-    assert [one.game for one in result.games] == ["pong", "breakout"]
+    assert [one.game for one in result.games] == games
 
 
 def test_a_task_says_what_a_policy_needs():
-    def policy(observations, lanes):
-        assert (observations.shape, observations.dtype) == ((len(lanes), 42, 40, 2), np.float32)
-        return np.zeros(len(lanes), np.int64)
-
-    task = Task.of("breakout", preset="dqn2015", img_height=42, img_width=40, stack_num=2).replace(
-        actions=["LEFT", "NOOP"]
-    )
-    policy.environment = {"channels_last": True, "dtype": "float32"}
-    policy.task = task
+    task = Task.of("breakout", preset="dqn2015", img_height=42, img_width=40, stack_num=2)
+    task = task.replace(actions=["LEFT", "NOOP"])
+    policy = constant(task=task, environment={"channels_last": True, "dtype": "float32"})
     one = evaluate(policy, "breakout", short("dopamine", 200), episodes=1)
+    assert {(seen.shape, seen.dtype) for seen in policy.seen} == {((1, 42, 40, 2), np.dtype(np.float32))}
     del policy.task
     policy.environment["task"] = json.loads(task.to_json())
     assert evaluate(policy, "breakout", short("dopamine", 200), episodes=1) == one
@@ -342,31 +309,25 @@ def test_a_task_says_what_a_policy_needs():
 
 
 def test_the_game_decides_mode_difficulty_and_interventions():
-    def policy(observations):
-        return [1] * len(observations)
-
+    policy, protocol = constant(1), short("dopamine", 400)
     task = Task.of("pong", mode=1, difficulty=1, interventions=["lazy_enemy"])
-    protocol = short("dopamine", 400)
     plain, changed = (evaluate(policy, game, protocol, episodes=1)["pong"] for game in ("pong", task))
     assert (plain.task["mode"], changed.task["mode"], changed.task["difficulty"]) == (0, 1, 1)
     assert [one["name"] for one in changed.task["interventions"]] == ["lazy_enemy"]
     assert changed.observation == plain.observation  # both have the images of the protocol's preset
     policy.environment = {"mode": 1, "difficulty": 1, "interventions": ["lazy_enemy"]}
     assert evaluate(policy, task, protocol, episodes=1)["pong"].task["mode"] == 1
+    # A policy also meets a mode and interventions that it was not trained in.
+    policy.environment = {"preset": "dopamine"}
+    assert evaluate(policy, task, protocol, episodes=1)["pong"].task == changed.task
 
 
 @pytest.mark.parametrize("name", OF_GAME)
 @pytest.mark.parametrize("kind", ["named", "of a task"])
 def test_the_game_decides_its_fields_alone(name, kind):
-    def policy(observations):
-        return [1] * len(observations)
-
-    policy.environment = {"preset": "dopamine"}
-    value = CASES[name].value
+    policy, value = constant(1, environment={"preset": "dopamine"}), CASES[name].value
     task = Task.of("breakout", preset="dopamine", **{name: value})
-    own = EvaluationProtocol.of_task(
-        task.replace(max_num_frames_per_episode=400), name="x", source="x", epsilon=0.0, episodes=1
-    )
+    own = whole_games(task.replace(max_num_frames_per_episode=400))
     protocol = short("dopamine", 400) if kind == "named" else own
     result = evaluate(policy, Task.of("breakout", **{name: value}), protocol, episodes=1)["breakout"]
     assert result.task[name] == json.loads(task.to_json())[name] != json.loads(Task.of("breakout").to_json())[name]
@@ -376,34 +337,17 @@ def test_the_game_decides_its_fields_alone(name, kind):
         evaluate(policy, "breakout", short("dopamine", 400), episodes=1)
 
 
-def test_a_policy_meets_a_mode_and_interventions_that_it_was_not_trained_in():
-    def policy(observations):
-        return [1] * len(observations)
-
-    policy.environment = {"preset": "dqn2015"}
-    task = Task.of("pong", mode=1, interventions=["lazy_enemy"])
-    result = evaluate(policy, task, short("dqn2015", 400), episodes=1)["pong"]
-    assert result.task["mode"] == 1
-    assert [one["name"] for one in result.task["interventions"]] == ["lazy_enemy"]
-
-
 @pytest.mark.parametrize("game", ["Pong-ram-v0", Task.of("pong", obs_type="ram")])
 def test_a_game_of_ram_shows_ram(game):
-    shapes = set()
-
-    def policy(observations):
-        shapes.add(observations.shape[1:])
-        return [0] * len(observations)
-
+    policy = constant()
     evaluate(policy, game, short("machado2018", 100), episodes=1)
-    assert shapes == {(128,)}
+    assert {seen.shape for seen in policy.seen} == {(1, 128)}
 
 
 def test_the_games_of_a_task():
     """`EvaluationProtocol.of_task` plays whole games, with scores that are not clipped."""
     task = Task.of("ms_pacman", preset="baselines", frameskip=3, mode=1, max_frames=1500)
-    protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=0.0, episodes=3)
-    result = evaluate(sums, task, protocol, seed=2)["ms_pacman"]
+    result = evaluate(sums, task, whole_games(task, 3), seed=2)["ms_pacman"]
     env = atari.make(task.replace(reward_clipping=False))
     for seed, score, frames in zip(result.seeds, result.scores, result.frames, strict=True):
         observation, info = env.reset(seed=seed, options={"new_game": True})
@@ -416,8 +360,8 @@ def test_the_games_of_a_task():
 
 
 def test_the_games_of_a_task_without_an_end_are_limited():
-    task = Task.of("breakout", preset="dopamine", max_num_frames_per_episode=None)
-    protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=0.0, episodes=1)
+    task = Task.of("breakout", preset="dopamine", max_num_frames_per_episode=None, obs_type="ram")
+    protocol = whole_games(task)
     assert evaluate("noop", "breakout", protocol)["breakout"].frames == (108_000,)
     with pytest.raises(ValueError, match="and the game is pong; pass 'breakout'"):
         evaluate("noop", "pong", protocol)
@@ -436,24 +380,14 @@ def test_the_games_of_a_task_without_an_end_are_limited():
 def test_a_policy_that_says_nothing_plays_an_id_as_it_is(env_id, shape, calls, tmp_path):
     protocol = usual_protocol(sums, resolve_games(env_id)[0])
     assert protocol.task == Task.of(env_id)
-    shapes = []
-
-    def policy(observations):
-        shapes.append(observations.shape[1:])
-        return [1] * len(observations)
-
-    task = protocol.task.replace(max_num_frames_per_episode=300)
-    limited = EvaluationProtocol.of_task(task, name="short", source="", epsilon=0.0, episodes=1)
+    policy, limited = constant(1), whole_games(protocol.task.replace(max_num_frames_per_episode=300))
     ((_, frames),) = record_games(policy, env_id, limited, [2**32 - 1], tmp_path / "a.a26r")
-    assert (set(shapes), frames) == ({shape}, 300)
-    assert calls[0] <= len(shapes) <= calls[1]
+    assert ({seen.shape[1:] for seen in policy.seen}, frames) == ({shape}, 300)
+    assert calls[0] <= len(policy.seen) <= calls[1]
 
 
 def test_the_frames_of_a_training_are_an_integer(tmp_path):
-    def policy(observations):
-        return [0] * len(observations)
-
-    policy.training_frames = np.int64(240_000)
+    policy = constant(training_frames=np.int64(240_000))
     result = evaluate(policy, "pong", short("dqn2015", 400), episodes=1)
     result.save(tmp_path / "r.json")
     assert Result.load(tmp_path / "r.json").training_frames == 240_000
@@ -475,8 +409,7 @@ def test_the_usual_protocol():
 
 def test_a_result_keeps_the_task_of_its_protocol(tmp_path):
     task = Task.of("breakout", preset="envpool", frameskip=(2, 5), actions=["NOOP", "FIRE"], max_frames=60)
-    protocol = EvaluationProtocol.of_task(task, name="mine", source="", epsilon=0.5, episodes=2)
-    result = evaluate("random", task, protocol)
+    result = evaluate("random", task, whole_games(task, 2, epsilon=0.5))
     result.save(tmp_path / "result.json")
     assert Result.load(tmp_path / "result.json") == result
     assert "the actions NOOP, FIRE, 1-30 no-ops, 2 to 4 frames an action" in str(result)

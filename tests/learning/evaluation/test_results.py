@@ -1,6 +1,5 @@
 """`Result`: statistics, the table, files, and damaged files."""
 
-import itertools
 import json
 from dataclasses import replace
 
@@ -59,20 +58,20 @@ def test_a_file_keeps_everything(tmp_path):
     assert json.loads(file.read_text())["versions"] == {"numpy": "2"}
 
 
-def test_every_flipped_bit_is_found(tmp_path):
+def test_a_flipped_bit_of_any_byte_is_found(tmp_path):
     file = tmp_path / "result.json"
     result().save(file)
     data = file.read_bytes()
     refused = 0
-    for place, bit in itertools.product(range(len(data)), range(8)):
+    for place in range(len(data)):
         flipped = bytearray(data)
-        flipped[place] ^= 1 << bit
+        flipped[place] ^= 1 << place % 8
         file.write_bytes(flipped)
         try:
             assert Result.load(file) == result()  # another space between words of JSON
         except ValueError:
             refused += 1
-    assert refused > 7 * len(data)
+    assert refused > 7 / 8 * len(data)
 
 
 def test_a_planted_link_is_replaced(tmp_path):
@@ -94,6 +93,10 @@ def without(name):
     return content
 
 
+def with_protocol(**changes):
+    return changed(protocol={**changed()["protocol"], **changes})
+
+
 def with_game(**changes):
     content = changed()
     content["games"][0].update(changes)
@@ -111,17 +114,14 @@ def with_game(**changes):
         "foreign": ({"games": []}, "format"),
         "another version": (changed(format="atari evaluation 4"), "of another release"),
         "a task of another kind": (with_game(task=[]), "'task' must be a table"),
-        "no protocol's task": (
-            changed(protocol={**changed()["protocol"], "task": {"game": "pong"}}),
-            '"format" must be',
-        ),
+        "no protocol's task": (with_protocol(task={"game": "pong"}), '"format" must be'),
         "no seed": (without("seed"), "needs the key 'seed'"),
         "no protocol": (without("protocol"), "needs the key 'protocol'"),
         "no games": (changed(games=[]), "at least one"),
         "a game twice": (changed(games=changed()["games"][:1] * 2), "each game once"),
         "a game is no object": (changed(games=[1]), "a game must be a table, got 1"),
-        "other numbers": (changed(protocol={**changed()["protocol"], "epsilon": 0.5}), "needs another name"),
-        "unknown number": (changed(protocol={**changed()["protocol"], "luck": 1}), "luck"),
+        "other numbers": (with_protocol(epsilon=0.5), "needs another name"),
+        "unknown number": (with_protocol(luck=1), "luck"),
         "bool as a seed": (changed(seed=True), "'seed' must be a whole number, got True"),
         "a score missing": (with_game(scores=[1.0]), "as many scores"),
         "a score of text": (with_game(scores=["1", 2, 3]), "each of scores must be a number, got '1'"),

@@ -10,7 +10,7 @@ from atari.learning import ReplayMemory
 
 def filled(steps: int, lanes: int = 1, *, ends: tuple[int, ...] = (), exponent: float = 0.6, **options) -> ReplayMemory:
     """A memory in which the reward of a step is its row."""
-    memory = ReplayMemory(1000, lanes, (2, 2), priority_exponent=exponent, seed=0, **options)
+    memory = ReplayMemory(options.pop("capacity", 1000), lanes, (2, 2), priority_exponent=exponent, seed=0, **options)
     frames = np.zeros((lanes, 2, 2), np.uint8)
     memory.reset(frames)
     for row in range(steps):
@@ -42,7 +42,7 @@ def test_frequencies_are_the_probabilities() -> None:
     memory = filled(50, exponent=1.0)
     priorities = np.arange(50.0)
     memory.update_priorities(np.arange(50), priorities)
-    counts = np.bincount(np.concatenate([memory.sample(25, beta=0.5).indices for _ in range(4000)]), minlength=50)
+    counts = np.bincount(np.concatenate([memory.sample(100, beta=0.5).indices for _ in range(1000)]), minlength=50)
     expected = priorities / priorities.sum() * 100_000
     assert counts[0] == 0
     assert (np.abs(counts - expected) < 6 * np.sqrt(expected + 1)).all()
@@ -67,17 +67,13 @@ def test_steps_within_the_reach_of_n_are_not_drawn() -> None:
 
 
 def test_priorities_of_overwritten_steps_have_no_effect() -> None:
-    memory = ReplayMemory(10, 1, (2, 2), priority_exponent=1.0, seed=0)
-    frames = np.zeros((1, 2, 2), np.uint8)
-    memory.reset(frames)
-    no = np.zeros(1, bool)
-    for _ in range(25):
-        memory.add(np.zeros(1, int), np.zeros(1), no, no, observations=frames)
+    memory = filled(25, exponent=1.0, capacity=10)
     memory.update_priorities(np.arange(25), np.where(np.arange(25) < 15, 1e9, 1.0))
     batch = memory.sample(1000, beta=1.0)
     assert batch.indices.min() == 15
     assert (batch.weights == 1).all()
-    memory.add(np.zeros(1, int), np.zeros(1), no, no, observations=frames)
+    no = np.zeros(1, bool)
+    memory.add(np.zeros(1, int), np.zeros(1), no, no, observations=np.zeros((1, 2, 2), np.uint8))
     assert 25 in memory.sample(100, beta=1.0).indices
 
 
@@ -106,6 +102,7 @@ def test_bad_priorities_change_nothing() -> None:
         ([0, 99], [1.0, 1.0], ValueError),
         ([0, -1], [1.0, 1.0], ValueError),
         ([0, 1], [1.0], ValueError),
+        ([[0, 1]], [[1.0, 2.0]], ValueError),
         ([0.5], [1.0], TypeError),
         (["a"], [1.0], TypeError),
     ):
@@ -118,13 +115,6 @@ def test_bad_priorities_change_nothing() -> None:
         memory.sample(1, beta=1.0)
     with pytest.raises(ValueError, match="priority_exponent"):
         ReplayMemory(10, 1, (2, 2)).update_priorities(np.array([0]), np.array([1.0]))
-
-
-def test_one_priority_is_given_for_each_step() -> None:
-    memory = filled(50)
-    for indices, priorities in (([0, 1], [1.0]), ([[0, 1]], [[1.0, 2.0]])):
-        with pytest.raises(ValueError, match=r"must be \(batch,\)"):
-            memory.update_priorities(np.array(indices), np.array(priorities))
 
 
 @pytest.mark.parametrize(("exponent", "most"), [(0.5, 1e100), (1.0, 1e100), (4.0, 9.99e24)])
@@ -174,7 +164,7 @@ class NaivePriorities:
             self.given[row] = max(self.given.get(row, 0.0), priority)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.integers(1, 3), st.integers(1, 9), st.integers(0, 2**20))
 def test_new_steps_get_the_greatest_priority_of_stored_rows(lanes: int, rows: int, seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -1,6 +1,5 @@
 """The runs of a sweep: games, seeds, and folders that hold other runs."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -86,14 +85,12 @@ def begun(path: Path, agent: Any, options: Any) -> None:
     Training.begin(agent, options, path).close()
 
 
-OtherOptions = Callable[[str, int], Any]
-
-
 @pytest.mark.parametrize(
     ("name", "other", "error"),
     [
         ("pong-seed0", {"gamma": 0.9}, r"pong-seed0 has gamma=0.9, and this sweep 0.99; give another folder"),
         ("pong-seed0", {"noops": (0, 3)}, r"pong-seed0 has noops=\(0, 3\), and this sweep \(1, 30\)"),
+        ("pong-seed0", {"network": "small"}, "pong-seed0 has network='small', and this sweep 'nature'; give another"),
         ("pong-seed0", {"seed": 4}, r"pong-seed0 has seed=4, and this sweep 0"),
         ("else", {"seed": 9, "gamma": 0.9}, r"else has gamma=0.9, and this sweep 0.99"),
         ("else", {"seed": 9}, None),
@@ -110,16 +107,6 @@ def test_a_folder_with_runs_of_other_options_is_refused(
         return
     with pytest.raises(ValueError, match=error):
         check_folder(tmp_path, agent_code("ppo"), runs, resolve)
-
-
-def test_a_run_with_another_network_is_refused(tmp_path: Path) -> None:
-    def resolve_with(network: Any) -> Any:
-        return lambda game, seed: resolve(game, seed, network=network)
-
-    runs = plan(["pong"], [0], tmp_path, resolve_with("small"))
-    begun(tmp_path / "pong-seed0", "ppo", resolve("pong", 0))
-    with pytest.raises(ValueError, match="pong-seed0 has network='nature', and this sweep 'small'; give another"):
-        check_folder(tmp_path, agent_code("ppo"), runs, resolve_with("small"))
 
 
 def test_programs_are_kept_as_copies(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
-"""The processes of a sweep, with a program in place of `atari` that takes no time."""
+"""The processes of a sweep, with a program in place of `atari` that takes no time, and the table that shows them."""
 
+import io
 import json
 import sys
 import time
@@ -15,7 +16,8 @@ from atari.learning import PROTOCOLS  # noqa: E402
 from atari.learning.agents.ppo import PPO  # noqa: E402
 from atari.learning.run_folder import RunFolder  # noqa: E402
 from atari.learning.sweep.plan import TrainingRun, plan  # noqa: E402
-from atari.learning.sweep.processes import Settings, do_runs, next_step  # noqa: E402
+from atari.learning.sweep.processes import Progress, Settings, do_runs, next_step  # noqa: E402
+from atari.learning.sweep.table import Table  # noqa: E402
 
 PROGRAM = """
 import os, sys, threading, time
@@ -62,10 +64,7 @@ def test_the_steps_of_a_run(settings: Settings) -> None:
     assert next_step(run, settings) == expected  # it is damaged
 
 
-@pytest.mark.parametrize(
-    ("mode", "reason"),
-    [("", "ended without a result"), ("error", "the disk is full")],
-)
+@pytest.mark.parametrize(("mode", "reason"), [("", "ended without a result"), ("error", "the disk is full")])
 def test_no_more_processes_than_jobs_and_a_failure_does_not_stop_the_others(
     settings: Settings, mode: str, reason: str
 ) -> None:
@@ -126,3 +125,53 @@ def test_a_damaged_run_folder_fails(settings: Settings) -> None:
     (one,) = do_runs([run], settings, Event(), lambda every: None)
     assert one.state == "failed"
     assert "format 99" in one.error
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def progress(games: list[str], states: list[str]) -> list[Progress]:
+    return [Progress(run, state) for run, state in zip(runs_of(games), states, strict=True)]
+
+
+@pytest.mark.usefixtures("settings")
+def test_a_line_a_change_without_a_terminal() -> None:
+    stream = io.StringIO()
+    table = Table(stream, 80, 24)
+    one, other = progress(["pong", "breakout"], ["training", "waiting"])
+    table.show([one, other])
+    table.show([one, other])
+    assert stream.getvalue() == "pong-seed0 training 0 10,000,000 -\n"
+    one.run.path.mkdir()
+    (one.run.path / "log.csv").write_text("step,score\n128,nan\n256,-20.5\n3")
+    one.state, other.state, other.error = "done", "failed", "no\x1b[2J room"
+    table.show([one, other])
+    assert stream.getvalue().splitlines()[1:] == [
+        "pong-seed0 done 256 10,000,000 -20.5",
+        "breakout-seed0 failed: no\\x1b[2J room 0 10,000,000 -",
+    ]
+
+
+@pytest.mark.usefixtures("settings")
+def test_a_table_in_a_terminal_changes_in_place() -> None:
+    stream = Terminal()
+    table = Table(stream, 60, 24)
+    runs = progress(["pong", "breakout"], ["done", "training"])
+    table.show(runs)
+    lines = stream.getvalue().splitlines()
+    assert [line.split()[:2] for line in lines[:3]] == [
+        ["run", "state"],
+        ["pong-seed0", "done"],
+        ["breakout-seed0", "training"],
+    ]
+    assert lines[3] == "2 runs: 1 done, 1 training"
+    runs[1].state = "evaluating"
+    table.show(runs)
+    assert "\x1b[4F\x1b[J" in stream.getvalue()
+    small = Terminal()
+    runs[0].error = "long " * 40
+    Table(small, 40, 4).show(runs)  # there is room for one run, the one at work
+    assert [line.split()[0] for line in small.getvalue().splitlines()] == ["run", "breakout-seed0", "2"]
+    assert max(map(len, small.getvalue().splitlines())) < 40

@@ -30,12 +30,9 @@ def results_of(runs: list[TrainingRun], protocol: str, frames: list[int]) -> lis
 
 
 def test_the_frames_are_those_of_the_planned_steps() -> None:
-    (run,) = runs_of(["pong"], [0], 1000)
-    assert planned_frames(run.options) == 4000
-    (run,) = runs_of(["pong"], [0], 1000, frameskip=(2, 5))
-    assert planned_frames(run.options) == 3000
-    (run,) = runs_of(["pong"], [0], 1000, stop_score=18.0)
-    assert planned_frames(run.options) is None
+    for options, frames in (({}, 4000), ({"frameskip": (2, 5)}, 3000), ({"stop_score": 18.0}, None)):
+        (run,) = runs_of(["pong"], [0], 1000, **options)
+        assert planned_frames(run.options) == frames
 
 
 def test_agents_have_all_games_of_the_sweep_at_its_frames() -> None:
@@ -60,14 +57,11 @@ def test_the_runs_of_all_seeds_are_an_agent() -> None:
     assert not comparison.mixed
 
 
-def test_trainings_that_stopped_at_a_score_are_mixed() -> None:
+def test_trainings_that_stopped_at_a_score_are_mixed_and_a_game_without_a_human_score_is_not_compared() -> None:
     runs = runs_of(["pong"], [0, 1], 2_500_000, stop_score=18.0)
     comparison = compare_runs("ppo", runs, results_of(runs, "dopamine", [4000, 8000]), [], mixed=False)
     assert comparison is not None
     assert comparison.mixed
     assert comparison.notes[-1].endswith("has scores of these games at other numbers of frames")
-
-
-def test_a_game_without_a_human_score_has_no_comparison() -> None:
     runs = runs_of(["carnival"], [0], 1000)
     assert compare_runs("ppo", runs, results_of(runs, "dopamine", [4000]), [], mixed=False) is None
