@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from atari.cores.options import SEED_LIMIT
-from atari.learning.evaluation.evaluate import record_task
-from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
+from atari.learning.evaluation.evaluate import EvaluatedPolicy, record_task
 from atari.learning.evaluation.played import EvaluatedGame, has_no_needs, played_task, resolve_games, usual_protocol
 from atari.learning.evaluation.protocols import find_protocol
 from atari.learning.options import NOT_FOR_AGENTS

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from cli_tools import read_json
 
 from atari.cli import main
 from atari.lab import write_dataset
@@ -23,6 +24,7 @@ from atari.integrations.ray import collect  # noqa: E402 - it needs Ray
 
 GAME, SEEDS = "breakout", [3, 4, 6]
 OPTIONS: dict[str, Any] = {"frames": "grayscale", "labels": ["ball_x"]}
+WORDS = ["--frames", "grayscale", "--labels", "ball_x"]
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -52,14 +54,11 @@ def test_the_rows_are_those_of_one_process(dataset: Path, tmp_path: Path) -> Non
     assert here["steps"] == rows.num_rows - len(SEEDS)
     of_one, of_all = (dict(table.schema.metadata) for table in (rows, expected))
     del of_one[b"core_seeds"], of_one[b"sha256"], of_all[b"sha256"]
-    assert json.loads(of_all.pop(b"core_seeds")) == [
-        seed for path in sorted(dataset.glob("*.parquet")) for seed in json.loads(_metadata(path)[b"core_seeds"])
+    seeds = [
+        json.loads(parquet.read_schema(path).metadata[b"core_seeds"]) for path in sorted(dataset.glob("*.parquet"))
     ]
+    assert json.loads(of_all.pop(b"core_seeds")) == [seed for several in seeds for seed in several]
     assert of_one == of_all
-
-
-def _metadata(path: Path) -> dict[bytes, bytes]:
-    return dict(parquet.read_schema(path).metadata)
 
 
 def test_a_stopped_run_goes_on(dataset: Path, tmp_path: Path) -> None:
@@ -116,9 +115,7 @@ def test_one_file_is_that_of_one_process(cluster: Any, tmp_path: Path, monkeypat
     h5py = pytest.importorskip("h5py", reason="h5py is not installed")
     monkeypatch.chdir(tmp_path)
     result = collect(GAME, "games.h5", seeds=range(2), **OPTIONS)
-    assert (
-        main(["collect", GAME, "--episodes", "2", "-o", "here.h5", "--frames", "grayscale", "--labels", "ball_x"]) == 0
-    )
+    assert main(["collect", GAME, "--episodes", "2", "-o", "here.h5", *WORDS]) == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["games.h5", "here.h5"]
     with h5py.File("games.h5") as games, h5py.File("here.h5") as here:
         assert games["episode_1/frames"][:].tobytes() == here["episode_1/frames"][:].tobytes()
@@ -164,8 +161,7 @@ def test_another_folder_stays(cluster: Any, tmp_path: Path) -> None:
     ],
 )  # fmt: skip
 def test_a_damaged_manifest_is_refused(dataset: Path, tmp_path: Path, line: bytes) -> None:
-    folder = tmp_path / "games.parquet"
-    shutil.copytree(dataset, folder)
+    folder = shutil.copytree(dataset, tmp_path / "games.parquet")
     with (folder / "_manifest.jsonl").open("ab") as manifest:
         manifest.write(line + b"\n")
     with pytest.raises(ValueError, match=r"_manifest\.jsonl"):
@@ -173,8 +169,7 @@ def test_a_damaged_manifest_is_refused(dataset: Path, tmp_path: Path, line: byte
 
 
 def test_planted_links_are_not_followed(dataset: Path, tmp_path: Path) -> None:
-    folder, victim = tmp_path / "games.parquet", tmp_path / "victim"
-    shutil.copytree(dataset, folder)
+    folder, victim = shutil.copytree(dataset, tmp_path / "games.parquet"), tmp_path / "victim"
     victim.write_bytes((folder / "_manifest.jsonl").read_bytes() + b"half a line")
     (folder / "_manifest.jsonl").unlink()
     (folder / "_manifest.jsonl").symlink_to(victim)
@@ -185,12 +180,9 @@ def test_planted_links_are_not_followed(dataset: Path, tmp_path: Path) -> None:
 
 def test_the_command(cluster: Any, dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     monkeypatch.chdir(tmp_path)
-    words = ["collect", GAME, "--seed", "3", "--episodes", "2", "--frames", "grayscale", "--labels", "ball_x"]
-    words += ["--ray", cluster.address, "-o", "games.parquet", "--json"]
-    assert main(words) == 0
-    assert json.loads(capsys.readouterr().out)["played"] == 2
-    assert main(words) == 0
-    assert json.loads(capsys.readouterr().out)["played"] == 0
+    words = ["collect", GAME, "--seed", "3", "--episodes", "2", *WORDS, "--ray", cluster.address, "-o", "games.parquet"]
+    for played in (2, 0):
+        assert read_json(capsys, *words)["played"] == played
     expected = digests(dataset)
     assert digests(Path("games.parquet")) == {name: expected[name] for name in list(expected)[:2]}
     assert main([*words, "--policy", "a.a26r"]) == 1

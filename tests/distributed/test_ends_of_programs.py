@@ -10,30 +10,23 @@ from programs import REPORTING, printed_at_end
 pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./scripts/test --ray")
 pytestmark = pytest.mark.ray
 
-ENDS = {
-    "actors": """
-        import ray
-        from atari.integrations.ray import RolloutActors
-        ray.init(num_cpus=2, include_dashboard=False, object_store_memory=200_000_000, _temp_dir={folder!r})
-        actors = RolloutActors("pong", 2, 2, "random", steps=4, preset="dqn2015")
-        rollout = next(actors)
-    """,
-    "an environment beside a cluster": """
-        import ray, atari
-        ray.init(num_cpus=1, include_dashboard=False, object_store_memory=200_000_000, _temp_dir={folder!r})
-        envs = atari.AtariVectorEnv("pong", 2)
-        envs.reset(seed=0)
-        env = ray.get(ray.put(atari.AtariEnv("pong")))
-    """,
-}
+PROGRAM = """
+import ray, atari
+from atari.integrations.ray import RolloutActors
+ray.init(num_cpus=2, include_dashboard=False, object_store_memory=200_000_000, _temp_dir={folder!r})
+actors = RolloutActors("pong", 2, 2, "random", steps=4, preset="dqn2015")
+rollout = next(actors)
+envs = atari.AtariVectorEnv("pong", 2)
+envs.reset(seed=0)
+env = ray.get(ray.put(atari.AtariEnv("pong")))
+"""
 
 
-@pytest.mark.parametrize("name", ENDS)
-def test_nothing_is_left(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of actors, and of environments beside a cluster."""
     with tempfile.TemporaryDirectory(prefix="atari-ray-", dir="/tmp", ignore_cleanup_errors=True) as folder:
         monkeypatch.setenv("HOME", folder)
         monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")
         monkeypatch.setenv("RAY_AUTH_TOKEN", secrets.token_hex(32))
         monkeypatch.setenv("PYTHONPATH", os.environ.get("PYTHONPATH", ""))
-        lines = (line.removeprefix("        ") for line in ENDS[name].format(folder=folder).splitlines())
-        assert "nanobind" not in printed_at_end(REPORTING + "\n".join(lines) + "\n")
+        assert "nanobind" not in printed_at_end(REPORTING + PROGRAM.format(folder=folder))

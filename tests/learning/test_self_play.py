@@ -1,7 +1,6 @@
 """`examples/self_play.py`: the observations of both sides, and a short training, table and match."""
 
-import importlib.util
-import sys
+import importlib
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +16,9 @@ from atari.recording import Replay  # noqa: E402
 
 @pytest.fixture(scope="module")
 def example() -> Any:
-    path = Path(__file__).parents[2] / "examples" / "self_play.py"
-    spec = importlib.util.spec_from_file_location("self_play", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["self_play"] = module
-    spec.loader.exec_module(module)
-    return module
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(Path(__file__).parents[2] / "examples")
+        return importlib.import_module("self_play")
 
 
 def test_the_second_player_sees_the_game_in_a_mirror(example: Any) -> None:

@@ -475,7 +475,7 @@ CASES: Mapping[str, Case] = {
     ),
     "atari.integrations.envpool.pool.EnvPool": (pooled, pool_steps),
     "atari.integrations.envpool.pool.GymnasiumEnvPool": (pooled, pool_steps),
-    "atari.integrations.envpool.arrays.ArraySpec": (
+    "atari.integrations.envpool.spec.ArraySpec": (
         lambda: envpool.make_spec("Pong-v5").state_array_spec["obs"],
         itself,
     ),

@@ -6,7 +6,6 @@
 from typing import Any
 
 from atari.integrations.envpool import atari
-from atari.integrations.envpool.arrays import ArraySpec
 from atari.integrations.envpool.pool import (
     EnvPool,
     GymnasiumEnvPool,
@@ -16,7 +15,7 @@ from atari.integrations.envpool.pool import (
     make_gym,
     make_gymnasium,
 )
-from atari.integrations.envpool.spec import EnvPoolSpec, import_dm, make_spec, register
+from atari.integrations.envpool.spec import ArraySpec, EnvPoolSpec, import_dm, make_spec, register
 
 __version__ = "1.2.5"
 """The version of EnvPool with this interface, for scripts that check it."""

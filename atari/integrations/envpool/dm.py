@@ -7,9 +7,8 @@ import dm_env
 import numpy as np
 from dm_env import specs
 
-from atari.integrations.envpool.arrays import ArraySpec
 from atari.integrations.envpool.pool import EnvPool
-from atari.integrations.envpool.spec import EnvPoolSpec
+from atari.integrations.envpool.spec import ArraySpec, EnvPoolSpec
 
 players = namedtuple("players", ["env_id"])
 _ARRAYS = ("obs", "lives", "reward", "terminated", "ram")

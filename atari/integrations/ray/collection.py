@@ -19,8 +19,7 @@ from atari.cores.options import SEED_LIMIT
 from atari.lab.dataset import Format, check_output, output_format, write_dataset
 from atari.lab.labels import Labels
 from atari.learning import load_policy
-from atari.learning.evaluation.evaluate import record_task
-from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
+from atari.learning.evaluation.evaluate import EvaluatedPolicy, record_task
 from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games, usual_protocol
 from atari.task import Task
 from atari.task.task import GameLike

@@ -238,10 +238,7 @@ def _read_first_page(file: BinaryIO, path: Path) -> MemoryOptions:
     with naming(path):
         options = checked_options(json_text.parse(rest[:length], "the table of options"))
     if magic != _magic(options):
-        raise ValueError(
-            f"{path} is a memory with priorities of an earlier version of atari-envs, which did not store the greatest "
-            "priority of each row; make a new memory"
-        )
+        raise ValueError(f"{path} is a memory with priorities of an earlier version of atari-envs; make a new memory")
     return options
 
 

@@ -15,8 +15,7 @@ from atari.base.gymnasium_versions import AutoresetMode, autoreset_mode
 from atari.base.validation import check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.learning.memory import memory_file
-from atari.learning.memory.batch_pool import BatchPool
-from atari.learning.memory.batches import Batch, Sequences, array_maker, check_size, make_batch, target_of
+from atari.learning.memory.batches import Batch, BatchPool, Sequences, array_maker, check_size, make_batch, target_of
 from atari.learning.memory.options import MemoryOptions, as_numpy, options_for
 from atari.learning.memory.step_arrays import StepArrays
 from atari.learning.memory.stored_memory import StoredMemory, atomic

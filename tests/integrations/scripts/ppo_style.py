@@ -1,20 +1,10 @@
 """The loop of a PPO script for EnvPool, with a wrapper for the statistics of whole games."""
 
 import argparse
-import random
 
 import envpool
 import gym
 import numpy as np
-
-
-def parse_args():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--env-id", type=str, default="Breakout-v5")
-    parser.add_argument("--num-envs", type=int, default=8)
-    parser.add_argument("--num-steps", type=int, default=400)
-    parser.add_argument("--seed", type=int, default=1)
-    return parser.parse_args()
 
 
 class RecordEpisodeStatistics(gym.Wrapper):
@@ -46,17 +36,19 @@ class RecordEpisodeStatistics(gym.Wrapper):
 
 
 if __name__ == "__main__":
-    args = parse_args()
-    random.seed(args.seed)
-    np.random.seed(args.seed)
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--num-envs", type=int, default=8)
+    parser.add_argument("--num-steps", type=int, default=400)
+    args = parser.parse_args()
+    np.random.seed(1)
     envs = envpool.make(
-        args.env_id,
+        "Breakout-v5",
         env_type="gym",
         num_envs=args.num_envs,
         episodic_life=True,
         reward_clip=True,
         repeat_action_probability=0.25,
-        seed=args.seed,
+        seed=1,
     )
     envs.num_envs = args.num_envs
     envs.single_action_space = envs.action_space

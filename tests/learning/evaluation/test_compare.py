@@ -88,7 +88,7 @@ def test_equal_frames():
     at_mean = compare(result(), "dopamine/rainbow", frames=30_000_000).rows[1]
     assert (at_mean.runs, at_mean.iqm.low) == (None, None)  # the source has only the mean over seeds there
     between, at = (str(compare(result(), "dopamine/rainbow", frames=frames)) for frames in (30_500_000, 30_000_000))
-    assert "rainbow at 30,500,000 frames: the mean of its games of frames 30,000,001 to 31,000,000\n" in between
+    assert "rainbow at 30,500,000 frames: the mean of its games of frames 30,000,001 to 31,000,000" in between
     assert "the mean of its games" not in at
 
 

@@ -10,8 +10,7 @@ from field_values import CASES
 
 import atari
 from atari.learning import PROTOCOLS, EvaluationProtocol, Result, ScoresPolicy, evaluate, load_policy, record_games
-from atari.learning.evaluation.evaluate import episode_seed
-from atari.learning.evaluation.evaluated_policy import EvaluatedPolicy
+from atari.learning.evaluation.evaluate import EvaluatedPolicy, episode_seed
 from atari.learning.evaluation.played import resolve_games, usual_protocol
 from atari.task import PRESETS, Task
 from atari.task.fields import OF_GAME
@@ -148,7 +147,7 @@ def test_epsilon_draws_actions_that_the_policy_does_not_choose():
 def test_a_policy_gets_the_observations_that_it_names(environment, shape):
     policy = constant(environment=environment)
     result = evaluate(policy, "breakout", short("dqn2015", 100), episodes=2)
-    assert {seen.shape for seen in policy.seen} == {(2, *shape)}
+    assert {seen.shape[1:] for seen in policy.seen} == {shape}
     assert result["breakout"].observation["padding"] == "zero"
 
 
@@ -214,28 +213,20 @@ def of_task(task, **environment):
         (ValueError, {"policy": needs(stack=4)}, "has no option 'stack'"),
         (ValueError, {"policy": needs(frameskip="four")}, "frameskip"),
         (ValueError, {"policy": needs(preset=5)}, "there is no preset"),
-        (ValueError, {"policy": needs(preset=[])}, "there is no preset"),
         (ValueError, {"policy": needs(actions=5)}, "a list of names"),
-        (ValueError, {"policy": needs(actions=[])}, "a list of names"),
-        (ValueError, {"policy": needs(actions=[["NOOP"]])}, "got ['NOOP']"),
         (ValueError, {"policy": needs(img_height="84")}, "the environment of the policy"),
-        (ValueError, {"policy": needs(obs_type="pixels")}, "obs_type"),
         (FileNotFoundError, {"policy": needs(rom="nosuch.bin")}, "nosuch.bin"),
         (ValueError, {"policy": needs(frameskip=5)}, "plays 4 frames an action, the policy 5"),
         (ValueError, {"policy": needs(mode=1)}, "pass atari.Task.of('pong', mode=1) as the game"),
         (ValueError, {"policy": needs(difficulty=1)}, "pass atari.Task.of('pong', difficulty=1) as the game"),
         (ValueError, {"policy": needs(interventions=["lazy_enemy"])}, "interventions=['lazy_enemy']) as the game"),
-        (ValueError, {"policy": needs(interventions=["lazy"])}, "lazy"),
         (ValueError, {"policy": needs(players=2)}, "plays games with players=1, and the policy has players=2"),
         (ValueError, {"policy": needs(continuous=True)}, "plays games with continuous=False, and the policy"),
-        (ValueError, {"policy": needs(agent_indicator=True)}, "agent_indicator=True has no effect"),
         (ValueError, {"policy": needs(continuous_action_threshold=0.25)}, "threshold=0.25 has no effect"),
         (ValueError, {"policy": needs(num_threads=2)}, "num_threads is an option of what plays the policy"),
-        (ValueError, {"policy": needs(episodic_life="no")}, "episodic_life must be True or False"),
         (ValueError, {"policy": needs(task=5)}, "task must be an atari.Task"),
         (ValueError, {"policy": needs(task={"format": 1, "game": "pong", "luck": 1})}, "no key 'luck'"),
         (ValueError, {"policy": of_task(Task.of("pong", preset="dqn2015"), stack_num=2)}, "decides stack_num, too"),
-        (ValueError, {"policy": of_task(Task.of("pong", mode=1))}, "pass atari.Task.of('pong', mode=1)"),
         (ValueError, {"policy": of_task(Task.of("pong", frameskip=(2, 5)))}, "4 frames an action, the policy 2 to 4"),
         (ValueError, {"policy": needs(interventions=["lazy_enemy"])}, "give a command --intervention lazy_enemy"),
         (ValueError, {"games": Task.of("pong", players=2)}, "plays games with players=1"),

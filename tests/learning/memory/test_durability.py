@@ -173,7 +173,7 @@ def test_crashes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mode: str, com
             if disk.random.random() < 0.3:
                 disk.see()
         disk.flush()
-    assert len(disk.found) > 100
+    assert len(disk.found) > 80
     assert len(set(disk.found)) == 6
 
 
