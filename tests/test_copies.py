@@ -45,8 +45,8 @@ ELSEWHERE = {
     "atari.integrations.sb3.AtariVecEnv": "tests/peers/test_copies.py",
     "atari.integrations.sb3.RecordReplay": "tests/peers/test_copies.py",
     "atari.integrations.sb3.RecordVideo": "tests/peers/test_copies.py",
-    "atari.integrations.ray.rllib.GameScores": "tests/distributed/test_copies.py",
-    "atari.integrations.ray.rollout_actors.RolloutActors": "tests/distributed/test_copies.py",
+    "atari.integrations.ray.rllib.GameScores": "tests/distributed/test_rllib_config.py",
+    "atari.integrations.ray.rollout_actors.RolloutActors": "tests/distributed/test_rollout_actors.py",
 }
 """Classes that need an optional library, and the file that copies them."""
 

@@ -50,8 +50,8 @@ def to_jax(arrays: Any) -> Any:
         gymnasium.error.DependencyNotInstalled: JAX is not installed.
         TypeError: something else is given, or JAX has no such dtype.
     """
-    jax_numpy = import_extra("jax.numpy", f"atari.to_jax needs JAX: {pip_install('jax')}")
-    return _mapped(jax_numpy.from_dlpack, arrays)
+    jax = import_extra("jax", f"atari.to_jax needs JAX: {pip_install('jax')}")
+    return _mapped(jax.numpy.from_dlpack, arrays)
 
 
 def _mapped(convert: Any, arrays: Any) -> Any:

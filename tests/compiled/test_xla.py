@@ -100,7 +100,7 @@ def test_a_scan_is_as_many_steps(case: str, callback: bool) -> None:
     handle, results = rollout(step, handle, actions)
     ends = assert_rows_equal(twin, actions, results)
     assert ends >= 5 * envs.num_envs or "preset" in CASES[case] or case == "disabled"
-    if case != "disabled":  # Python goes on from there
+    if case != "disabled" and not isinstance(results[0], dict):  # Python goes on from there
         assert_rows_equal(twin, actions[:1], tuple(np.asarray(part)[None] for part in envs.step(actions[0])[:4]))
 
 

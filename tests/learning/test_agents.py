@@ -76,14 +76,14 @@ sys.path.insert(0, {SUPPORT!r})
 from pathlib import Path
 from small_trainings import make_options
 from atari.learning.training import Training
-options = make_options("dqn", total_steps=5000, checkpoint_minutes=0.0005)
+options = make_options("dqn", total_steps=3000, checkpoint_minutes=0.0005)
 Training.begin("dqn", options, Path(sys.argv[1])).run()
 """
 
 
 def test_a_killed_training_ends_with_the_same_weights(tmp_path: Path) -> None:
     """The process of a training is killed; `test_crashes.py` has all moments of all agents."""
-    options = make_options("dqn", total_steps=5000, checkpoint_minutes=0.0005)
+    options = make_options("dqn", total_steps=3000, checkpoint_minutes=0.0005)
     with closing(Training.begin("dqn", options, tmp_path / "whole")) as training:
         training.run()
     killed = subprocess.Popen([sys.executable, "-c", TRAINING, str(tmp_path / "killed")])

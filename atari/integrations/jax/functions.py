@@ -56,10 +56,8 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
         (8,)
     """
     port, options = envs.xla_port(), envs.options
-    import_extra("jax.ffi", f"xla() needs JAX 0.5.0 or newer: {pip_install('jax')}")
-    import jax
-    import jax.numpy
-
+    need = f"xla() needs JAX 0.5.0 or newer: {pip_install('jax')}"
+    jax, *_ = (import_extra(name, need) for name in ("jax", "jax.ffi", "jax.numpy"))
     if callback is not None and not isinstance(callback, bool):
         raise TypeError(f"callback must be True, False or None, got {callback!r}")
     if options.continuous:
