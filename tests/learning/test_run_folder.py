@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 import warnings
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
@@ -45,6 +46,12 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
     return make_run(tmp_path_factory.mktemp("runs") / "pong")
 
 
+@pytest.fixture(scope="module")
+def breakout(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    """A run whose games are short: the policy has not learned anything."""
+    return make_run(tmp_path_factory.mktemp("runs") / "breakout", game="breakout", steps=64)
+
+
 @pytest.fixture
 def copy(run: RunFolder, tmp_path: Path) -> Path:
     """A copy of the folder of `run`."""
@@ -71,12 +78,12 @@ def test_a_training_stops_and_goes_on(tmp_path: Path) -> None:
     assert [row["step"] for row in resumed.folder.rows()] == [64, 128, 192, 256]
 
 
-def test_the_policy_plays_the_same_games_whatever_the_lanes(run: RunFolder, tmp_path: Path) -> None:
-    protocol = training_protocol(run)
-    scores = [evaluate(str(run.path), "pong", protocol, episodes=2, num_envs=lanes)["pong"] for lanes in (1, 2)]
+def test_the_policy_plays_the_same_games_whatever_the_lanes(breakout: RunFolder, tmp_path: Path) -> None:
+    protocol, game = training_protocol(breakout), "breakout"
+    scores = [evaluate(str(breakout.path), game, protocol, episodes=2, num_envs=lanes)[game] for lanes in (1, 2)]
     assert scores[0].scores == scores[1].scores
     seeds = scores[0].seeds
-    played = record_games(load_policy(run.path), "pong", protocol, seeds, tmp_path / "a.a26r")
+    played = record_games(load_policy(breakout.path), game, protocol, seeds, tmp_path / "a.a26r")
     assert [score for score, _ in played] == list(scores[0].scores)
     assert [episode.score for episode in Replay.load(tmp_path / "a.a26r").episodes] == list(scores[0].scores)
 
@@ -130,24 +137,23 @@ def test_games_of_the_evaluation_are_those_of_the_training(tmp_path: Path, name:
     assert ended[0] == ("breakout", result.scores[0], result.frames[0])
 
 
-def test_report(run: RunFolder) -> None:
+def test_report(breakout: RunFolder, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without PyAV there is no video."""
+    run = breakout
     result = finish(run, episodes=2)
     page = (run.path / "report.html").read_text()
     # test_curves_say_what_is_drawn has games
-    for text in ("PPO on Pong, from pixels", "No game has ended in the training", 'src="best.mp4'):
+    for text in ("PPO on Breakout, from pixels", "No game has ended in the training", 'src="best.mp4'):
         assert text in page
     assert {*re.findall("http://([^/]*)/", page)} <= {"www.w3.org", "purl.org", "creativecommons.org"}
-    assert Replay.load(run.path / "best.a26r").episodes[0].score == max(result["pong"].scores)
+    assert Replay.load(run.path / "best.a26r").episodes[0].score == max(result["breakout"].scores)
     assert (run.path / "best.mp4").stat().st_size > 10_000
     assert json.loads((run.path / "evaluation.json").read_text())
-
-
-def test_a_report_without_pyav_has_no_video(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (copy / "best.mp4").unlink(missing_ok=True)
+    (run.path / "report.html").unlink()
     monkeypatch.setitem(sys.modules, "av", None)
-    finish(RunFolder.open(copy), episodes=1)
-    assert (copy / "report.html").exists()
-    assert not (copy / "best.mp4").exists()
+    finish(run, episodes=1)
+    assert (run.path / "report.html").exists()
+    assert not (run.path / "best.mp4").exists()
 
 
 @pytest.mark.parametrize(
@@ -408,7 +414,7 @@ def test_ctrl_c_saves_and_says_how_to_go_on(tmp_path: Path) -> None:
     small = ["--num-envs", "4", "--horizon", "16", "--minibatch", "32", "--total-steps", "1e6"]
     training = subprocess.Popen([*command, *small], stderr=subprocess.PIPE, text=True)
     while not (tmp_path / "run" / "log.csv").exists() and training.poll() is None:
-        pass
+        time.sleep(0.05)
     training.send_signal(signal.SIGINT)
     assert training.stderr is not None
     printed = training.stderr.read()
