@@ -1,11 +1,13 @@
 """The fixtures and settings of all tests."""
 
+import gc
 import os
 import signal
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
+import ale_pool
 import ale_py
 import gymnasium
 import pytest
@@ -15,6 +17,8 @@ from atari.cores.ale import OLDEST_ALE_PY, _numbers
 OLD = _numbers(gymnasium.__version__) < _numbers("1.4.0") or _numbers(ale_py.__version__) < _numbers(OLDEST_ALE_PY)
 
 pytest.register_assert_rewrite("core_contract", "core_tools", "env_tools", "snapshot_contract", "cli_tools")
+
+ale_pool.use_pool()
 
 # A process that a shell has put into the background ignores Ctrl-C, and so do the programs that it runs.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
@@ -34,6 +38,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         passed = set(Path(LEAVE_OUT).read_text(encoding="utf-8").splitlines())
         config.hook.pytest_deselected(items=[item for item in items if item.nodeid in passed])
         items[:] = [item for item in items if item.nodeid not in passed]
+
+
+def pytest_collection_finish() -> None:
+    """Leave the objects of the imported modules out of later collections: tests collect often, each in a second."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_configure(config: pytest.Config) -> None:
