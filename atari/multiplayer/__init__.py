@@ -6,16 +6,18 @@ env = atari.multiplayer.parallel_env("pong")    # or .env("pong"): agents take t
 observations, infos = env.reset(seed=42)
 """
 
+import inspect
 import sys
+from collections.abc import Callable
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
 
 from atari.base.extras import install_extra
-from atari.games.pettingzoo import ENVIRONMENTS
+from atari.games.pettingzoo import ENVIRONMENTS, Environment
 from atari.multiplayer.ale import ALEInterface
 from atari.multiplayer.core import MultiplayerCore
-from atari.multiplayer.modules import make_modules
 
 if TYPE_CHECKING:
     from pettingzoo import AECEnv, ParallelEnv
@@ -116,9 +118,28 @@ def _require() -> None:
         ) from None
 
 
-for _module in make_modules(__name__, (raw_env, env, parallel_env)):
-    sys.modules[_module.__name__] = _module
-    globals()[_module.__name__.rpartition(".")[2]] = _module
+def _of_environment(environment: Environment, function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of a game as a function of the parameters of PettingZoo's environment."""
+    kind = inspect.Parameter
+    parameters = [kind(name, kind.POSITIONAL_OR_KEYWORD, default=value) for name, value in environment.defaults.items()]
+    signature = inspect.Signature([*parameters, kind("options", kind.VAR_KEYWORD)])
+
+    def make(*values: Any, **options: Any) -> Any:
+        given = signature.bind(*values, **options).arguments
+        return function(environment.id, **given.pop("options", {}), **given)
+
+    make.__name__, make.__doc__ = function.__name__, function.__doc__
+    vars(make)["__signature__"] = signature
+    return make
+
+
+# PettingZoo has a module for each environment: `from atari.multiplayer import pong_v3`.
+for _one in ENVIRONMENTS.values():
+    _module = ModuleType(f"{__name__}.{_one.id}", f"PettingZoo's environment {_one.id}.")
+    vars(_module).update(
+        {function.__name__: _of_environment(_one, function) for function in (raw_env, env, parallel_env)}
+    )
+    sys.modules[_module.__name__] = globals()[_one.id] = _module
 
 
 def __getattr__(name: str) -> Any:

@@ -237,7 +237,6 @@ OWN_OPTIONS = (
 
 
 def _check_fields(task: Task) -> None:
-    """Raise an error for a task with a field that a core does not honour."""
     for name in FIELDS:
         if name not in OF_CORE and getattr(task, name) != DEFAULTS[name]:
             raise ValueError(

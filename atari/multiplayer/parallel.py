@@ -132,7 +132,7 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
         )
         settings = {
             "random_seed": 0,
-            "repeat_action_probability": _largest(self._task.repeat_action_probability),
+            "repeat_action_probability": float(np.max(self._task.repeat_action_probability)),
             "max_num_frames_per_episode": self._task.max_num_frames_per_episode or 0,
             "sound_obs": self.core.sound,
         }
@@ -269,7 +269,6 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
         return make_episode(self._task, idle=idle, seed=seed)
 
     def _continued(self, state: bytes) -> _emulator.Episode:
-        """A new episode of the task in the state of another."""
         episode = self._make_episode()
         episode.load(state)
         return episode
@@ -292,11 +291,6 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
         if not self._task.agent_indicator:
             return dict.fromkeys(agents, seen)
         return {agent: indexed(seen, self.possible_agents.index(agent)) for agent in agents}
-
-
-def _largest(probability: Any) -> float:
-    """The sticky actions of the player who has most of them."""
-    return float(max(probability)) if isinstance(probability, tuple) else float(probability)
 
 
 def _checked(seed: Any) -> int:

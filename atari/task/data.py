@@ -201,7 +201,6 @@ class TaskData(TaskFields):
 
 
 def _action_sets(game: Game, players: int) -> tuple[tuple[Action, ...], tuple[Action, ...]]:
-    """The minimal and the full set of actions."""
     if players > 1:
         return rules_of(game).minimal_actions, PLAYER_ACTIONS
     return game.minimal_actions, game.legal_actions

@@ -101,7 +101,6 @@ def not_found(env_id: str, known: Iterable[str]) -> gymnasium.error.NameNotFound
 
 
 def _suggestion(env_id: str, known: Iterable[str]) -> str:
-    """The advice for an unknown ID: its prefix, version, case or spelling may be wrong."""
     wanted, skeletons = skeleton(env_id), {one: skeleton(one) for one in known}
     if wanted not in skeletons.values():
         near = difflib.get_close_matches(wanted, set(skeletons.values()), n=1, cutoff=0.7)

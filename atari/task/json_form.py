@@ -76,7 +76,6 @@ def require_same(stored: Any, own: TaskData, ignored: Collection[str] = ()) -> N
 
 
 def _shown(name: str, value: Any) -> str:
-    """The value of a field, with interventions by name and digest."""
     return repr(fact(value) if name == "interventions" else value)[:200]
 
 

@@ -1,4 +1,4 @@
-"""`KINDS`: what observations show, a row for each value of the field `obs_type`.
+"""`KINDS`: the content of observations, a row for each value of the field `obs_type`.
 
 Other modules read the row of a task, `Task.kind`, and do not compare the names.
 """
@@ -13,7 +13,7 @@ IN_WORDS = "rgb, grayscale, ram (128 bytes), dict (gray image and RAM) or rgb_di
 
 @dataclass(frozen=True)
 class Kind:
-    """What observations show: an image, the RAM, or a dict of both.
+    """The content of observations: an image, the RAM, or a dict of both.
 
     Attributes:
         image: the observation type of the image alone; None if there is no image. `stack_num` then stacks the RAM.

@@ -47,25 +47,22 @@ def fields_of(
         TypeError, ValueError: see `Task.of`.
     """
     given, names = translate(options, owner, others)
-    fields = {**DEFAULTS, **(_fields_of(game, given) if isinstance(game, TaskData) else {**base, "game": game})}
+    fields = {**DEFAULTS, **base, "game": game}
+    if isinstance(game, TaskData):
+        fields |= {**{name: getattr(game, name) for name in FIELDS}, "game": game.definition}
+        if given.get("players", game.players) != game.players:
+            fields["mode"] = None  # each number of players has modes of its own
     ram_stack = None if kind_of(fields["obs_type"]).image else fields["stack_num"]
     if preset is not None:
         chosen = find_preset(preset)
         _require(preset, chosen, {"players": fields["players"], **given}, names, fields["game"])
-        fields |= _fitting(chosen, fields)
+        kept = {} if kind_of(fields["obs_type"]).image else {"obs_type": fields["obs_type"]}  # presets describe images
+        fields |= {**chosen.fields, **kept}
     fields |= given
     if not kind_of(fields["obs_type"]).image:  # other stacks contain images
         fields["stack_num"] = given.get("stack_num", ram_stack)
     default_ineffective(fields, given)
     return fields
-
-
-def _fields_of(task: TaskData, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of a task beside options."""
-    fields = {name: getattr(task, name) for name in FIELDS}
-    if given.get("players", task.players) != task.players:
-        fields["mode"] = None  # each number of players has modes of its own
-    return {**fields, "game": task.definition}
 
 
 def translate(
@@ -162,11 +159,3 @@ def _within(game: Game, players: int, actions: Any, wanted: str) -> bool:
     tasks = (TaskData(**fields_of(game, None, {"players": players, "actions": chosen})) for chosen in (actions, wanted))
     own, allowed = (task.action_set for task in tasks)
     return own == allowed or (not isinstance(actions, str) and {*own} <= {*allowed})
-
-
-def _fitting(preset: Preset, fields: Mapping[str, Any]) -> dict[str, Any]:
-    """The fields of a preset for a game or task. RAM observations stay, because a preset only describes images."""
-    chosen = dict(preset.fields)
-    if not kind_of(fields["obs_type"]).image:
-        del chosen["obs_type"]
-    return chosen

@@ -128,12 +128,12 @@ GameLike = str | PathLike[str] | Game | Task
 
 @dataclass(frozen=True)
 class FoundGame:
-    """What GAME names: a task, or a game definition.
+    """The task or the game definition that GAME names.
 
     Attributes:
         game: the task or the definition.
         env_id: the ID, as the user wrote it, if GAME is one.
-        fields: what an ID says beside its game.
+        fields: the fields that an ID decides beside its game.
         environment: PettingZoo's environment of a name with a version.
     """
 
@@ -207,7 +207,7 @@ class FoundGame:
 
 
 def look_up(game: GameLike) -> FoundGame:
-    """What GAME names. No other function looks a game up for a task.
+    """The task or the game definition that GAME names. No other function looks a game up for a task.
 
     Raises:
         gymnasium.error.NameNotFound: there is no such ID; the message suggests the right one.

@@ -7,31 +7,11 @@ from atari.base.frozen import FrozenDict
 from atari.base.validation import check_integer, check_name
 from atari.task.checks import NO_LIMIT, check_bool
 from atari.task.observation_kinds import KINDS, with_image
+from atari.task.presets import PRESETS
 
-_PREPROCESSING = {
-    "repeat_action_probability": 0.0,
-    "max_num_frames_per_episode": None,
-    "max_frames": 108_000,
-    "obs_type": "grayscale",
-    "img_height": 84,
-    "img_width": 84,
-    "stack_num": 4,
-    "maxpool": True,
-}
-
-_ONE_PLAYER: Mapping[str, Any] = FrozenDict(
-    {
-        **_PREPROCESSING,
-        "noops": (0, 29),
-        "fire": "before_noops",
-        "fire_counts": True,
-        "fire_again": False,
-        "seeding": "ale",
-        "end_frames": "gymnasium",
-        "reward_clipping": True,
-    }
-)
-_SEVERAL_PLAYERS: Mapping[str, Any] = FrozenDict({**_PREPROCESSING, "seeding": "ale"})
+_ONE_PLAYER: Mapping[str, Any] = FrozenDict({**PRESETS["ale_vector"].fields, "fire_again": False, "seeding": "ale"})
+_SEVERAL_PLAYERS: Mapping[str, Any] = FrozenDict({**PRESETS["multiplayer_dqn"].fields, "padding": "zero"})
+"""ale-py's has one player. The fields for several are those without FIRE, no-ops and lost lives."""
 
 NAMES = ("noop_max", "use_fire_reset", "grayscale")
 """ale-py's names of options that have other names in a `Task`."""

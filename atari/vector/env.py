@@ -31,7 +31,6 @@ from atari.vector.options import VectorOptions, resolve_lanes
 from atari.vector.results import Results, pick_rows
 from atari.vector.seeds import seed_words
 from atari.vector.state import VectorState
-from atari.vector.views import Views
 
 IntArray = npt.NDArray[np.int64]
 _OF_TASKS = ("self", "game", "num_envs", "preset", "options")
@@ -41,7 +40,7 @@ _RESET_OPTIONS = ("reset_mask", "new_game")
 _RAM_OF = {"now": _emulator.RamOf.NOW, "result": _emulator.RamOf.RESULT, "final": _emulator.RamOf.FINAL}
 
 
-class AtariVectorEnv(Views, VectorState, VectorEnv):
+class AtariVectorEnv(VectorState, VectorEnv):
     """Environments of one game, or of several, played together in C++.
 
     `game` is an environment ID or an `atari.Task`, which decide the whole task, or a name. A name with a preset plays
@@ -108,7 +107,6 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
         self._begin(VectorOptions.check(tasks, bare, self._given))
 
     def _begin(self, options: VectorOptions) -> None:
-        """Make the engine and the spaces."""
         self._options = options
         self.num_envs = len(options.tasks)
         self.batch_size = options.batch_size
@@ -339,12 +337,12 @@ class AtariVectorEnv(Views, VectorState, VectorEnv):
     @property
     def continuous(self) -> bool:
         """Whether actions are (radius, angle, fire)."""
-        return self._options.continuous
+        return self._options.task.continuous
 
     @property
     def continuous_action_threshold(self) -> float:
         """The least deflection of the stick, or pressure on fire, that counts."""
-        return float(self._options.threshold)
+        return float(np.float32(self._options.task.continuous_action_threshold))
 
     @property
     def grayscale(self) -> bool:

@@ -122,10 +122,7 @@ class Lane:
 
     @mode.setter
     def mode(self, mode: int) -> None:
-        checked = self.checked("mode", mode)
-        with self._lock:
-            self._engine().set_mode(self.index, checked)
-            self._envs.note_choices(self.index)
+        self._choose("mode", mode)
 
     @property
     def difficulty(self) -> int:
@@ -135,9 +132,12 @@ class Lane:
 
     @difficulty.setter
     def difficulty(self, difficulty: int) -> None:
-        checked = self.checked("difficulty", difficulty)
+        self._choose("difficulty", difficulty)
+
+    def _choose(self, name: str, value: int) -> None:
+        checked = self.checked(name, value)
         with self._lock:
-            self._engine().set_difficulty(self.index, checked)
+            getattr(self._engine(), f"set_{name}")(self.index, checked)
             self._envs.note_choices(self.index)
 
     @property
@@ -259,7 +259,6 @@ def _require_write(write: Any) -> None:
 
 
 def _copied(array: ByteArray, out: ByteArray | None) -> ByteArray:
-    """The array, or `out` with its content."""
     if out is None:
         return array
     if not isinstance(out, np.ndarray) or out.shape != array.shape or out.dtype != np.uint8:

@@ -92,7 +92,6 @@ def task_of_lane(found: FoundGame, preset: str | None, options: Mapping[str, Any
 
 
 def _listed(game: GameLike | Sequence[GameLike], num_envs: int | None) -> list[GameLike]:
-    """The user's game for each environment."""
     if not isinstance(game, Sequence) or isinstance(game, str):
         if num_envs is None:
             raise TypeError("num_envs is needed: how many environments of the game to make")
@@ -148,6 +147,7 @@ class VectorOptions:
         """
         _check_alike(tasks)
         threads = check_integer("num_threads", given["num_threads"], -NO_LIMIT, NO_LIMIT)
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         batch_size = check_integer("batch_size", given["batch_size"], 0, len(tasks)) or len(tasks)
         if given["render_mode"] not in (None, "rgb_array"):
             raise ValueError(f"render_mode must be 'rgb_array' or None, got {given['render_mode']!r}")
@@ -159,7 +159,7 @@ class VectorOptions:
             game_info=check_bool("game_info", game_info),
             rom=given["rom"],
             batch_size=batch_size,
-            num_threads=min(threads if threads > 0 else _cores(), len(tasks)),
+            num_threads=min(threads if threads > 0 else cores, len(tasks)),
             thread_affinity_offset=check_integer("thread_affinity_offset", given["thread_affinity_offset"], -1, 10_000),
             autoreset_mode=autoreset_mode(given["autoreset_mode"]),
             layout=Layout.check(first, given["channels_last"], given["dtype"]),
@@ -184,17 +184,6 @@ class VectorOptions:
     def players(self) -> int:
         """The number of players of each game."""
         return self.task.players
-
-    @property
-    def continuous(self) -> bool:
-        """Whether actions are (radius, angle, fire)."""
-        return self.task.continuous
-
-    @cached_property
-    def threshold(self) -> np.float32:
-        """The least deflection of the stick, or pressure on fire, that counts."""
-        threshold: np.float32 = np.float32(self.task.continuous_action_threshold)
-        return threshold
 
     def make_engine(self) -> _emulator.VectorEngine:
         """The engine, which has the environments and their threads."""
@@ -249,13 +238,13 @@ class VectorOptions:
     @property
     def actions(self) -> tuple[tuple[Action, ...], ...]:
         """For each environment, the action of each index of the action space."""
-        return (PLAYER_ACTIONS,) * len(self.games) if self.continuous or self.mixed else self.action_sets
+        return (PLAYER_ACTIONS,) * len(self.games) if self.task.continuous or self.mixed else self.action_sets
 
     def action_space(self) -> spaces.Space[Any]:
         """The action space of one environment."""
         if self.players > 1:
             return spaces.MultiDiscrete([len(self.actions[0])] * self.players)
-        return make_action_space(self.actions[0], self.continuous)
+        return make_action_space(self.actions[0], self.task.continuous)
 
     def batched_action_space(self) -> spaces.Space[Any]:
         """The action space of a batch."""
@@ -266,7 +255,7 @@ class VectorOptions:
 
     def action_masks(self) -> npt.NDArray[np.bool_] | None:
         """The actions that each game has, (environments, 18) bool; None if all have the same."""
-        if self.continuous or not self.mixed:
+        if self.task.continuous or not self.mixed:
             return None
         return np.array([[action in actions for action in PLAYER_ACTIONS] for actions in self.action_sets])
 
@@ -302,21 +291,21 @@ class VectorOptions:
                 check_no_name(action, len(self.actions[0]))
         array = np.asarray(actions)
         rows = self.batch_size if rows is None else rows
-        shape = (rows, 3) if self.continuous else (rows,) if self.players == 1 else (rows, self.players)
-        kinds = "f" if self.continuous else "iu"
-        if array.dtype.kind not in kinds:
-            kind = "floats (radius, angle, fire)" if self.continuous else "integers"
+        continuous = self.task.continuous
+        shape = (rows, 3) if continuous else (rows,) if self.players == 1 else (rows, self.players)
+        if array.dtype.kind not in ("f" if continuous else "iu"):
+            kind = "floats (radius, angle, fire)" if continuous else "integers"
             raise TypeError(f"actions must be {kind} of shape {shape}, got {array.dtype}")
         if array.shape != shape:
             raise ValueError(f"actions must have the shape {shape}, got {array.shape}")
-        if self.continuous:
+        if continuous:
             return self._motions(array)
         return np.ascontiguousarray(array, np.int64).reshape(-1), None
 
     @cached_property
     def _index_shape(self) -> tuple[int, ...]:
         """The shape of a batch of one player's action indices; (-1,) if actions are no indices."""
-        return (-1,) if self.continuous or self.players > 1 else (self.batch_size,)
+        return (-1,) if self.task.continuous or self.players > 1 else (self.batch_size,)
 
     def _motions(self, actions: npt.NDArray[Any]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32]]:
         """Indices and strengths of continuous actions, computed in float32 as in CALE."""
@@ -328,11 +317,10 @@ class VectorOptions:
             raise ValueError(
                 f"a continuous action is radius 0..1, angle -pi..pi, fire 0..1, got {actions[row]} in row {row}"
             )
-        return joystick_action(radius, angle, fire, self.threshold), radius
+        return joystick_action(radius, angle, fire, np.float32(self.task.continuous_action_threshold)), radius
 
 
 def _check_alike(tasks: tuple[Task, ...]) -> None:
-    """Raise an error for tasks that one engine cannot play together."""
     first = tasks[0]
     for task in dict.fromkeys(tasks):
         differing = {name: pair for name, pair in first.differences(task).items() if name not in _OWN}
@@ -346,8 +334,3 @@ def _check_alike(tasks: tuple[Task, ...]) -> None:
             raise ValueError(
                 f"the screens of {first.game} and {task.game} have other sizes; add img_height=84, img_width=84"
             )
-
-
-def _cores() -> int:
-    """The processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -125,7 +125,6 @@ class Results:
         return self._lend(self._observation, self._lenders), of_reward(), of_terminated(), of_truncated(), info
 
     def _add_ends(self, info: dict[str, Any]) -> None:
-        """Add the final observations, and the statistics of the games that ended."""
         arrays = self._arrays
         if not self.of_reset and any(array.any() for array in self._ends):
             ended = arrays["ended"].copy()

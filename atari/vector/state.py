@@ -15,8 +15,8 @@ from atari.games.game import Game
 from atari.task import Task
 from atari.task.json_form import require_same
 from atari.vector.lanes import AddedWrites, check_lanes
-from atari.vector.options import VectorOptions
 from atari.vector.results import Results
+from atari.vector.views import Views
 
 _COPIED = ("spec", "single_action_space", "action_space")
 """Attributes that a copy has, too; action spaces have generators of their own."""
@@ -43,25 +43,21 @@ def _pairs(snapshots: Any) -> list[tuple[_emulator.MemberSnapshot, str | None]]:
     )
 
 
-class VectorState:
+class VectorState(Views):
     """The methods of `AtariVectorEnv` that save and restore its environments."""
 
-    num_envs: int
     batch_size: int
     games: tuple[Game, ...]
     spec: Any
     action_space: Any
     single_action_space: Any
     closed: bool
-    _options: VectorOptions
     _engine: _emulator.VectorEngine | None
     _added: tuple[AddedWrites, ...]
     _buffers: list[Results]
     _closed_states: list[bytes] | None  # the lanes at `close`; `reset` continues from them
     _given: dict[str, Any]
     _phase: Any
-    _lock: Any
-    _open: Any
     _begin: Any
     _is_sent: Any
     _receive: Any
@@ -131,7 +127,6 @@ class VectorState:
             engine.restore(chosen, engine.snapshot([source]) * len(chosen))
 
     def _require_same(self, indices: Sequence[int], tasks: Sequence[str | None]) -> None:
-        """Raise an error for states of other tasks."""
         own = self._options.identities
         for index, task in zip(indices, tasks, strict=False):
             if task != own[index]:

@@ -60,7 +60,7 @@ def xla(envs: Any, *, callback: bool | None = None) -> XlaFunctions:
     jax, *_ = (import_extra(name, need) for name in ("jax", "jax.ffi", "jax.numpy"))
     if callback is not None and not isinstance(callback, bool):
         raise TypeError(f"callback must be True, False or None, got {callback!r}")
-    if options.continuous:
+    if options.task.continuous:
         raise ValueError("xla() needs actions that are integers: leave continuous=True out")
     if options.layout.indicators:
         raise ValueError("xla() has no indicators: leave agent_indicator=True out")
