@@ -1,8 +1,10 @@
-"""Every door takes or refuses every field of a task: there is no third result."""
+"""Every door takes or refuses every field of a task, and plays the GAME of the table in docs/tasks.md."""
 
 import pytest
+from documents import page
 from door_cells import call, check_cell
-from doors import DOORS, Door
+from doors import DOORS, Door, row
+from env_tools import needs_gymnasium_1
 
 from atari.task.resolution import OPTIONS
 
@@ -11,6 +13,12 @@ from atari.task.resolution import OPTIONS
 @pytest.mark.parametrize("door", DOORS, ids=lambda door: door.name)
 def test_a_door_takes_or_refuses_a_field(door: Door, field: str) -> None:
     check_cell(door, field)
+
+
+@pytest.mark.parametrize("door", DOORS, ids=lambda door: door.name)
+@needs_gymnasium_1
+def test_the_documents_say_what_a_door_plays(door: Door) -> None:
+    assert row(door) in page("tasks.md")
 
 
 WITH_SKIP = [door for door in DOORS if "frameskip" not in door.refuses]

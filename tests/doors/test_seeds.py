@@ -231,9 +231,8 @@ COMMANDS = (
 def test_commands(command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     if ".h5" in command:
         pytest.importorskip("h5py")
-    for seed in SEEDS[1::2]:
-        words = command.format(out=tmp_path / str(seed), seed=seed).split()
-        assert main(words) == 0, capsys.readouterr().err
+    words = command.format(out=tmp_path / "out", seed=SEEDS[-1]).split()
+    assert main(words) == 0, capsys.readouterr().err
 
 
 @pytest.mark.parametrize("seed", OUTSIDE)

@@ -11,17 +11,25 @@ from atari.multiplayer import MultiplayerCore
 class Reference:
     """One game in steps of four frames, with the preprocessing in NumPy and OpenCV.
 
-    `fill` begins a stack with copies of the first image, not with black ones.
+    `fill` begins a stack with copies of the first image, not with black ones. `images` is whether there are any.
     """
 
     def __init__(
-        self, game: str, players: int, frames: int = 108_000, full: bool = False, fill: bool = False, **options: Any
+        self,
+        game: str,
+        players: int,
+        frames: int = 108_000,
+        *,
+        full: bool = False,
+        fill: bool = False,
+        images: bool = True,
+        **options: Any,
     ) -> None:
         self.core = MultiplayerCore(game, players=players, **options)
         actions = range(18) if full else self.core.rules.minimal_actions
         self.actions = [int(action) for action in actions]
         self.limit = frames
-        self.ended, self.fill = False, fill
+        self.ended, self.fill, self.images = False, fill, images
 
     def reset(self, seed: int | None = None) -> None:
         if seed is not None:
@@ -35,6 +43,8 @@ class Reference:
         self.signals = np.zeros(self.core.players), self.out.copy(), self.out.copy()
 
     def push(self, screen: Any) -> None:
+        if not self.images:
+            return
         image = cv2.resize(screen, (84, 84), interpolation=cv2.INTER_AREA)
         self.stack = np.concatenate([self.stack[1:], image[None]])
 

@@ -25,7 +25,7 @@ def core_of(game: str, *, frame_skip: int = 1, **options: Any) -> MultiplayerCor
 
 @pytest.mark.parametrize("game", ["pong", "warlords", "combat", "flag_capture", "video_checkers"])
 def test_it_keeps_the_contract_of_cores(game: str) -> None:
-    check_core(partial(core_of, game))
+    check_core(partial(core_of, game), steps=30)
     check_core(partial(core_of, game, end_of_reset="ale_py", random_words="ale_py"), steps=12)
 
 

@@ -1,6 +1,7 @@
 """Options beyond PettingZoo: sticky actions by player, true scores, zero-sum rewards, action sets of each agent."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,25 @@ from pettingzoo.test import parallel_api_test
 
 from atari.multiplayer import MultiplayerCore, parallel_env
 from atari.multiplayer.parallel import MultiplayerEnv
+
+BOXING: tuple[tuple[dict[str, Any], type[Exception], str], ...] = (
+    ({"preset": "dqn"}, ValueError, "Several players have 'multiplayer_dqn'"),
+    ({"preset": "dqn2015"}, ValueError, "preset 'dqn2015' is for one player; use 'multiplayer_dqn'"),
+    ({"preset": "multiplayer_dqn", "stack_num": 0}, ValueError, "stack_num"),
+    ({"preset": "multiplayer_dqn", "shape": 84}, TypeError, "did you mean 'img_height'"),
+    ({"preset": "multiplayer_dqn", "player_indicator": True}, TypeError, "did you mean 'agent_indicator'"),
+    ({"agent_indicator": 1}, TypeError, "must be True or False"),
+    ({"frame_skip": 4}, TypeError, "did you mean 'frameskip'"),
+    ({"stack": 4}, TypeError, "did you mean 'stack_num'"),
+    ({"num_players": 2}, TypeError, "did you mean 'players'"),
+    ({"max_cycles": 3, "max_episode_steps": 3}, TypeError, "two names of one option"),
+    ({"rom": "a", "auto_rom_install_path": "b"}, TypeError, "two names of one option"),
+    ({"obs_type": "grayscale", "agent_indicator": True}, ValueError, "add stack_num=1"),
+    ({"repeat_action_probability": [0.1, 0.2, 0.3]}, ValueError, "one for each of 2 players"),
+    ({"mode_numbers": "ale"}, ValueError, "mode_numbers must be one of"),
+    ({"mode": 3, "mode_numbers": "ale_py"}, ValueError, "mode of boxing must be one of 2, got 3"),
+    ({"players": 1}, ValueError, "boxing is for 2 players, got players=1"),
+)
 
 
 def play(core: MultiplayerCore, actions: Any) -> list[bytes]:
@@ -120,6 +140,18 @@ def test_each_agent_can_have_its_own_actions() -> None:
 @pytest.mark.parametrize(
     ("make", "error", "words"),
     [
+        (lambda: parallel_env("pong_v2"), ValueError, "the version of pong is 3"),
+        (lambda: parallel_env("pnog"), ValueError, "did you mean 'pong'"),
+        (lambda: parallel_env("breakout"), ValueError, "no game of several players named 'breakout'"),
+        (lambda: parallel_env(3), TypeError, "named by a string"),
+        (lambda: parallel_env("pong", num_players=True), TypeError, "must be int"),
+        (lambda: parallel_env("pong", game_version="tennis"), ValueError, "one of 'classic'"),
+        (lambda: parallel_env("pong", mode=4, num_players=2), ValueError, "not both"),
+        (lambda: parallel_env("pong", obs_type="pixels"), ValueError, "one of 'rgb'"),
+        (lambda: parallel_env("pong", max_cycles=0), ValueError, "max_cycles"),
+        (lambda: parallel_env("pong", render_mode="ansi"), ValueError, "render_mode"),
+        (lambda: parallel_env("tennis", parameters={"turn": 1}), ValueError, "this game has: max_turn_time"),
+        *((partial(parallel_env, "boxing", **options), error, words) for options, error, words in BOXING),
         (lambda: MultiplayerCore("pong", repeat_action_probability=[0.1]), ValueError, "one for each of 2 players"),
         (lambda: MultiplayerCore("pong", repeat_action_probability=[0.1, 2]), ValueError, r"probability\[1\] must be"),
         (lambda: MultiplayerCore("pong", repeat_action_probability="0.1"), TypeError, "must be a number"),

@@ -67,14 +67,15 @@ def games_signals(games: list[Reference]) -> Any:
 
 @pytest.mark.parametrize("mode", ["NextStep", "SameStep", "Disabled"])
 def test_players_are_out_one_by_one_in_every_autoreset_mode(mode: str) -> None:
-    envs = AtariVectorEnv("warlords", 3, players=4, obs_type="ram", autoreset_mode=mode)
-    games = [Reference("warlords", 4) for _ in range(3)]
+    envs = AtariVectorEnv("warlords", 2, players=4, obs_type="ram", autoreset_mode=mode)
+    games = [Reference("warlords", 4, images=False) for _ in range(2)]
     envs.reset(seed=1)
     for row, one in enumerate(games):
         one.reset(1 + row)
     rng = np.random.default_rng(2)
-    seen: dict[int, int] = {}
-    for _ in range(3000):
+    seen: set[int] = set()
+    ended = 0
+    for _ in range(1800):
         actions = moves(rng, envs)
         ram, rewards, terminations, truncations, info = envs.step(actions)
         ends = []
@@ -89,7 +90,8 @@ def test_players_are_out_one_by_one_in_every_autoreset_mode(mode: str) -> None:
             assert rewards[row].tolist() == one.signals[0].tolist()
             assert terminations[row].tolist() == one.signals[1].tolist()
             assert truncations[row].tolist() == one.signals[2].tolist()
-            seen[int(one.out.sum())] = seen.get(int(one.out.sum()), 0) + 1
+            seen.add(int(one.out.sum()))
+            ended += one.ended
             if mode == "SameStep" and one.ended:
                 assert info["final_obs"][row].tolist() == one.core.ram().tolist()
                 assert info["final_info"]["lives"][row].tolist() == one.core.player_lives
@@ -103,7 +105,8 @@ def test_players_are_out_one_by_one_in_every_autoreset_mode(mode: str) -> None:
             envs.reset(options={"reset_mask": np.array(ends)})
             for one in games:
                 one.reset()
-    assert {0, 1, 2} <= seen.keys()
+    assert {0, 1, 2} <= seen
+    assert ended
 
 
 def test_numbers_of_threads_and_batches_make_no_difference() -> None:
@@ -308,30 +311,3 @@ def test_wrong_actions_are_refused_and_nothing_is_played(actions: Any, error: ty
         envs.step(actions)
     assert envs.observe()[1]["frame_number"].tolist() == info["frame_number"].tolist()
     envs.step(np.zeros((2, 2), np.int32))
-
-
-@pytest.mark.parametrize(("game", "players"), [("pong", 2), ("warlords", 4), ("joust", 2)])
-def test_the_preset_is_that_of_the_parallel_environment(game: str, players: int) -> None:
-    pytest.importorskip("pettingzoo")
-    from atari.multiplayer import parallel_env
-
-    given: dict[str, Any] = {"players": players, "preset": "multiplayer_dqn", "agent_indicator": True}
-    singles = [parallel_env(game, **given) for _ in range(2)]
-    envs = AtariVectorEnv(game, 2, **given, channels_last=True)
-    assert envs.task == singles[0].task
-    observations, _ = envs.reset(seed=3)
-    firsts = [single.reset(seed=3 + row)[0] for row, single in enumerate(singles)]
-    rng = np.random.default_rng(0)
-    for _ in range(80):
-        for row, first in enumerate(firsts):
-            for player, agent in enumerate(singles[row].possible_agents):
-                assert agent not in first or np.array_equal(observations[row, player], first[agent])
-        actions = moves(rng, envs)
-        observations, rewards, terminations, truncations, _ = envs.step(actions)
-        if (terminations | truncations).all(1).any():
-            break
-        for row, single in enumerate(singles):
-            chosen = {agent: actions[row][single.possible_agents.index(agent)] for agent in single.agents}
-            firsts[row], paid, *_ = single.step(chosen)
-            assert all(paid[agent] == rewards[row][single.possible_agents.index(agent)] for agent in chosen)
-    envs.close()

@@ -6,6 +6,7 @@ import pickle
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -59,9 +60,7 @@ def steps(env: Any, count: int = 40) -> list[Any]:
     for _ in range(count):
         result = env.step(env.action_space.sample())
         results.append(plain(result))
-        if (len(result) == 5 and np.ndim(result[2]) == 0 and (result[2] or result[3])) or (
-            len(result) == 4 and np.ndim(result[2]) == 0 and result[2]
-        ):
+        if np.ndim(result[2]) == 0 and any(result[2:-1]):
             results.append(plain(env.reset()))
     return [*results, plain(env.reset())]
 
@@ -73,10 +72,9 @@ def frames(core: Any, count: int = 200) -> list[Any]:
     for number in range(count):
         if core.game_over or core.truncated or number == count // 2:
             core.reset()
-        if isinstance(core, MultiplayerCore):
-            results.append(core.act_players(rng.integers(18, size=core.players).tolist()))
-        else:
-            results.append(core.act(int(rng.integers(18))))
+        several = isinstance(core, MultiplayerCore)
+        action = rng.integers(18, size=core.players if several else None).tolist()
+        results.append(core.act_players(action) if several else core.act(action))
         results.append([plain(array()) for array in (core.ram, core.screen, core.audio)])
     return [*results, core.lives, core.frame_number, core.mode, core.difficulty]
 
@@ -192,12 +190,8 @@ def started(env: Any, count: int = 25) -> Any:
 def core(kind: type[Any], game: str = "breakout", **options: Any) -> Any:
     made = kind(game, seed=3, **options)
     made.reset()
-    if made.name == "multiplayer":
-        for number in range(30):
-            made.act_players([number % 18] * made.players)
-    else:
-        for number in range(30):
-            made.act(number % 18)
+    for number in range(30):
+        made.act_players([number % 18] * made.players) if made.name == "multiplayer" else made.act(number % 18)
     return made
 
 
@@ -209,8 +203,9 @@ def parallel(make: Callable[..., Any], game: str = "pong_v3", **options: Any) ->
     return env
 
 
-def memory() -> ReplayMemory:
-    made = ReplayMemory(60, 2, (6, 5), stack_num=3, priority_exponent=0.6, seed=4, autoreset_mode="next_step")
+def memory(**options: Any) -> ReplayMemory:
+    given = options or {"stack_num": 3, "priority_exponent": 0.6, "autoreset_mode": "next_step"}
+    made = ReplayMemory(60, 2, (6, 5), seed=4, **given)
     made.reset(np.zeros((2, 6, 5), np.uint8))
     fill(made, 40)
     return made
@@ -362,13 +357,6 @@ def plays(session: Any) -> list[Any]:
     return [(session.play(session.legal_actions[n % 18]), session.scores, plain(session.screen))[1:] for n in range(60)]
 
 
-def compressed() -> ReplayMemory:
-    made = ReplayMemory(60, 2, (6, 5), stack_num=2, compress=True, seed=1)
-    made.reset(np.zeros((2, 6, 5), np.uint8))
-    fill(made, 40)
-    return made
-
-
 Case = tuple[Callable[[], Any], Callable[[Any], Any]]
 
 
@@ -386,42 +374,40 @@ def played(environments: TrainingEnvironments) -> list[Any]:
     return [*results, environments.take_games()]
 
 
+WRAPPERS: Mapping[str, Callable[[Any], Any]] = {
+    "action_delay.ActionDelay": lambda env: wrappers.ActionDelay(env, 3),
+    "clip_reward.ClipReward": wrappers.ClipReward,
+    "dqn_preprocessing.DqnPreprocessing": lambda env: wrappers.DqnPreprocessing(env, (2, 5)),
+    "episodic_life.EpisodicLife": lambda env: wrappers.EpisodicLife(env, "continue"),
+    "expression_reward.ExpressionReward": lambda env: wrappers.ExpressionReward(
+        env, "reward + player_x - before.lives"
+    ),
+    "fire_reset.FireReset": wrappers.FireReset,
+    "frame_skip.FrameSkip": wrappers.FrameSkip,
+    "frame_stack.FrameStack": lambda env: wrappers.FrameStack(env, lazy=True),
+    "grayscale.Grayscale": wrappers.Grayscale,
+    "life_loss_info.LifeLossInfo": lambda env: wrappers.LifeLossInfo(wrappers.DqnPreprocessing(env)),
+    "noop_reset.NoopReset": wrappers.NoopReset,
+    "observation_delay.ObservationDelay": lambda env: wrappers.ObservationDelay(env, 3),
+    "ram_observation.RamObservation": wrappers.RamObservation,
+    "resize.Resize": lambda env: wrappers.Resize(env, (42, 42)),
+    "sticky_actions.StickyActions": lambda env: wrappers.StickyActions(env, 0.5),
+}
+"""The wrappers by their path, as functions of an environment that plays frames."""
+
+
+def wrapped(wrap: Callable[[Any], Any]) -> Any:
+    """An environment in a wrapper, after a lost life."""
+    return started(wrap(unframed("breakout")), 200)
+
+
 CASES: Mapping[str, Case] = {
     "atari.games.actions.Action": (lambda: Action.UPFIRE, itself),
     "atari.env.env.AtariEnv": (lambda: started(atari.AtariEnv("seaquest", frameskip=(2, 5), sound_obs=True)), steps),
     "atari.vector.env.AtariVectorEnv": (lambda: vector(preset="baselines", interventions=["infinite_lives"]), steps),
     "atari.games.game.Game": (lambda: atari.games["ms_pacman"], itself),
     "atari.task.task.Task": (lambda: atari.Task.of("pong", preset="dqn2015"), itself),
-    "atari.wrappers.action_delay.ActionDelay": (lambda: started(wrappers.ActionDelay(unframed(), 3)), steps),
-    "atari.wrappers.clip_reward.ClipReward": (lambda: started(wrappers.ClipReward(unframed())), steps),
-    "atari.wrappers.dqn_preprocessing.DqnPreprocessing": (
-        lambda: started(wrappers.DqnPreprocessing(unframed("breakout"), (2, 5))),
-        steps,
-    ),
-    "atari.wrappers.episodic_life.EpisodicLife": (
-        lambda: started(wrappers.EpisodicLife(unframed("breakout"), "continue"), 200),
-        steps,
-    ),
-    "atari.wrappers.expression_reward.ExpressionReward": (
-        lambda: started(wrappers.ExpressionReward(unframed("breakout"), "reward + player_x - before.player_x")),
-        steps,
-    ),
-    "atari.wrappers.fire_reset.FireReset": (lambda: started(wrappers.FireReset(unframed("breakout"))), steps),
-    "atari.wrappers.frame_skip.FrameSkip": (lambda: started(wrappers.FrameSkip(unframed())), steps),
-    "atari.wrappers.frame_stack.FrameStack": (lambda: started(wrappers.FrameStack(unframed(), lazy=True)), steps),
-    "atari.wrappers.grayscale.Grayscale": (lambda: started(wrappers.Grayscale(unframed())), steps),
-    "atari.wrappers.life_loss_info.LifeLossInfo": (
-        lambda: started(wrappers.LifeLossInfo(wrappers.DqnPreprocessing(unframed("breakout")))),
-        steps,
-    ),
-    "atari.wrappers.noop_reset.NoopReset": (lambda: started(wrappers.NoopReset(unframed())), steps),
-    "atari.wrappers.observation_delay.ObservationDelay": (
-        lambda: started(wrappers.ObservationDelay(unframed(), 3)),
-        steps,
-    ),
-    "atari.wrappers.ram_observation.RamObservation": (lambda: started(wrappers.RamObservation(unframed())), steps),
-    "atari.wrappers.resize.Resize": (lambda: started(wrappers.Resize(unframed(), (42, 42))), steps),
-    "atari.wrappers.sticky_actions.StickyActions": (lambda: started(wrappers.StickyActions(unframed(), 0.5)), steps),
+    **{f"atari.wrappers.{name}": (partial(wrapped, wrap), steps) for name, wrap in WRAPPERS.items()},
     "atari.multiplayer.core.MultiplayerCore": (
         lambda: core(
             MultiplayerCore,
@@ -489,11 +475,10 @@ CASES: Mapping[str, Case] = {
     "atari.classic.core.ObservationWrapper": (lambda: classic(Inverted), steps),
     "atari.classic.core.RewardWrapper": (lambda: classic(Halved), steps),
     "atari.classic.core.GoalEnv": (Reached, lambda env: [plain(env.step(1)[0]) for _ in range(3)]),
-    "atari.classic.algorithmic.tasks.CopyEnv": (lambda: task("Copy-v0"), steps),
-    "atari.classic.algorithmic.tasks.DuplicatedInputEnv": (lambda: task("DuplicatedInput-v0"), steps),
-    "atari.classic.algorithmic.tasks.RepeatCopyEnv": (lambda: task("RepeatCopy-v0"), steps),
-    "atari.classic.algorithmic.tasks.ReversedAdditionEnv": (lambda: task("ReversedAddition-v0"), steps),
-    "atari.classic.algorithmic.tasks.ReverseEnv": (lambda: task("Reverse-v0"), steps),
+    **{
+        f"atari.classic.algorithmic.tasks.{name}Env": (partial(task, f"{name}-v0"), steps)
+        for name in ("Copy", "DuplicatedInput", "RepeatCopy", "ReversedAddition", "Reverse")
+    },
 }
 """By the path of a public class: a function that makes an object, and one that plays it and returns the results."""
 
@@ -527,7 +512,10 @@ OTHERS: Mapping[str, Case] = {
     "held bytes of a vector": (lambda: with_(lambda env: Freeze(env, ball_x=90), vector_of("pong")), together),
     "session of several players": (lambda: Session("combat", players=2, policies={1: "random"}, seed=3), plays),
     "batch": (lambda: memory().sample(4), lambda batch: [plain(part) for part in vars(batch).values()]),
-    "compressed memory": (compressed, lambda one: [len(one), plain(one.sample(8).observations)]),
+    "compressed memory": (
+        lambda: memory(stack_num=2, compress=True),
+        lambda one: [len(one), plain(one.sample(8).observations)],
+    ),
 }
 """Further objects that the public names return or accept."""
 

@@ -212,7 +212,7 @@ class Lanes:
                 if name in self.lanes[0].info
             },
         }
-        if self.envs.options.mixed and not self.envs.options.continuous:
+        if self.envs.options.mixed and not self.envs.options.task.continuous:
             masks = [[action in lane.task.action_set for action in self._actions[0]] for lane in self.lanes]
             wanted["action_mask"] = masks, np.bool_
         games = [lane.info.get("episode") for lane in self.lanes]

@@ -12,14 +12,27 @@ from atari.base.gymnasium_versions import AutoresetMode
 from atari.lab import RamLabels
 from atari.testing import check_vector
 
-SHORT: dict[str, Any] = {"max_episode_steps": 18}
+SHORT: dict[str, Any] = {"max_episode_steps": 10}
+check = partial(check_vector, steps=32)
 
 KINDS: dict[str, tuple[Any, dict[str, Any]]] = {
-    "RGB": ("pong", {"obs_type": "rgb", "stack_num": 2}),
+    "RGB, drawn skips, sticky": (
+        "pong",
+        {"obs_type": "rgb", "stack_num": 2, "maxpool": False, "frameskip": (2, 5), "repeat_action_probability": 0.25},
+    ),
     "float32, channels last": ("pong", {"dtype": "float32", "channels_last": True}),
     "dict": ("pong", {"obs_type": "dict"}),
     "continuous": ("pong", {"continuous": True}),
-    "lost lives": ("breakout", {"episodic_life": True, "use_fire_reset": True}),
+    "lost lives, channels last": (
+        "breakout",
+        {
+            "episodic_life": True,
+            "use_fire_reset": True,
+            "channels_last": True,
+            "frameskip": 16,
+            "max_episode_steps": 20,
+        },
+    ),
     "several games": (["pong", "breakout"], {}),
     "two players": ("pong", {"players": 2}),
     "a preset of players": ("pong", {"preset": "multiplayer_dqn", "players": 2}),
@@ -35,13 +48,13 @@ def mode(request: pytest.FixtureRequest) -> str:
 @pytest.mark.parametrize("kind", KINDS)
 def test_kinds_of_vectors(kind: str, mode: str) -> None:
     game, options = KINDS[kind]
-    check_vector(lambda: atari.AtariVectorEnv(game, 2, autoreset_mode=mode, **{**SHORT, **options}))
+    check(lambda: atari.AtariVectorEnv(game, 2, autoreset_mode=mode, **{**SHORT, **options}))
 
 
 @pytest.mark.parametrize("preset", [name for name in atari.PRESETS if name != "multiplayer_dqn"])
 def test_every_preset_plays_as_single_environments(preset: str, mode: str) -> None:
     options = {"preset": preset, **SHORT}
-    check_vector(
+    check(
         lambda: atari.AtariVectorEnv("ALE/Breakout-v5", 2, autoreset_mode=mode, **options),
         single=lambda: atari.make("ALE/Breakout-v5", **options),
     )
@@ -49,7 +62,7 @@ def test_every_preset_plays_as_single_environments(preset: str, mode: str) -> No
 
 @pytest.mark.parametrize("env_id", ["ALE/Pong-v5", "Pong-ramDeterministic-v4", "SeaquestNoFrameskip-v4"])
 def test_ids_play_as_single_environments(env_id: str, mode: str) -> None:
-    check_vector(
+    check(
         lambda: atari.AtariVectorEnv(env_id, 3, autoreset_mode=mode, **SHORT),
         single=lambda: atari.make(env_id, **SHORT),
     )
@@ -58,12 +71,12 @@ def test_ids_play_as_single_environments(env_id: str, mode: str) -> None:
 @needs_gymnasium_1  # 0.29 cannot make "sync" vectors of environments with wrappers
 def test_ids_by_gymnasium() -> None:
     for how in ("sync", "vector_entry_point"):
-        make = partial(gymnasium.make_vec, "ALE/Pong-v5", 2, how, obs_type="ram", max_episode_steps=18)
-        check_vector(make, copies=False, atomic=how != "sync")
+        make = partial(gymnasium.make_vec, "ALE/Pong-v5", 2, how, obs_type="ram", **SHORT)
+        check(make, copies=False, atomic=how != "sync")
 
 
 def test_wrappers_of_vectors(mode: str) -> None:
     wrappers = pytest.importorskip("gymnasium.wrappers.vector", reason="added in Gymnasium 1.0")
     envs = partial(atari.AtariVectorEnv, "pong", 2, autoreset_mode=mode, **SHORT)
-    check_vector(lambda: RamLabels(envs()), copies=False)
-    check_vector(lambda: wrappers.RecordEpisodeStatistics(envs()), copies=False)
+    check(lambda: RamLabels(envs()), copies=False)
+    check(lambda: wrappers.RecordEpisodeStatistics(envs()), copies=False)

@@ -20,7 +20,7 @@ def test_every_game(game: str) -> None:
 
 @pytest.mark.parametrize(("game", "options"), option_sets(20, seed=1))
 def test_random_options(game: str, options: dict[str, Any]) -> None:
-    compare(game, 60, seed=7, **options)
+    compare(game, 60, seed=7, num_envs=1, **options)
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
@@ -38,17 +38,9 @@ def test_lives_that_end_episodes() -> None:
 def test_rgb_at_the_size_of_the_screen(mode: AutoresetMode, frameskip: int, maxpool: bool, stack: int) -> None:
     """Frames of the screen's own size are not scaled. An episode ends inside a skip, and the next one follows."""
     options = {"frameskip": frameskip, "maxpool": maxpool, "stack_num": stack, "autoreset_mode": mode}
+    screen = {"grayscale": False, "img_height": 210, "img_width": 160, "max_num_frames_per_episode": 42}
     for seed, game in enumerate(("breakout", "seaquest")):
-        compare(
-            game,
-            30,
-            seed=seed,
-            grayscale=False,
-            img_height=210,
-            img_width=160,
-            max_num_frames_per_episode=42,
-            **options,
-        )
+        compare(game, 30, seed=seed, num_envs=1, **screen, **options)
 
 
 def test_more_noops_than_an_episode_has_frames() -> None:

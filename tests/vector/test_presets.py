@@ -4,18 +4,17 @@ from typing import Any
 
 import numpy as np
 import pytest
+from lane_oracle import Lanes
 
 import atari
 from atari import wrappers
 
-NUMBERS = ("lives", "frame_number", "episode_frame_number")
 GAMES = [game.id for game in atari.games.playable()]
 SETTINGS: list[dict[str, bool]] = [{}, {"episodic_life": True}, {"episodic_life": False, "reward_clipping": False}]
 
 
 def compare(name: str, game: str, steps: int, seed: int, **settings: bool) -> int:
-    """Assert equality for some steps of random actions; returns how many episodes ended."""
-    envs = atari.AtariVectorEnv(game, 2, preset=name, num_threads=1, **settings)
+    """Assert equality for some steps of random actions; returns the number of episodes that ended."""
     clip = settings.get("reward_clipping")
     singles = [
         wrappers.preset(
@@ -26,31 +25,13 @@ def compare(name: str, game: str, steps: int, seed: int, **settings: bool) -> in
         )
         for _ in range(2)
     ]
+    lanes = Lanes([atari.Task.of(game, preset=name, **settings)] * 2, "NextStep", singles)  # type: ignore[arg-type]
     generator = np.random.default_rng(seed)
-    observation, info = envs.reset(seed=seed)
-    for row, single in enumerate(singles):
-        expected, expected_info = single.reset(seed=seed + row)
-        assert np.array_equal(observation[row], expected)
-        assert [info[key][row] for key in NUMBERS] == [expected_info[key] for key in NUMBERS]
-    done = [False, False]
-    ended = 0
-    for step in range(steps):
-        actions = generator.integers(0, envs.single_action_space.n, 2)  # type: ignore[attr-defined]
-        observation, *outcome, info = envs.step(actions)
-        for row, single in enumerate(singles):
-            result: tuple[Any, ...]
-            if done[row]:
-                first, facts = single.reset()
-                result = first, 0.0, False, False, facts
-            else:
-                result = single.step(int(actions[row]))
-            where = f"{name} {game} {settings} step {step} row {row}"
-            assert np.array_equal(observation[row], result[0]), where
-            assert tuple(part[row] for part in outcome) == result[1:4], where
-            assert [info[key][row] for key in NUMBERS] == [result[4][key] for key in NUMBERS], where
-            done[row] = result[2] or result[3]
-            ended += done[row]
-    return ended
+    lanes.reset(seed)
+    for _ in range(steps):
+        lanes.step(lanes.sample(generator))
+    lanes.close()
+    return lanes.ends
 
 
 @pytest.mark.parametrize("settings", SETTINGS)

@@ -31,21 +31,13 @@ def test_memory_is_used_again() -> None:
     def address() -> int:
         return int(envs.step(np.zeros(1, np.int64))[0].ctypes.data)
 
-    assert len({address() for _ in range(6)}) <= 2
+    addresses = [address() for _ in range(6)]
+    assert len({*addresses}) == 2
+    assert addresses[::2] == [addresses[0]] * 3
     observation = envs.step(np.zeros(1, np.int64))[0]
     view = observation[0]
     del observation
     assert view.ctypes.data not in {address() for _ in range(6)}
-
-
-def test_parts_of_a_dict_are_lent_alike() -> None:
-    envs = atari.AtariVectorEnv("pong", 1, num_threads=1, obs_type="dict", autoreset_mode="SameStep")
-    ram = envs.reset(seed=0)[0]["ram"]
-    kept = ram.copy()
-    for _ in range(4):
-        envs.step(np.zeros(1, np.int64))
-    assert np.array_equal(ram, kept)
-    assert ram.flags.writeable
 
 
 def test_arrays_of_the_user_take_turns() -> None:
@@ -69,17 +61,6 @@ def test_arrays_of_the_user_take_turns() -> None:
         shown = [observation["image"], observation["ram"], *signals]
         shown += [info["final_obs"]["image"]] if "final_obs" in info else []
         assert all(np.array_equal(a, b) for a, b in zip(shown, parts, strict=True))
-
-
-def test_an_array_that_does_not_fit_changes_nothing() -> None:
-    envs = atari.AtariVectorEnv("pong", 1, num_threads=1)
-    envs.reset(seed=0)
-    out = np.zeros((1, 4, 84, 84), np.uint8)
-    envs.step(np.zeros(1, np.int64), out=out)
-    for wrong in (out[:, :3], out.astype(np.int8), {"image": out}, out[..., ::-1], [0]):
-        with pytest.raises((TypeError, ValueError), match="out must be"):
-            envs.step(np.zeros(1, np.int64), out=wrong)
-    assert envs.step(np.zeros(1, np.int64), out=out)[0] is out
 
 
 @pytest.mark.parametrize("players", [1, 2])

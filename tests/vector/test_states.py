@@ -2,30 +2,18 @@
 
 import copy
 import pickle
+from functools import partial
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
+import vector_tools
+from vector_tools import play
 
 import atari
 
-
-def make(game: Any = "breakout", num_envs: int | None = 3, **options: Any) -> atari.AtariVectorEnv:
-    return atari.AtariVectorEnv(game, num_envs, **{"num_threads": 2, "repeat_action_probability": 0.25, **options})
-
-
-def play(envs: atari.AtariVectorEnv, steps: int, seed: int) -> list[bytes]:
-    """All arrays of some steps from the current state."""
-    generator = np.random.default_rng(seed)
-    results = []
-    for _ in range(steps):
-        actions = generator.integers(0, envs.single_action_space.n, envs.num_envs)  # type: ignore[attr-defined]
-        *arrays, info = envs.step(actions)
-        arrays += [info[name] for name in ("lives", "frame_number", "episode_frame_number")]
-        results.append(b"".join(array.tobytes() for array in arrays))
-    return results
-
+make = partial(vector_tools.make, repeat_action_probability=0.25)
 
 OPTIONS: list[dict[str, Any]] = [
     {},
@@ -37,27 +25,30 @@ OPTIONS: list[dict[str, Any]] = [
 ]
 
 
-@pytest.mark.parametrize("options", OPTIONS)
-def test_a_snapshot_brings_everything_back(options: dict[str, Any]) -> None:
-    envs = make(**options)
+OF_OPTIONS: Any = pytest.mark.parametrize("options", OPTIONS)
+
+
+@pytest.mark.parametrize(
+    ("game", "options"),
+    [
+        *(("breakout", options) for options in OPTIONS),
+        *((game, {}) for game in ("pitfall2", "elevator_action", "journey_escape", "adventure", "freeway", "pong")),
+    ],
+)
+def test_snapshots_pickles_and_copies_continue(game: str, options: dict[str, Any]) -> None:
+    """The games have cartridges with RAM, or rules with variables of their own."""
+    envs, other = make(game, 2, **options), make(game, 2, **options)
+    other.reset(seed=6)
     envs.reset(seed=1)
     play(envs, 37, seed=1)
-    snapshots = envs.snapshot()
-    first = play(envs, 120, seed=2)
-    envs.restore(None, snapshots)
-    assert play(envs, 120, seed=2) == first
-
-
-@pytest.mark.parametrize("game", ["pitfall2", "elevator_action", "journey_escape", "adventure", "freeway", "pong"])
-def test_of_games_with_more_state(game: str) -> None:
-    envs = make(game, 2)
-    envs.reset(seed=4)
-    play(envs, 10, seed=1)
-    snapshots = envs.snapshot()
-    first = play(envs, 20, seed=2)
+    snapshots, copies = envs.snapshot(), [pickle.loads(pickle.dumps(envs)), copy.deepcopy(envs)]
+    expected = play(envs, 60, seed=2)
+    thawed = pickle.loads(pickle.dumps(snapshots))
+    assert pickle.dumps(thawed) == pickle.dumps(snapshots)
     envs.reset(seed=9)
-    envs.restore(None, snapshots)
-    assert play(envs, 20, seed=2) == first
+    for one, states in ((envs, snapshots), (other, thawed)):
+        one.restore(None, states)
+    assert all(play(one, 60, seed=2) == expected for one in (envs, other, *copies))
 
 
 @pytest.mark.parametrize(
@@ -94,23 +85,6 @@ def test_a_snapshot_of_one_continues_in_another() -> None:
         assert np.array_equal(observation[0], observation[1])
         assert np.array_equal(observation[2], observation[1])
         assert len(set(info["frame_number"].tolist())) == 1
-
-
-def test_what_is_no_snapshot_of_a_lane() -> None:
-    task = atari.Task.of("pong", preset="dqn2015")
-    envs, single = atari.AtariVectorEnv(task, 2), atari.make(task)
-    envs.reset(seed=0)
-    single.reset(seed=0)
-    for given in ([single.snapshot()], envs.snapshot()[0], single.snapshot(), 5):  # type: ignore[attr-defined]
-        with pytest.raises(TypeError, match=r"must be a list that AtariVectorEnv\.snapshot returned"):
-            envs.restore([0], given)
-
-
-def test_an_environment_is_restored_once_in_a_call() -> None:
-    envs = make("seaquest", 3)
-    envs.reset(seed=5)
-    with pytest.raises(ValueError, match=r"an environment is given twice: \[1, 1\]"):
-        envs.restore([1, 1], envs.snapshot([0, 2]))
 
 
 def test_fork() -> None:
@@ -168,21 +142,6 @@ def test_a_forked_environment_can_be_reset_and_pickled() -> None:
     assert play(copied, 20, seed=2) == play(envs, 20, seed=2)
     envs.fork(0, [1])
     assert np.array_equal(envs.reset(seed=8)[0], twin.reset(seed=8)[0])
-
-
-@pytest.mark.parametrize("options", OPTIONS)
-def test_a_snapshot_can_be_pickled(options: dict[str, Any]) -> None:
-    envs = make("seaquest", 2, **options)
-    envs.reset(seed=1)
-    play(envs, 37, seed=1)
-    snapshots = envs.snapshot()
-    first = play(envs, 60, seed=2)
-    others = make("seaquest", 2, **options)
-    others.reset(seed=6)
-    thawed = pickle.loads(pickle.dumps(snapshots))
-    others.restore(None, thawed)
-    assert play(others, 60, seed=2) == first
-    assert pickle.dumps(thawed) == pickle.dumps(snapshots)
 
 
 def test_a_pickled_snapshot_is_checked_too() -> None:
@@ -267,42 +226,38 @@ def test_what_does_not_fit_is_refused() -> None:
         envs.snapshot()
     envs.reset(seed=0)
     other.reset(seed=0)
+    single = atari.make("pong", preset="dqn2015")
+    single.reset(seed=0)
+    of_single: Any = single.snapshot()  # type: ignore[attr-defined]
     pong, breakout = envs.snapshot()
-    with pytest.raises(ValueError, match=r"environment 1 cannot continue .* game = 'pong', but this .* 'breakout'"):
-        envs.restore([1], [pong])
-    with pytest.raises(ValueError, match="with stack_num = 4, but this environment has 2"):
-        other.restore([0], [pong])
-    with pytest.raises(ValueError, match=r"environment 1 cannot continue .* game = 'pong'"):
-        envs.fork(0, [1])
-    with pytest.raises(ValueError, match="a snapshot for each"):
-        envs.restore([0, 1], [pong])
-    with pytest.raises(IndexError, match="no environment 2"):
-        envs.snapshot([2])
-    with pytest.raises(TypeError, match=r"by a list of indices, such as \[1, 2\], got 1"):
-        envs.fork(0, 1)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match=r"source is the index of an environment, such as 0, got \[0\]"):
-        envs.fork([0], [1])  # type: ignore[arg-type]
-    with pytest.raises(IndexError, match=r"no environment -1"):
-        envs.restore([-1], [breakout])
-    for nothing in (None, b"", 3):
-        with pytest.raises((TypeError, ValueError)):
-            envs.restore([0], [nothing])  # type: ignore[list-item]
+    no_list = r"must be a list that AtariVectorEnv\.snapshot returned"
+    before = play(copy.deepcopy(envs), 5, seed=1)
+    cases: list[tuple[Any, type[Exception], str]] = [
+        (
+            lambda: envs.restore([1], [pong]),
+            ValueError,
+            "environment 1 cannot .* game = 'pong', but this .* 'breakout'",
+        ),
+        (lambda: other.restore([0], [pong]), ValueError, "with stack_num = 4, but this environment has 2"),
+        (lambda: envs.fork(0, [1]), ValueError, "environment 1 cannot continue .* game = 'pong'"),
+        (lambda: envs.restore([0, 1], [pong]), ValueError, "a snapshot for each"),
+        (lambda: envs.restore([1, 1], [breakout, breakout]), ValueError, r"is given twice: \[1, 1\]"),
+        (lambda: envs.fork(0, 1), TypeError, r"by a list of indices, such as \[1, 2\], got 1"),  # type: ignore[arg-type]
+        (lambda: envs.fork([0], [1]), TypeError, r"is the index of an environment, such as 0, got \[0\]"),  # type: ignore[arg-type]
+        *(
+            (lambda wrong=wrong: envs.restore([0], wrong), TypeError, no_list)
+            for wrong in ([of_single], pong, of_single, 5, [None], [b""], [3])
+        ),
+    ]
+    for call, error, text in cases:
+        with pytest.raises(error, match=text):
+            call()
+    assert play(copy.deepcopy(envs), 5, seed=1) == before
     envs.send(np.zeros(2, int))
     with pytest.raises(RuntimeError, match=r"call recv\(\) first"):
         envs.snapshot()
     envs.recv()
     envs.restore(None, [pong, breakout])
-
-
-@pytest.mark.parametrize("options", OPTIONS)
-def test_pickling_keeps_the_position(options: dict[str, Any]) -> None:
-    envs = make(**options)
-    envs.reset(seed=1)
-    play(envs, 23, seed=1)
-    twin, third = pickle.loads(pickle.dumps(envs)), copy.deepcopy(envs)
-    expected = play(envs, 60, seed=2)
-    assert play(twin, 60, seed=2) == expected
-    assert play(third, 60, seed=2) == expected
 
 
 def test_pickling_of_one_that_is_new_or_asynchronous() -> None:
@@ -360,7 +315,9 @@ class TestMembers:
             envs.set_attr("mode", [0])
         with pytest.raises(TypeError, match="mode must be an integer"):
             envs.set_attr("mode", "0")
-        assert pickle.loads(pickle.dumps(envs)).get_attr("mode") == (0, 20)
+        copied = pickle.loads(pickle.dumps(envs))
+        assert copied.get_attr("mode") == (0, 20)
+        assert np.array_equal(copied.reset()[0], envs.reset()[0])
 
     def test_render(self) -> None:
         envs = make(["pong", "pacman", "breakout"], None, render_mode="rgb_array")
@@ -377,7 +334,7 @@ class TestMembers:
         assert make().render() is None
 
 
-@pytest.mark.parametrize("options", OPTIONS)
+@OF_OPTIONS
 def test_a_core_takes_over_from_a_lane(options: dict[str, Any]) -> None:
     envs = make("seaquest", 2, **options)
     envs.reset(seed=4)
@@ -462,15 +419,6 @@ def test_between_send_and_receive_the_error_says_what_to_do(name: str) -> None:
         envs.call("ram") if name == "lanes" else getattr(envs, name)()
     envs.recv()
     envs.call("ram") if name == "lanes" else getattr(envs, name)()
-
-
-def test_pickling_keeps_a_mode_that_was_set() -> None:
-    envs = make("breakout", 2)
-    envs.reset(seed=1)
-    envs.lanes[1].mode = 8
-    copied = copy.deepcopy(envs)
-    assert copied.get_attr("mode") == (0, 8)
-    assert np.array_equal(copied.reset()[0], envs.reset()[0])
 
 
 def test_a_lane_has_the_methods_of_ale_pys_interface_for_reading() -> None:

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from lane_oracle import Lanes, random_action
 from task_strategies import tasks
 from tasks import nested
+from vector_tools import as_bytes
 
 import atari
 from atari import wrappers
@@ -57,7 +58,7 @@ def play(task: Task, mode: str, seed: int, steps: int, singles: Sequence[Any] | 
 @given(tasks(GAMES), st.sampled_from(MODES), st.integers(0, 2**32 - 2))
 @settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 def test_wrappers_and_one_object_are_the_lanes_of_a_vector(task: Task, mode: str, seed: int) -> None:
-    play(task, mode, seed, 60)
+    play(task, mode, seed, 45)
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -118,7 +119,7 @@ def test_an_independent_composition_is_the_lane_of_a_vector(task: Task, mode: st
     if not isinstance(task.frameskip, int) or task.maxpool:
         fields["frameskip"] = 1 + seed % 2
     task = task.replace(**fields)
-    play(task, mode, seed, 60, [composed(task)])
+    play(task, mode, seed, 45, [composed(task)])
 
 
 STEPS = {"frogger": 1000}
@@ -131,7 +132,7 @@ def trace(task: Task, vector: bool) -> list[Any]:
     space = env.single_action_space if vector else env.action_space
     generator = np.random.default_rng(3)
     observation, info = env.reset(seed=5)
-    seen: list[Any] = [str(space), _bytes(observation), int(np.max(info["frame_number"]))]
+    seen: list[Any] = [str(space), as_bytes(observation), int(np.max(info["frame_number"]))]
     done = False
     for _ in range(STEPS.get(task.game, 220)):
         action = random_action(space, generator)
@@ -144,14 +145,9 @@ def trace(task: Task, vector: bool) -> list[Any]:
             observation, reward, terminated, truncated, info = env.step(action)
         done = bool(np.max(terminated)) or bool(np.max(truncated))
         numbers = (float(np.max(reward)), done, int(np.max(info["frame_number"])))
-        seen.append((_bytes(observation), *numbers))
+        seen.append((as_bytes(observation), *numbers))
     env.close()
     return seen
-
-
-def _bytes(observation: Any) -> bytes:
-    parts = observation.values() if isinstance(observation, dict) else [observation]
-    return b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
 
 
 def acts(field: str, vector: bool, **fields: Any) -> bool:

@@ -173,7 +173,7 @@ def test_a_vector_with_the_snapshots_of_a_closed_one_can_be_closed() -> None:
     """The threads drop the last references to the snapshots, and to their games, while `close` joins them."""
     run_program("""
         import numpy as np, atari
-        for _ in range(150):
+        for _ in range(60):
             first, second = (atari.AtariVectorEnv("pong", 4, num_threads=4, obs_type="ram") for _ in range(2))
             first.reset(seed=0)
             second.reset(seed=0)
@@ -249,7 +249,7 @@ def test_daemon_threads_may_step_while_the_interpreter_ends(num_threads: int) ->
         time.sleep(0.05)
         print("ends")
     """
-    for _ in range(3):
+    for _ in range(2):
         assert run_program(program) == "ends\n"
 
 
