@@ -38,8 +38,8 @@ def to_json(task: TaskData) -> str:
 
 def to_short_json(task: TaskData) -> str:
     """The fields of a task that do not have their default, for a file that names the game elsewhere."""
-    table, defaults = _table(task), _DEFAULTS[FORMAT]
-    changed = {name: value for name, value in table.items() if name == "game" or value != _plain(defaults[name])}
+    defaults = {**_DEFAULTS[FORMAT], "interventions": []}
+    changed = {name: value for name, value in _table(task).items() if name == "game" or value != defaults[name]}
     return json.dumps({"format": FORMAT, **changed}, sort_keys=True)
 
 
@@ -82,10 +82,6 @@ def _shown(name: str, value: Any) -> str:
 def _table(task: TaskData) -> dict[str, Any]:
     fields = {name: getattr(task, name) for name in FIELDS}
     return {**fields, "interventions": [one.definition() for one in task.interventions]}
-
-
-def _plain(value: Any) -> Any:
-    return list(value) if value == () else value
 
 
 def from_json(kind: type[_Kind], text: str, game: Game | None = None) -> _Kind:

@@ -22,10 +22,10 @@ NAMES = [environment.id for environment in ENVIRONMENTS.values()]
 @pytest.mark.filterwarnings("ignore")
 def test_pettingzoos_tests_pass(name: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    api_test(env(name, obs_type="ram"), num_cycles=50, verbose_progress=False)
-    parallel_api_test(parallel_env(name, obs_type="ram"), num_cycles=50)
-    seed_test(lambda: env(name, obs_type="ram"), num_cycles=20)
-    parallel_seed_test(lambda: parallel_env(name, obs_type="ram"), num_cycles=20)
+    api_test(env(name, obs_type="ram"), num_cycles=20, verbose_progress=False)
+    parallel_api_test(parallel_env(name, obs_type="ram"), num_cycles=20)
+    seed_test(lambda: env(name, obs_type="ram"), num_cycles=10)
+    parallel_seed_test(lambda: parallel_env(name, obs_type="ram"), num_cycles=10)
     render_test(lambda render_mode: env(name, render_mode=render_mode), {"human": lambda *_: True})
 
 

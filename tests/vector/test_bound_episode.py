@@ -7,6 +7,7 @@ import random
 import threading
 import weakref
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -265,44 +266,56 @@ def _after(core: Any, noops: int) -> Any:
     return game.step(1)
 
 
-@pytest.mark.parametrize(
-    ("number", "error", "message"),
-    [
-        (-1, ValueError, r"draw must return a number within 1..30, got -1"),
-        (31, ValueError, r"draw must return a number within 1..30, got 31"),
-        (2**40, TypeError, "the number that draw returns must be an integer of 32 bits, got 1099511627776"),
-        ("3", TypeError, "the number that draw returns must be an integer of 32 bits, got '3'"),
-        (None, TypeError, "must be an integer"),
-    ],
-)
-def test_numbers_out_of_range_are_refused(number: Any, error: type[Exception], message: str) -> None:
-    episode = episode_of(BASELINES, lambda low, high: number)
+def drawing(number: Any) -> None:
+    """Begin an episode that draws this number of no-ops; after an error it can begin."""
     core = core_of(BASELINES)
+    episode = episode_of(BASELINES, lambda low, high: number)
 
     def begin() -> Any:
         core.reset()
         return core
 
-    with pytest.raises(error, match=message):
+    try:
         episode.reset(core, begin)
-    episode.reset(core, begin, noops=2)
+    finally:
+        episode.reset(core, begin, noops=2)
+
+
+def with_core_of(name: str, value: Any) -> None:
+    """Begin an episode of a core with another method or attribute of this name."""
+    wrong = type("Wrong", (ByMethods,), {name: staticmethod(value) if callable(value) else value})
+    Game(wrap=wrong).reset(noops=3)
 
 
 @pytest.mark.parametrize(
-    ("frame", "error"),
+    ("call", "error", "message"),
     [
-        (np.zeros((200, 160), np.uint8), TypeError),
-        (np.zeros((210, 160), np.int8), TypeError),
-        (None, TypeError),
+        (partial(drawing, -1), ValueError, r"draw must return a number within 1..30, got -1"),
+        (partial(drawing, 31), ValueError, r"draw must return a number within 1..30, got 31"),
+        (partial(drawing, 2**40), TypeError, "that draw returns must be an integer of 32 bits, got 1099511627776"),
+        (partial(drawing, "3"), TypeError, "the number that draw returns must be an integer of 32 bits, got '3'"),
+        (partial(drawing, None), TypeError, "must be an integer"),
+        *(
+            (
+                partial(with_core_of, "screen", lambda frame=frame: frame),
+                TypeError,
+                "is a core, or a C-contiguous uint8",
+            )
+            for frame in (np.zeros((200, 160), np.uint8), np.zeros((210, 160), np.int8), None)
+        ),
+        (partial(with_core_of, "lives", "three"), TypeError, "lives must be an integer of 32 bits, got 'three'"),
+        (
+            partial(with_core_of, "frame_number", None),
+            TypeError,
+            "frame_number must be an integer of 32 bits, got None",
+        ),
+        (partial(with_core_of, "act", lambda *_: 0.5), TypeError, "the reward of the core's act must be .*, got 0.5"),
+        (lambda: Game().episode.step(object(), 0), AttributeError, "frame_number"),
     ],
 )
-def test_frames_of_another_form_are_refused(frame: Any, error: type[Exception]) -> None:
-    class Wrong(ByMethods):
-        def screen(self) -> Any:
-            return frame
-
-    with pytest.raises(error, match="a frame is a core, or a C-contiguous uint8 array"):
-        Game(wrap=Wrong).reset()
+def test_wrong_values_are_refused(call: Callable[[], None], error: type[Exception], message: str) -> None:
+    with pytest.raises(error, match=message):
+        call()
 
 
 def test_a_core_of_another_size_is_refused() -> None:
@@ -311,25 +324,6 @@ def test_a_core_of_another_size_is_refused() -> None:
     with pytest.raises(ValueError, match="another size or TV format"):
         game.episode.step(other.core, 0)
     game.step(0)
-
-
-@pytest.mark.parametrize(
-    ("attribute", "value", "message"),
-    [
-        ("lives", "three", "the core's lives must be an integer of 32 bits, got 'three'"),
-        ("frame_number", None, "the core's frame_number must be an integer of 32 bits, got None"),
-        ("act", lambda action, strength: 0.5, "the reward of the core's act must be an integer of 32 bits, got 0.5"),
-    ],
-)
-def test_values_of_another_kind_are_refused(attribute: str, value: Any, message: str) -> None:
-    wrong = type("Wrong", (ByMethods,), {attribute: staticmethod(value) if callable(value) else value})
-    with pytest.raises(TypeError, match=message):
-        Game(wrap=wrong).reset(noops=3)
-
-
-def test_what_a_core_lacks_is_an_error() -> None:
-    with pytest.raises(AttributeError, match="frame_number"):
-        Game().episode.step(object(), 0)
 
 
 @pytest.mark.parametrize("action", [18, -1, "up", None, [1, 2]])

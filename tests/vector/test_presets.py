@@ -54,21 +54,23 @@ UNFIT = [game.id for game in atari.games.playable() if len(game.minimal_actions)
 
 
 def test_a_limit_of_frames() -> None:
-    for name in ("envpool", "dqn2015"):
-        envs = atari.AtariVectorEnv("breakout", 1, preset=name, obs_type="ram", num_threads=1)
+    for name, field in (("envpool", "max_frames"), ("dqn2015", "max_num_frames_per_episode")):
+        assert getattr(atari.Task.of("pong", preset=name), field) == 108_000
+        limit: Any = {field: 1080}
+        envs = atari.AtariVectorEnv("pong", 1, preset=name, obs_type="ram", num_threads=1, **limit)
         envs.reset(seed=0)
         step, truncated = 0, np.zeros(1, bool)
-        while not truncated[0] and step < 27_000:
+        while not truncated[0] and step < 270:
             _, _, terminated, truncated, info = envs.step(np.zeros(1, int))
             assert not terminated[0]
             step += 1
         assert truncated[0]
         if name == "envpool":  # does not count the frames that begin an episode
-            assert step == 27_000
-            assert 108_000 < info["episode_frame_number"][0] <= 108_031
+            assert step == 270
+            assert 1080 < info["episode_frame_number"][0] <= 1111
         else:
-            assert step < 27_000
-            assert info["episode_frame_number"][0] == 108_000
+            assert step < 270
+            assert info["episode_frame_number"][0] == 1080
 
 
 class TestChoice:
