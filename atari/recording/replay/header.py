@@ -52,7 +52,9 @@ def game_of_header(
 
 def _check_options(header: Mapping[str, Any], game: Game) -> None:
     """Check the options and the task in the header of a replay of one player."""
-    options = header["options"]
+    options, task = header["options"], header.get("task")
+    if not isinstance(task, str):
+        raise Corrupt("the replay is damaged: its header has no task")
     try:
         for name, value in options.items():
             check_name("an option", name, ALE_OPTIONS)
@@ -64,7 +66,7 @@ def _check_options(header: Mapping[str, Any], game: Game) -> None:
             raise TypeError("interventions must be a list of definitions")
         resolve(game, interventions)
         emulator_task(options, game)
-        Task.from_json(header.get("task"), game)
+        Task.from_json(task, game)
     except (TypeError, ValueError, OverflowError) as error:
         raise Corrupt(f"the replay is damaged: its header is wrong ({error})") from None
 
