@@ -114,7 +114,8 @@ class EnvState(gymnasium.Env[Any, Any]):
                 lists each field that differs. The environment has not changed.
         """
         facts, blobs = snapshot.unpack(data)
-        if facts.get("of") == "play":
+        saved_in_play = facts.get("of") == "play"
+        if saved_in_play:
             facts, blobs = self._of_play(blobs)
         facts.setdefault("seeding", "gymnasium")
         own, own_blobs = self._ale_seeding()
@@ -123,8 +124,8 @@ class EnvState(gymnasium.Env[Any, Any]):
                 "the snapshot is of an environment with its wrappers; pass it to restore of the outermost wrapper"
             )
         snapshot.require(facts, {"of": "AtariEnv", "seeding": own.get("seeding", "gymnasium")})
-        require_same(facts.get("task"), self._as_set(self._task), ignored=GROUPS["observation"])
-        if facts.get("task") is not None:
+        if not saved_in_play:
+            require_same(facts.get("task"), self._as_set(self._task), ignored=GROUPS["observation"])
             blobs = {**blobs, "core": self._as_made(blobs.get("core", b""))}
         self._continue(facts, blobs, own_blobs)
 
@@ -160,7 +161,7 @@ class EnvState(gymnasium.Env[Any, Any]):
         options = {name: own[name] for name in ("sound", "repeat_action_probability", "max_num_frames_per_episode")}
         more_facts, more_blobs = self._ale_seeding()
         core = snapshot.with_options(blobs.get("core", b""), **options)
-        return {**facts, "task": None, **more_facts}, {**blobs, "core": core, **more_blobs}
+        return {**facts, **more_facts}, {**blobs, "core": core, **more_blobs}
 
     def _ale_seeding(self) -> tuple[dict[str, Any], dict[str, bytes]]:
         """The fact and the blob of a snapshot that say how episodes are seeded; none if Gymnasium's seeding applies."""

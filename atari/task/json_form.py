@@ -53,14 +53,14 @@ def require_same(stored: Any, own: TaskData, ignored: Collection[str] = ()) -> N
     """Check that the task of a snapshot plays like another task.
 
     Args:
-        stored: the text of `identity` in the snapshot; None in snapshots of older releases, which are accepted.
+        stored: the text of `identity` in the snapshot.
         own: the task into which the snapshot is to be restored.
         ignored: fields that may differ.
 
     Raises:
         ValueError: fields differ (the message names all), or `stored` is no task.
     """
-    if stored is None or stored == identity(own):
+    if stored == identity(own):
         return
     if not isinstance(stored, str):
         raise ValueError(f"the snapshot is damaged: its task is {stored!r:.80}")

@@ -29,18 +29,19 @@ class LaneSnapshot(NamedTuple):
     task: str
 
 
-def _pairs(snapshots: Any) -> list[tuple[_emulator.MemberSnapshot, str | None]]:
-    """The states and the tasks of the argument of `restore`."""
-    if isinstance(snapshots, Sequence) and not isinstance(snapshots, (LaneSnapshot, bytes)):
-        pairs: list[tuple[Any, str | None]] = [
-            (one.state, one.task) if isinstance(one, LaneSnapshot) else (one, None) for one in snapshots
-        ]
-        if all(isinstance(state, _emulator.MemberSnapshot) for state, _ in pairs):
-            return pairs
-    raise TypeError(
-        "snapshots must be a list that AtariVectorEnv.snapshot returned, or a part of one; a snapshot of a single "
-        f"environment continues in single environments, got {snapshots!r:.80}"
-    )
+def _check_snapshots(snapshots: Any) -> None:
+    """Check the argument of `restore`."""
+    if (
+        not isinstance(snapshots, Sequence)
+        or isinstance(snapshots, (LaneSnapshot, bytes))
+        or not all(
+            isinstance(one, LaneSnapshot) and isinstance(one.state, _emulator.MemberSnapshot) for one in snapshots
+        )
+    ):
+        raise TypeError(
+            "snapshots must be a list that AtariVectorEnv.snapshot returned, or a part of one; a snapshot of a single "
+            f"environment continues in single environments, got {snapshots!r:.80}"
+        )
 
 
 class VectorState(Views):
@@ -87,13 +88,11 @@ class VectorState(Views):
         tasks = self._options.identities
         return [LaneSnapshot(state, tasks[index]) for index, state in zip(chosen, states, strict=True)]
 
-    def restore(
-        self, indices: Iterable[int] | None, snapshots: Sequence[LaneSnapshot | _emulator.MemberSnapshot]
-    ) -> None:
+    def restore(self, indices: Iterable[int] | None, snapshots: Sequence[LaneSnapshot]) -> None:
         """Continue some environments, or all, from snapshots; each may come from any environment of the same task.
 
         Observations already returned do not change; `observe` returns the new ones. The threads copy a state when its
-        environment is next played or read. Snapshots of older releases have no task.
+        environment is next played or read.
 
         Raises:
             RuntimeError, IndexError: see `snapshot`.
@@ -105,9 +104,9 @@ class VectorState(Views):
             raise ValueError(f"an environment is given twice: {chosen}; give each once")
         with self._lock:
             engine = self._started()
-            pairs = _pairs(snapshots)
-            self._require_same(chosen, [task for _, task in pairs])
-            engine.restore(chosen, [state for state, _ in pairs])
+            _check_snapshots(snapshots)
+            self._require_same(chosen, [task for _, task in snapshots])
+            engine.restore(chosen, [state for state, _ in snapshots])
 
     def fork(self, source: int, targets: Iterable[int]) -> None:
         """Continue some environments from the state of another one of the same task, its generators included.
@@ -126,7 +125,7 @@ class VectorState(Views):
             self._require_same(chosen, [self._options.identities[source]] * len(chosen))
             engine.restore(chosen, engine.snapshot([source]) * len(chosen))
 
-    def _require_same(self, indices: Sequence[int], tasks: Sequence[str | None]) -> None:
+    def _require_same(self, indices: Sequence[int], tasks: Sequence[str]) -> None:
         own = self._options.identities
         for index, task in zip(indices, tasks, strict=False):
             if task != own[index]:

@@ -58,7 +58,7 @@ def test_a_foreign_or_damaged_snapshot_is_refused_and_changes_nothing(options: d
             for wrong in WRONG
             if (name, wrong) != ("agents", [])
         ),
-        *(({**facts, "task": wrong}, blobs) for wrong in WRONG if wrong is not None),
+        *(({**facts, "task": wrong}, blobs) for wrong in WRONG),
         *((facts, {name: blobs[name]}) for name in blobs),
         *(
             (facts, {**blobs, name: wrong})

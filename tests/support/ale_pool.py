@@ -10,7 +10,7 @@ interfaces with sound, and none of games whose rules keep variables over a reset
 
 from functools import partial, partialmethod
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType
 from typing import Any
 
 import ale_py
@@ -128,4 +128,5 @@ class PooledInterface:
 def use_pool() -> None:
     """Let `AleCore` and ale-py's `AtariEnv` load their games from the pool in this process."""
     ale.ALEInterface = PooledInterface
-    ale_py.env.ale_py = SimpleNamespace(**{**vars(ale_py), "ALEInterface": PooledInterface})
+    ale_py.env.ale_py = ModuleType("ale_py")
+    vars(ale_py.env.ale_py).update(vars(ale_py), ALEInterface=PooledInterface)

@@ -155,7 +155,7 @@ def test_a_pickled_snapshot_is_checked_too() -> None:
         envs.restore([0, 1], [breakout, breakout])
     for bad in (breakout.state, damaged(state[:-1], image), damaged(b"", image), damaged(b"\xff" * len(state), image)):
         with pytest.raises(ValueError, match="snapshot 0 is of another game than environment 0"):
-            envs.restore([0, 1], [bad, breakout])
+            envs.restore([0, 1], [pong._replace(state=bad), breakout])
         assert np.array_equal(envs.observe()[0], before)
     envs.restore([0, 1], [pong, breakout])
 
@@ -189,7 +189,6 @@ def test_a_snapshot_of_another_task_is_refused(options: dict[str, Any], text: st
     with pytest.raises(ValueError, match=f"environment 2 cannot continue from it: the snapshot was taken with {text}"):
         other.restore([2], envs.snapshot([0]))
     assert play(other, 10, seed=2) == expected
-    other.restore([2], [envs.snapshot([0])[0].state])  # as releases that stored no task have it
 
 
 def test_environments_of_other_tasks_in_one_vector() -> None:
