@@ -204,7 +204,7 @@ def _floats(values: list[float | None]) -> Floats:
 
 @cache
 def read_table(name: str) -> Any:
-    """The content of a file of `data`, which scripts/generate/published_scores.py writes, read at its first use."""
+    """The content of a file of `data`, read at its first use."""
     return json.loads((_FOLDER / f"{name}.json").read_text(encoding="utf-8"))
 
 
