@@ -25,12 +25,8 @@ from plan import HOLD, Effort, add_arguments, chosen_effort, play, record
 
 import atari
 from atari.cores import NativeCore
+from atari.games.toml_file import tomllib
 from atari.recording import Replay
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 FOLDER = Path(__file__).parents[2] / "docs" / "games" / "replays"
 INDEX = FOLDER / "index.toml"

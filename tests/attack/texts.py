@@ -4,7 +4,6 @@ import contextlib
 import io
 import json
 import random
-import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -17,15 +16,11 @@ import atari
 from atari.cli import main
 from atari.games.game import load_game
 from atari.games.manual import load_manual
+from atari.games.toml_file import tomllib
 from atari.lab import interventions
 from atari.learning.evaluation.protocols import PROTOCOLS
 from atari.learning.evaluation.results import GameResult, Result
 from atari.recording import VideoWriter
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 GAMES = Path(atari.games.__path__[0])
 TEXTS = (

@@ -1,7 +1,6 @@
 """The plays of the games' pages (docs/games/replays): each plays as it did, with the score in the index."""
 
 import importlib
-import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -9,12 +8,8 @@ from typing import Any
 import pytest
 
 import atari
+from atari.games.toml_file import tomllib
 from atari.recording import Replay
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "games" / "replays"

@@ -3,7 +3,6 @@
 A drawn object leaves its place when a byte of its place changes. If the screens stay equal, nothing shows the object.
 """
 
-import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -14,16 +13,12 @@ from typing import Any
 import numpy as np
 from label_situations import endless, pure
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
-
 import atari
 import atari._emulator as _emulator
 from atari.cores import NativeCore
 from atari.games.game import Game, RamLabel
 from atari.games.labels import compile_label
+from atari.games.toml_file import tomllib
 from atari.lab.labels import Labels
 from atari.lab.objects import positions
 

@@ -1,15 +1,11 @@
 """The plays of docs/games/replays: the replay of a game, and its facts in index.toml."""
 
-import sys
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from atari.games.toml_file import tomllib
 
 ROOT = Path(__file__).parents[3]
 FOLDER = ROOT / "docs" / "games" / "replays"
