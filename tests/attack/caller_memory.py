@@ -15,7 +15,7 @@ from memory_cases import play, random_case
 
 import atari
 from atari.games.catalog import playable_ids
-from atari.learning.memory.batches import check_stacks, make_batch
+from atari.learning.memory.batches import make_batch
 
 READINGS = ("ram", "screen", "screen_rgb", "screen_grayscale", "audio")
 
@@ -53,9 +53,7 @@ def attack_batches(source: random.Random, seed: int) -> None:
     options: dict[str, Any] = {"stack_num": source.randint(1, case["stack"])}
     guards = Guards(source)
     share = not length and source.random() < 0.3
-    out = make_batch(
-        guarded._options, size, length, check_stacks(guarded._options, options["stack_num"]), guards.array, share
-    )
+    out = make_batch(guarded._options, size, length, guarded._options.stacks(options["stack_num"]), guards.array, share)
     draw = "sample_sequences" if length else "sample"
     both = [
         partial(getattr(memory, draw), size, *((length,) if length else ()), **given)

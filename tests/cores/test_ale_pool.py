@@ -49,7 +49,7 @@ def loads(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     return made
 
 
-@pytest.mark.parametrize(("game", "averaged"), zip(GAMES, (False, True) * 3, strict=True))
+@pytest.mark.parametrize(("game", "averaged"), list(zip(GAMES, (False, True) * 3, strict=True)))
 def test_a_used_interface_plays_as_one_of_ale_py(game: str, averaged: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     made = loads(monkeypatch)
     for seed in (1, 2):
@@ -102,3 +102,19 @@ def test_frames_before_a_reset(monkeypatch: pytest.MonkeyPatch) -> None:
     for interface in (ours, theirs):
         interface.setMode(1)
     assert played(ours, 60) == played(theirs, 60)
+
+
+def test_a_load_depends_on_the_frame_skip(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In games whose mode is selected by playing."""
+    loads(monkeypatch)
+    for skip in (1, 4, 1, 4):
+        seen = []
+        for kind in (PooledInterface, ale_py.ALEInterface):
+            interface = kind()
+            interface.setInt("random_seed", 5)
+            interface.setInt("frame_skip", skip)
+            interface.loadROM(ale_py.roms.get_rom_path("double_dunk"))
+            interface.setMode(7)
+            interface.reset_game()
+            seen.append(played(interface, 10))
+        assert seen[0] == seen[1]

@@ -1,7 +1,7 @@
 """ale-py's interface for the tests, which uses loaded interfaces again: a load of a ROM takes 0.2 CPU seconds.
 
 A load takes an interface of the pool if one has the same ROM and settings, and if an interface has loaded this ROM with
-this seed before. It restores the state after that load, which has the random generator, the mode and the difficulty.
+this seed and frame skip before. It restores the state after that load, which has the random generator, the mode and the difficulty.
 ale-py's states leave out the framebuffer, the held action, and the sound generator, of which a reset sets the first two.
 So an interface of the pool is used only if a reset comes before the first frame and the first read, and the pool has no
 interfaces with sound, and none of games whose rules keep variables over a reset.
@@ -26,7 +26,9 @@ _unused: list[tuple[Any, ale_py.ALEInterface]] = []
 """The interfaces that no test has, each after its ROM and settings; the oldest first, and at most `_MOST`."""
 _MOST = 30
 _loaded: dict[Any, ale_py.ALEState] = {}
-"""The state after a load, by ROM and seed."""
+"""The state after a load, by ROM, seed and `_OF_LOADING`."""
+_OF_LOADING = ("frame_skip", "repeat_action_probability")
+"""Settings on which the reset inside a load depends, in games whose mode is selected by playing."""
 _CHANGES = ("setMode", "setDifficulty", "restoreState", "restoreSystemState")
 _FACTS = ("cloneState", "cloneSystemState", "getMinimalActionSet", "getLegalActionSet")
 _FACTS += ("getAvailableModes", "getAvailableDifficulties", "getScreenDims", "getRAMSize", "getAudioSize")
@@ -63,7 +65,7 @@ class PooledInterface:
         self._give_back()
         settings = dict(self._settings)
         _, seed = settings.pop("random_seed", ("setInt", None))
-        self._start = (str(rom), seed)
+        self._start = (str(rom), seed, *(settings.get(name) for name in _OF_LOADING))
         self._like = (str(rom), *sorted(settings.items()))
         path, (_, sound) = Path(str(rom)), settings.get("sound_obs", ("setBool", False))
         known = path.parent == ROMS and path.stem not in KEPT_OVER_RESET

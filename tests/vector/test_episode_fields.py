@@ -367,7 +367,8 @@ class TestStates:
         player = Player(episodic_life=True, seamless_lives=True)
         player.lose_life()
         other = Player(seamless_lives=True)
-        other.envs.restore(None, [player.envs.snapshot()[0].state])  # of an older release, without its task
+        (forged,) = other.envs.snapshot()
+        other.envs.restore(None, [forged._replace(state=player.envs.snapshot()[0].state)])
         other.step()
         for _ in range(3):
             other.step()
@@ -384,7 +385,7 @@ class TestStates:
         size = {"gymnasium": 40, "ale": 2500}[seeding] + 36
         damaged: Any = _emulator.MemberSnapshot.__new__(_emulator.MemberSnapshot)
         damaged.__setstate__((data[:-size] + fill * size, image))
-        player.envs.restore(None, [damaged])
+        player.envs.restore(None, [state._replace(state=damaged)])
         for _ in range(40):
             player.step(1)
         player.reset()
