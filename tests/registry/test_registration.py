@@ -232,6 +232,7 @@ def test_explain_says_how_the_siblings_differ() -> None:
     assert siblings["Pong-ramDeterministic-v4"] == "RAM"
     assert siblings["PongNoFrameskip-v4"].startswith("frame skip: ")
     assert "PongDeterministic-v4" not in siblings
+    assert "ALE/Pong-v5               the same" in atari.explain("PongDeterministic-v0")
 
 
 def test_every_family_and_every_game_can_be_explained() -> None:

@@ -6,9 +6,10 @@ import cv2
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.utils.env_checker import data_equivalence
 from gymnasium.wrappers import RecordEpisodeStatistics, TimeLimit
 
-from atari import AtariEnv
+from atari import PRESETS, AtariEnv, wrappers
 from atari.wrappers import DqnPreprocessing, EpisodicLife, FireReset, FrameStack, NoopReset
 from atari.wrappers.dqn_preprocessing import EndFrames
 
@@ -233,6 +234,29 @@ def test_stacks_of_ram(game_env, layer, padding, core):
         pass
     np.testing.assert_array_equal(seamless.reset()[0][:2], result[0][1:])
     assert ends > 1
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_driving_the_emulator_and_going_through_wrappers_give_the_same(game_env, name):
+    for game, limit in (("breakout", None), ("bank_heist", 403)):
+        options = {**wrappers.preset_options(name), "max_num_frames_per_episode": limit}
+        direct = wrappers.preset(game_env(game, **options), name, episodic_life=True)
+        through = wrappers.preset(Through(game_env(game, **options)), name, episodic_life=True)
+        rng = np.random.default_rng(1)
+        results = [direct.reset(seed=5), through.reset(seed=5)]
+        assert data_equivalence(*results)
+        ends = 0
+        for _ in range(250):
+            action = int(rng.integers(direct.action_space.n))
+            results = [direct.step(action), through.step(action)]
+            for result in results:
+                result[4].get("episode", {}).pop("t", None)  # seconds
+            assert data_equivalence(*results)
+            if results[0][2] or results[0][3]:
+                ends += 1
+                assert data_equivalence(direct.reset(), through.reset())
+        assert ends > 1
+        assert direct.unwrapped.snapshot() == through.unwrapped.snapshot()
 
 
 def test_actions_with_strength(game_env):
