@@ -7,7 +7,6 @@ classes. `POOL` has a value for the parameters that must be given, by their name
 import contextlib
 import importlib
 import inspect
-import pkgutil
 import random
 import string
 import tempfile
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium
+from package_modules import SOURCES
 
 import atari
 
@@ -83,9 +83,7 @@ class Door:
 def doors() -> dict[str, Door]:
     """The callables with options, by their public names and parameters."""
     found: dict[str, Door] = {}
-    modules = pkgutil.walk_packages(atari.__path__, "atari.", onerror=lambda name: None)
-    names = ["atari", *(module.name for module in modules if not module.name.startswith("atari.atari"))]
-    for name in names:
+    for name in sorted(SOURCES):
         if any(part.startswith("_") for part in name.split(".")):
             continue
         if name.startswith("atari.classic."):
