@@ -180,10 +180,13 @@ def sentence(error: Exception | Task) -> str:
 def has_text(name: str, value: Any) -> bool:
     """Whether a command line has a text that stands for this value alone.
 
-    "1.0" is the integer 1, a word of `actions` is a list of one, and "none" is None.
+    "1.0" is the integer 1, a word of `actions` is a list of one, "none" is None, and a number is a word for a field of
+    names.
     """
     if CHECKS[name] is check_bool or isinstance(value, bool):
         return CHECKS[name] is check_bool and isinstance(value, bool)
+    if isinstance(CHECKS[name], OneOf):
+        return False
     if name == "reward":
         return isinstance(value, str) and value not in ("", "none")
     if name == "actions":
