@@ -30,7 +30,7 @@ COMPARE: dict[type[ast.cmpop], str] = {
     ast.GtE: "greater_equal",
 }  # fmt: skip
 UNARY: dict[type[ast.unaryop], str] = {ast.USub: "negate", ast.Invert: "invert", ast.Not: "not"}
-"""The operations of the syntax tree's operators, also those of rewards."""
+"""The operations of the syntax tree's operators, which rewards use, too."""
 
 _CALLS = {"s8": "signed8", "same": "same", "pos_sum": "positive_sum", "neg_sum": "negative_sum", "rng": "random",
           "random": "random_between"}  # fmt: skip

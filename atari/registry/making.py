@@ -21,7 +21,7 @@ from atari.vector.options import OF_TASKS
 
 _OF_GYMNASIUM = (name for name in inspect.signature(gymnasium.make).parameters if name not in ("id", "kwargs"))
 _OTHER_OPTIONS = ("render_mode", "core", "rom", *_OF_GYMNASIUM)
-"""Options of an environment that do not change the task, and those of `gymnasium.make`."""
+"""Options that do not change the task: an environment's own, and the options of `gymnasium.make`."""
 
 Env = gymnasium.Env[Any, Any]
 

@@ -113,7 +113,7 @@ def check_sum_of_middle(core: Core, actions: list[int]) -> str:
 def lives_of_unused_rules(game: str, side: str) -> list[int | bool]:
     """The lives after 150 frames, and whether ale-py truncates there for a lost life.
 
-    It does while the lives are fewer than those of its unused rules. In Atlantis II it compares with an uninitialised
+    ale-py truncates while the lives are fewer than its unused rules count. In Atlantis II ale-py compares with an uninitialised
     variable.
     """
     rules = atari.games[game].rules

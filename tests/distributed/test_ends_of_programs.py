@@ -23,7 +23,7 @@ env = ray.get(ray.put(atari.AtariEnv("pong")))
 
 
 def test_nothing_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of actors, and of environments beside a cluster."""
+    """A program ends that has actors, or environments beside a cluster."""
     with tempfile.TemporaryDirectory(prefix="atari-ray-", dir="/tmp", ignore_cleanup_errors=True) as folder:
         monkeypatch.setenv("HOME", folder)
         monkeypatch.setenv("RAY_USAGE_STATS_ENABLED", "0")

@@ -18,7 +18,7 @@ PIXELS = {"channels_last": True, "dtype": "float32"}
 
 
 def configuration(algorithm: str, env_id: str, workers: int, **options: Any) -> Any:
-    """Of a small network, and iterations that take a second."""
+    """A configuration has a small network, and iterations that take a second."""
     from ray.rllib.algorithms.dqn import DQNConfig
     from ray.rllib.algorithms.ppo import PPOConfig
     from ray.rllib.core.rl_module.default_model_config import DefaultModelConfig

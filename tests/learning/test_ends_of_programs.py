@@ -30,7 +30,7 @@ training.close()
 
 
 def test_nothing_is_left(tmp_path: Path) -> None:
-    """Of a core, a run folder and a training, beside recorders and the lab."""
+    """A program ends that has a core, a run folder and a training, beside recorders and the lab."""
     assert "nanobind" not in printed_at_end(REPORTING + PROGRAM.format(folder=str(tmp_path)))
 
 

@@ -236,7 +236,7 @@ def test_explain_says_how_the_siblings_differ() -> None:
 
 
 def test_every_family_and_every_game_can_be_explained() -> None:
-    """Of most games, the IDs of one speed: each text lists the others."""
+    """Most games have the IDs of one speed here: each text lists the others."""
     some = ("pong", "space_invaders", "backgammon", "tetris")
     for env_id, (family, game) in env_ids.ids().items():
         if game not in some and "-v5" not in env_id:

@@ -48,7 +48,7 @@ class KeepsCounting(Faulty):
 
 
 def changed(change: Callable[..., Any]) -> type[Faulty]:
-    """The class of wrappers with other results of `step`: those of a function of the environment's."""
+    """The class of wrappers whose `step` returns what a function makes of the environment's results."""
     return type("Changed", (Faulty,), {"step": lambda self, action: change(*self.env.step(action))})
 
 

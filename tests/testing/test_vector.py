@@ -29,7 +29,7 @@ class Faulty(VectorWrapper):
 
 
 def changed(change: Callable[..., Any]) -> type[Faulty]:
-    """The class of wrappers with other results of `step`: those of a function of the vector's."""
+    """The class of wrappers whose `step` returns what a function makes of the vector's results."""
     return type("Changed", (Faulty,), {"step": lambda self, actions: change(*self.env.step(actions))})
 
 

@@ -1,4 +1,4 @@
-// What all bindings share: nanobind with its casters, and the arrays and bytes that they take from Python and give to it.
+// All bindings include this header: nanobind with its casters, and arrays and bytes from and to Python.
 #pragma once
 
 #include <nanobind/nanobind.h>
