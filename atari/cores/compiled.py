@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import asdict, replace
 from functools import lru_cache
+from typing import Any
 
 import atari._emulator as _emulator
 from atari.games.compiler import CompiledRules, compile_rules
@@ -21,7 +22,12 @@ _NO_RULES = CompiledRules(
 @lru_cache(maxsize=128)
 def compiled(game: Game, image: bytes) -> _emulator.Game:
     """The game for the emulator, built once and shared by all cores of the game."""
-    return make_game(
+    return _emulator.make_game(**definition(game, image))
+
+
+def definition(game: Game, image: bytes) -> dict[str, Any]:
+    """The arguments of `_emulator.make_game` for the game with its rules for one player."""
+    return _definition(
         game,
         image,
         compile_rules(game.rules) if game.rules else _NO_RULES,
@@ -40,14 +46,16 @@ def compiled_for_players(
     step_rules = rules.corrected if corrected and rules.corrected else rules.rules
     if parameters:
         step_rules = replace(step_rules, state={**step_rules.state, **dict(parameters)})
-    return make_game(
-        game,
-        image,
-        compile_rules(step_rules),
-        legal_actions=range(18),
-        starting_actions=rules.starting_actions,
-        default_mode=rules.loading_mode,
-        paddle_range=rules.paddle_range,
+    return _emulator.make_game(
+        **_definition(
+            game,
+            image,
+            compile_rules(step_rules),
+            legal_actions=range(18),
+            starting_actions=rules.starting_actions,
+            default_mode=rules.loading_mode,
+            paddle_range=rules.paddle_range,
+        )
     )
 
 
@@ -65,7 +73,7 @@ def reward_formula(game: Game, text: str) -> _emulator.RewardFormula:
         raise ValueError(f"reward: {text!r} is too large for the emulator: {error}") from None
 
 
-def make_game(
+def _definition(
     game: Game,
     image: bytes,
     rules: CompiledRules,
@@ -74,31 +82,31 @@ def make_game(
     starting_actions: Iterable[int],
     default_mode: int,
     paddle_range: tuple[int, int] | None = None,
-) -> _emulator.Game:
-    """A game for the emulator, with rules for one or for several players."""
+) -> dict[str, Any]:
+    """The arguments of `_emulator.make_game`, with rules for one or for several players."""
     controllers = game.controllers
     switches = 0x3F | (controllers.left_difficulty == "A") << 6 | (controllers.right_difficulty == "A") << 7
     swapped = md5(image) in _F8_SWAPPED and not game.rom.cartridge
-    return _emulator.make_game(
-        image=image,
-        cartridge="F8 SWAPPED" if swapped else game.rom.cartridge,
-        format=game.screen.format,
-        detect_format=game.screen.format_detected,
-        first_line=game.screen.first_line,
-        height=game.screen.height,
-        hmove_blanks=game.screen.hmove_blanks,
-        paddles=(controllers.left == "paddles", controllers.right == "paddles"),
-        swap_ports=controllers.swap_ports,
-        swap_paddles=controllers.swap_paddles,
-        paddle_range=paddle_range or controllers.paddle_range or (27450, 790196),
-        power_on_switches=switches,
-        legal_actions=[int(action) for action in legal_actions],
-        starting_actions=[int(action) for action in starting_actions],
-        default_mode=default_mode,
-        variables=rules.variables,
-        initial=rules.initial,
-        kept=rules.kept,
-        outputs=rules.outputs,
-        step=rules.step,
-        select_mode=rules.select_mode,
-    )
+    return {
+        "image": image,
+        "cartridge": "F8 SWAPPED" if swapped else game.rom.cartridge,
+        "format": game.screen.format,
+        "detect_format": game.screen.format_detected,
+        "first_line": game.screen.first_line,
+        "height": game.screen.height,
+        "hmove_blanks": game.screen.hmove_blanks,
+        "paddles": (controllers.left == "paddles", controllers.right == "paddles"),
+        "swap_ports": controllers.swap_ports,
+        "swap_paddles": controllers.swap_paddles,
+        "paddle_range": paddle_range or controllers.paddle_range or (27450, 790196),
+        "power_on_switches": switches,
+        "legal_actions": [int(action) for action in legal_actions],
+        "starting_actions": [int(action) for action in starting_actions],
+        "default_mode": default_mode,
+        "variables": rules.variables,
+        "initial": rules.initial,
+        "kept": rules.kept,
+        "outputs": rules.outputs,
+        "step": rules.step,
+        "select_mode": rules.select_mode,
+    }

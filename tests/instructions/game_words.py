@@ -1,20 +1,16 @@
 """A game as text, for programs in C++ that play without Python: `play` and `goldens`."""
 
 from typing import Any
-from unittest import mock
 
 import atari
-from atari.cores import native
+from atari.cores import compiled
 from atari.games.game import Game
 
 
 def game_words(game: Game) -> str:
     """The game as the native core describes it to its emulator: a line an argument, its name first, then its values."""
     image = atari.roms.find(game).read_bytes()
-    # The arguments are those that the core itself passes, so the programs play as the core does.
-    with mock.patch("atari._emulator.make_game") as make_game:
-        native.compiled.__wrapped__(game, image)
-    values = {**make_game.call_args.kwargs, "minimal_actions": game.minimal_actions}
+    values = {**compiled.definition(game, image), "minimal_actions": game.minimal_actions}
     return "".join(f"{name} {words(value)}\n" for name, value in values.items())
 
 
