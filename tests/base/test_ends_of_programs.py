@@ -5,7 +5,7 @@ leak. Here it is printed, but for programs that hold objects on purpose.
 """
 
 import pytest
-from programs import REPORTING, printed_at_end
+from own_process import REPORTING, printed_at_end
 
 ENDS = {
     "objects of many kinds": """

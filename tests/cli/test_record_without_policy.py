@@ -8,6 +8,7 @@ import av
 import numpy as np
 import pytest
 from cli_tools import Capture, Patch, record_json, refused
+from env_tools import Observer
 from video_reader import video_frames
 
 import atari
@@ -88,22 +89,13 @@ def test_no_video_makes_no_file(folder: Path, capsys: Capture) -> None:
 
 
 def test_observers_get_the_played_frames_and_none_after_the_end(folder: Path) -> None:
-    class Observer:
-        games = frames = 0
-
-        def game_begun(self) -> None:
-            self.games += 1
-
-        def frame_played(self, action: int, reward: int) -> None:
-            self.frames += 1
-
     env = atari.AtariEnv("breakout", core="ale", max_num_frames_per_episode=6)
     with RecordReplay(env, folder / "a.a26r") as recorded:
-        env.driver.observers.append(observer := Observer())
+        observer = Observer(env, lambda *frame: "frame", lambda: "begun")
         recorded.reset(seed=0)
         assert env.driver.play_frames(1, frames=9) == 0
         assert env.core.truncated
-    assert (observer.games, observer.frames, recorded.recorder.frames) == (1, 6, 6)
+    assert (observer.seen, recorded.recorder.frames) == (["begun", *["frame"] * 6], 6)
 
 
 @pytest.mark.parametrize(

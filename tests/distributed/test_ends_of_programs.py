@@ -5,7 +5,7 @@ import secrets
 import tempfile
 
 import pytest
-from programs import REPORTING, printed_at_end
+from own_process import REPORTING, printed_at_end
 
 pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./scripts/test --ray")
 pytestmark = pytest.mark.ray

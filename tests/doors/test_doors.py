@@ -2,8 +2,7 @@
 
 import pytest
 from documents import page
-from door_cells import call, check_cell
-from doors import DOORS, Door, row
+from doors import DOORS, Door, call, check_cell, row
 from env_tools import needs_gymnasium_1
 
 from atari.task.resolution import OPTIONS

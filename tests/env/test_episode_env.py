@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import Observer
 from gymnasium.wrappers import RecordEpisodeStatistics
 from tasks import nested
 
@@ -91,30 +92,23 @@ def test_it_has_the_spaces_and_attributes_of_the_wrappers() -> None:
         assert nests.unwrapped.task == one.unwrapped.task
 
 
-class Observer:
-    """Keeps what an observer of frames receives, with the core's state at that time."""
-
-    def __init__(self, env: Any) -> None:
-        self.env, self.received = env.unwrapped, []  # type: ignore[var-annotated]
-        self.env.driver.observers.append(self)
-
-    def game_begun(self) -> None:
-        self.received.append("begun")
-
-    def frame_played(self, action: int, reward: int) -> None:
-        core = self.env.core
-        self.received.append((action, reward, core.frame_number, core.ram().tobytes(), core.screen_rgb().tobytes()))
-
-
 @pytest.mark.parametrize("preset", PRESETS)
 def test_observers_receive_the_same_frames(preset: str) -> None:
+    def watched(env: Any) -> Observer:
+        core = env.unwrapped.core
+        shown = (core.ram, core.screen_rgb)
+        return Observer(
+            env, lambda *frame: (*frame, core.frame_number, *(get().tobytes() for get in shown)), lambda: "begun"
+        )
+
     nests, one = both(Task.of("breakout", preset=preset))
-    first, second = Observer(nests), Observer(one)
+
+    first, second = watched(nests), watched(one)
     assert play(nests, 60) == play(one, 60)
-    assert first.received == second.received
+    assert first.seen == second.seen
     one.unwrapped.driver.observers.clear()
     one.step(0)
-    assert len(first.received) == len(second.received)
+    assert len(first.seen) == len(second.seen)
 
 
 @pytest.mark.parametrize("mode", ["rgb_array_list", "rgb_array", None])

@@ -6,27 +6,13 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
+from env_tools import Observer
 
 import atari
 from atari.cores import AleCore, NativeCore, PlainCore
 from atari.lab import Freeze, Poke, Ram
 
 RIGHT, BALL_X, PLAYER_Y, SCORE = 2, 49, 51, 14
-
-
-class Frames:
-    """The bytes of RAM after every emulated frame."""
-
-    def __init__(self, env: atari.AtariEnv) -> None:
-        self.ram: list[np.ndarray[Any, Any]] = []
-        self._env = env
-        env.driver.observers.append(self)
-
-    def game_begun(self) -> None:
-        self.ram.append(self._env.core.ram())
-
-    def frame_played(self, action: int, reward: int) -> None:
-        self.ram.append(self._env.core.ram())
 
 
 def playing(**options: Any) -> atari.AtariEnv:
@@ -45,13 +31,12 @@ def env() -> atari.AtariEnv:
 @pytest.mark.parametrize("core", ["native", "plain"])
 def test_a_frozen_byte_stays_at_every_frame_of_a_skip_and_in_the_observation(core: str) -> None:
     env = playing(obs_type="ram", core=core)
-    frames = Frames(env)
+    frames = Observer(env, lambda *frame: int(env.core.ram()[BALL_X]))
     with Freeze(env, {BALL_X: 120}):
         assert env.core.ram()[BALL_X] == 120  # at once
         observations = [env.step(RIGHT)[0] for _ in range(20)]
-    assert {int(ram[BALL_X]) for ram in frames.ram} == {120}
+    assert frames.seen == [120] * 80
     assert {int(observation[BALL_X]) for observation in observations} == {120}
-    assert len(frames.ram) == 80
     env.step(RIGHT)
     assert env.core.ram()[BALL_X] != 120
 

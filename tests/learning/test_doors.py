@@ -2,8 +2,7 @@
 
 import pytest
 from documents import page
-from door_cells import check_cell
-from doors import TRAIN, row
+from doors import TRAIN, check_cell, row
 
 from atari.task.resolution import OPTIONS
 

@@ -6,7 +6,7 @@ PyTorch holds the module `typing` to the end, and with it whatever `typing` has 
 from pathlib import Path
 
 import pytest
-from programs import REPORTING, printed_at_end
+from own_process import REPORTING, printed_at_end
 
 pytest.importorskip("torch")
 

@@ -2,8 +2,7 @@
 
 import pytest
 from documents import page
-from door_cells import check_cell
-from doors import STABLE_BASELINES, row
+from doors import STABLE_BASELINES, check_cell, row
 
 from atari.task.resolution import OPTIONS
 

@@ -1,7 +1,7 @@
 """Programs of Stable-Baselines3 and SuperSuit run to their end, and nothing of this package is left then."""
 
 import pytest
-from programs import REPORTING, printed_at_end
+from own_process import REPORTING, printed_at_end
 
 pytestmark = pytest.mark.peers
 

@@ -1,7 +1,7 @@
 """Helpers of the tests of `AtariEnv`: start a game, play at random, compare results."""
 
 import inspect
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -36,6 +36,27 @@ def unchanged(env: AtariEnv) -> Iterator[None]:
     before = env.snapshot()
     yield
     assert env.snapshot() == before
+
+
+class Observer:
+    """Keeps a value of each frame that the console plays, and of each game that begins if `begun` makes one."""
+
+    def __init__(self, env: Any, frame: Callable[[int, int], Any], begun: Callable[[], Any] | None = None) -> None:
+        self.seen: list[Any] = []
+        self._frame, self._begun = frame, begun
+        env.unwrapped.driver.observers.append(self)
+
+    def game_begun(self) -> None:
+        if self._begun is not None:
+            self.seen.append(self._begun())
+
+    def frame_played(self, action: int, reward: int) -> None:
+        self.seen.append(self._frame(action, reward))
+
+    def take(self) -> list[Any]:
+        """What was kept since the last call."""
+        taken, self.seen = self.seen, []
+        return taken
 
 
 def started(game: str = "breakout", *, seed: int = 0, **options: Any) -> AtariEnv:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from env_tools import Observer
 from tasks import nested
 
 import atari
@@ -14,27 +15,14 @@ from atari.task import Task
 LEFT, RIGHT, NOOP, FIRE = 4, 3, 0, 1  # ALE numbers
 
 
-class Console:
-    """The ALE actions that the console gets."""
-
-    def __init__(self, env: Any) -> None:
-        self.actions: list[int] = []
-        env.unwrapped.driver.observers.append(self)
-
-    def game_begun(self) -> None:
-        self.actions.clear()
-
-    def frame_played(self, action: int, reward: int) -> None:
-        self.actions.append(action)
-
-    def take(self) -> list[int]:
-        taken, self.actions = self.actions, []
-        return taken
+def console(env: Any) -> Observer:
+    """Keeps the ALE actions that the console gets."""
+    return Observer(env, lambda action, reward: action)
 
 
-def made(task: Task, kind: str) -> tuple[Any, Console]:
+def made(task: Task, kind: str) -> tuple[Any, Observer]:
     env = nested(task) if kind == "nested" else atari.make(task)
-    return env, Console(env)
+    return env, console(env)
 
 
 BREAKOUT: dict[str, Any] = {"game": "breakout", "repeat_action_probability": 0.0}
@@ -153,11 +141,11 @@ def test_lanes_and_their_videos_get_the_delayed_actions(tmp_path: Any) -> None:
 @pytest.mark.parametrize("core", ["native", "ale"])
 def test_around_an_environment_with_a_skip_of_its_own(core: str) -> None:
     env = wrappers.ActionDelay(AtariEnv("breakout", frameskip=4, repeat_action_probability=0.0, core=core), 2)
-    console = Console(env)
+    played = console(env)
     env.reset(seed=0)
     env.step(2)
     env.step(3)
-    assert console.take() == [NOOP, NOOP, RIGHT, RIGHT, RIGHT, RIGHT, LEFT, LEFT]
+    assert played.take() == [NOOP, NOOP, RIGHT, RIGHT, RIGHT, RIGHT, LEFT, LEFT]
     assert env.unwrapped.driver.convert is None  # type: ignore[attr-defined]
 
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from env_tools import Observer
 from tasks import nested
 
 import atari
@@ -12,28 +13,24 @@ from atari.env import AtariEnv
 from atari.task import Task
 
 
-class Frames:
+class Frames(Observer):
     """The RAM and the screen after each frame since the last reset; the first are those that the reset shows."""
 
     def __init__(self, env: Any) -> None:
-        self.core = env.unwrapped.core
-        env.unwrapped.driver.observers.append(self)
-        self.rams: list[Any] = []
-        self.screens: list[Any] = []
-
-    def game_begun(self) -> None:
-        pass
-
-    def frame_played(self, action: int, reward: int) -> None:
-        self.rams.append(self.core.ram())
-        self.screens.append(self.core.screen_grayscale())
+        core = env.unwrapped.core
+        self.show = lambda *frame: (core.ram(), core.screen_grayscale())
+        super().__init__(env, self.show)
 
     def begin(self) -> None:
-        self.rams, self.screens = [self.core.ram()], [self.core.screen_grayscale()]
+        self.seen = [self.show()]
 
-    def at(self, t: int) -> int:
-        """The index of frame t; the first one is held."""
-        return max(t, 0)
+    def ram(self, t: int) -> Any:
+        """The RAM after frame t; the first one is held."""
+        return self.seen[max(t, 0)][0]
+
+    def screen(self, t: int) -> Any:
+        """The screen after frame t."""
+        return self.seen[max(t, 0)][1]
 
 
 KINDS = ("nested", "one object")
@@ -54,16 +51,16 @@ def test_observations_are_those_of_earlier_frames(kind: str, delay: int, framesk
     for _ in range(2):
         seen, info = env.reset(seed=0)
         frames.begin()
-        np.testing.assert_array_equal(seen["ram"], frames.rams[0])
-        np.testing.assert_array_equal(seen["image"], frames.screens[0])
+        np.testing.assert_array_equal(seen["ram"], frames.ram(0))
+        np.testing.assert_array_equal(seen["image"], frames.screen(0))
         for _ in range(30):
-            before = len(frames.rams) - 1
+            before = len(frames.seen) - 1
             seen, _, _, _, info = env.step(int(generator.integers(9)))
-            now = len(frames.rams) - 1
-            np.testing.assert_array_equal(seen["ram"], frames.rams[frames.at(now - delay)])
-            parts = [frames.screens[frames.at(now - delay - back)] for back in range(1 if now == before + 1 else 2)]
+            now = len(frames.seen) - 1
+            np.testing.assert_array_equal(seen["ram"], frames.ram(now - delay))
+            parts = [frames.screen(now - delay - back) for back in range(1 if now == before + 1 else 2)]
             np.testing.assert_array_equal(seen["image"], np.maximum.reduce(parts))
-            assert info["lives"] == frames.core.lives
+            assert info["lives"] == env.unwrapped.core.lives
 
 
 @pytest.mark.parametrize("obs_type", ["rgb", "grayscale", "ram", "rgb_dict"])
@@ -117,7 +114,7 @@ def test_the_range_is_drawn_after_that_of_actions(kind: str) -> None:
     env = made(task, kind)
     frames = Frames(env)
     seen, _ = env.reset(seed=3)
-    noops = len(frames.rams)
+    noops = len(frames.seen)
     frames.begin()
     generator = np.random.Generator(np.random.PCG64(int(np.random.SeedSequence(3).generate_state(1)[0])))
     assert noops == generator.integers(0, 31)
@@ -125,7 +122,7 @@ def test_the_range_is_drawn_after_that_of_actions(kind: str) -> None:
     delay = int(generator.integers(1, 61))
     for t in range(1, 80):
         seen = env.step(2)[0]
-        np.testing.assert_array_equal(seen, frames.rams[max(t - delay, 0)])
+        np.testing.assert_array_equal(seen, frames.ram(t - delay))
 
 
 @pytest.mark.parametrize("obs_type", ["dict", "ram", "rgb_dict"])
@@ -170,7 +167,7 @@ def test_around_wrappers_of_single_frames(core: str) -> None:
     frames.begin()
     for _ in range(10):
         seen = env.step(2)[0]
-        now = len(frames.screens) - 1
-        parts = [frames.screens[max(now - 3 - back, 0)] for back in (0, 1)]
+        now = len(frames.seen) - 1
+        parts = [frames.screen(now - 3 - back) for back in (0, 1)]
         np.testing.assert_array_equal(seen, np.maximum(*parts))
     assert env.unwrapped.driver.delayed is None
