@@ -85,8 +85,7 @@ def action_meanings(env: Environment) -> list[str]:
     """The names of the actions, from the outermost wrapper that overrides them."""
     # With Gymnasium 0.29, `env.get_wrapper_attr` warns.
     overriding = (layer for layer in layers(env) if hasattr(type(layer), "get_action_meanings"))
-    meanings: list[str] = next(overriding, env.unwrapped).get_action_meanings()  # type: ignore[attr-defined]
-    return meanings
+    return next(overriding, env.unwrapped).get_action_meanings()  # type: ignore[attr-defined]
 
 
 def begin_meanings(env: Environment) -> list[str]:

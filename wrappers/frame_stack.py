@@ -133,8 +133,7 @@ class LazyStack:
     def __getitem__(self, index: Any) -> Array:
         if isinstance(index, int):
             return self.frames[index]
-        array: Array = np.asarray(self)[index]
-        return array
+        return np.asarray(self)[index]
 
     def __eq__(self, other: object) -> Any:
         return np.asarray(self) == np.asarray(other)

@@ -87,8 +87,7 @@ class ObservationDelay(RestorableWrapper):
     def step(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         """Step; the observation is made of the frames that have arrived."""
         self._warn_if_restored()
-        result: tuple[Any, Any, bool, bool, dict[str, Any]] = self._watched(lambda: self.env.step(action))
-        return result
+        return self._watched(lambda: self.env.step(action))
 
     def game_begun(self) -> None:
         """Note that the emulator was reset."""
@@ -108,8 +107,7 @@ class ObservationDelay(RestorableWrapper):
         goes_on = not self._began and (self._keeps_stack or not self._played)
         shown = name in self._names  # otherwise `DqnPreprocessing` inside drops the observation
         present = not shown or (self._resets and not goes_on)
-        array: ByteArray = getattr(self._atari.core, name)() if present else self._line[0][name].copy()
-        return array
+        return getattr(self._atari.core, name)() if present else self._line[0][name].copy()
 
     @property
     def _keeps_stack(self) -> bool:

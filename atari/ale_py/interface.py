@@ -90,7 +90,6 @@ class _Console(AleConsole):
         """Load the game again; `ALEInterface.loadROM` does so itself."""
 
     def load(self, game: str, rom: str | PathLike[str]) -> None:
-        """Load a game."""
         self._game = AleGame(
             NativeCore, games[game], self.ale_settings, mode=None, difficulty=None, rom=rom, interventions=()
         )

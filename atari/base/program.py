@@ -206,7 +206,6 @@ class _Messages:
         self._stream = stream
 
     def write(self, text: str) -> int:
-        """Write a text."""
         try:
             return self._stream.write(text)
         except OSError as error:
@@ -214,7 +213,6 @@ class _Messages:
             return len(text)
 
     def flush(self) -> None:
-        """Write what is buffered."""
         try:
             self._stream.flush()
         except OSError as error:
@@ -231,7 +229,6 @@ class _Output(_Messages):
     """Stdout, with control characters as escapes: texts of files and names of files cannot steer a terminal."""
 
     def write(self, text: str) -> int:
-        """Write a text."""
         return super().write(_escaped(text))
 
     def _fail(self, error: OSError) -> None:

@@ -81,7 +81,7 @@ class Env:
 
     def step(self, action: Any) -> Step:
         """Take an action; return the observation, the reward, whether the episode is over, and diagnostics."""
-        return self._call("step", action)  # type: ignore[no-any-return]
+        return self._call("step", action)
 
     def reset(self) -> Any:
         """Start a new episode and return its first observation."""

@@ -172,7 +172,6 @@ class _Finder(MetaPathFinder, Loader):
         return ModuleSpec(fullname, self, origin=f"{_PACKAGE}.gym_modules", is_package=is_package)
 
     def exec_module(self, module: ModuleType) -> None:
-        """Give a module its names."""
         homes = MODULES[module.__name__.removeprefix(f"{_PACKAGE}.")]
         for home, listed in homes.items():
             found = import_module(home if home.startswith("gymnasium.") else f"{_PACKAGE}.{home}")

@@ -70,15 +70,15 @@ class Monitor(MonitorHooks, Wrapper):
 
     def get_total_steps(self) -> int:
         """Steps so far."""
-        return self.stats_recorder.total_steps  # type: ignore[no-any-return]
+        return self.stats_recorder.total_steps
 
     def get_episode_rewards(self) -> list[float]:
         """The return of each episode that ended."""
-        return self.stats_recorder.episode_rewards  # type: ignore[no-any-return]
+        return self.stats_recorder.episode_rewards
 
     def get_episode_lengths(self) -> list[int]:
         """The number of steps of each episode that ended."""
-        return self.stats_recorder.episode_lengths  # type: ignore[no-any-return]
+        return self.stats_recorder.episode_lengths
 
     def close(self) -> None:
         """Write the files, and close the environment."""

@@ -177,4 +177,4 @@ def json_encode_np(obj: Any) -> Any:
 
 
 def _read(path: Folder) -> dict[str, Any]:
-    return json.loads(Path(path).read_text(encoding="utf-8"))  # type: ignore[no-any-return]
+    return json.loads(Path(path).read_text(encoding="utf-8"))

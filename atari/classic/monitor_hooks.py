@@ -194,7 +194,6 @@ class MonitorHooks:
         self.reset_video_recorder()
 
     def _close_video_recorder(self) -> None:
-        """End the video of the last episode."""
         recorder = self.video_recorder
         assert recorder is not None
         recorder.close()

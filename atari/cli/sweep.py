@@ -136,7 +136,6 @@ def _do(args: argparse.Namespace, code: "AgentCode", options: Sequence[str], fol
 def _finish(
     args: argparse.Namespace, agent: str, folder: Path, runs: Sequence[Any], settings: Any, to: Sequence[str]
 ) -> int:
-    """Compare, write the page, and print the results."""
     from atari.learning.sweep.processes import evaluation_of
     from atari.learning.sweep.report import compare_runs, write_report
 

@@ -451,8 +451,7 @@ class _Closed:
 def _filled(getter: Any, shape: tuple[int, ...], out: ByteArray | None) -> ByteArray:
     """The array that `getter` makes, or `out`, which is checked and then filled by `getter`."""
     if out is None:
-        array: ByteArray = getter()
-        return array
+        return getter()
     good = isinstance(out, np.ndarray) and out.dtype == np.uint8 and out.shape == shape
     if not (good and out.flags.c_contiguous and out.flags.writeable):
         raise ValueError(f"out must be a writable C-contiguous uint8 array of shape {shape}")

@@ -63,8 +63,7 @@ class AleGame:
     @property
     def emulated(self) -> Core:
         """The emulator core."""
-        emulated: Core = self.core.emulated if isinstance(self.core, AssignedAle) else self.core
-        return emulated
+        return self.core.emulated if isinstance(self.core, AssignedAle) else self.core
 
     @emulated.setter
     def emulated(self, core: Core) -> None:
@@ -157,8 +156,7 @@ class AleGame:
         writes.restore(self.core, state["writes"])
 
     def _make_core(self) -> Core:
-        core: Core = self._kind(self.game, seed=self.ale_settings.seed(), **self._arguments, **self.core_options)
-        return core
+        return self._kind(self.game, seed=self.ale_settings.seed(), **self._arguments, **self.core_options)
 
     def _replace_core(self) -> None:
         if type(self.emulated) is not self._kind:

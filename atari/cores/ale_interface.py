@@ -343,7 +343,6 @@ def _filled(name: str, read: Any, buffer: ByteArray | None) -> ByteArray:
 
 
 def _choose(choose: Any, number: int) -> None:
-    """Set a mode or a difficulty."""
     try:
         choose(number)
     except ValueError as error:

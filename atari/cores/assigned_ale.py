@@ -34,38 +34,32 @@ class AssignedAle:
 
     def act(self, action: int, strength: float = 1.0) -> int:
         """Play a frame."""
-        reward: int = self.ale.act(AleAction(action), strength)
-        return reward
+        return self.ale.act(AleAction(action), strength)
 
     @property
     def lives(self) -> int:
         """Lives left."""
-        lives: int = self.ale.lives()
-        return lives
+        return self.ale.lives()
 
     @property
     def game_over(self) -> bool:
         """Whether the game has ended by its own rules."""
-        over: bool = self.ale.game_over(with_truncation=False)
-        return over
+        return self.ale.game_over(with_truncation=False)
 
     @property
     def truncated(self) -> bool:
         """Whether the episode has reached its limit of frames."""
-        truncated: bool = self.ale.game_truncated()
-        return truncated
+        return self.ale.game_truncated()
 
     @property
     def frame_number(self) -> int:
         """Frames played since the game was loaded."""
-        number: int = self.ale.getFrameNumber()
-        return number
+        return self.ale.getFrameNumber()
 
     @property
     def episode_frame_number(self) -> int:
         """Frames played since the last reset."""
-        number: int = self.ale.getEpisodeFrameNumber()
-        return number
+        return self.ale.getEpisodeFrameNumber()
 
     def ram(self, out: ByteArray | None = None) -> ByteArray:
         """The bytes of RAM."""
@@ -97,8 +91,7 @@ class AssignedAle:
     @property
     def writes(self) -> list[Any]:
         """The writes by slot."""
-        slots: list[Any] = self.emulated.writes
-        return slots
+        return self.emulated.writes
 
     @writes.setter
     def writes(self, slots: list[Any]) -> None:
@@ -108,7 +101,6 @@ class AssignedAle:
 def _read(getter: Any, out: ByteArray | None) -> ByteArray:
     """The array that a getter of ale-py's returns, or `out`, which the getter has filled."""
     if out is None:
-        array: ByteArray = getter()
-        return array
+        return getter()
     getter(out)
     return out

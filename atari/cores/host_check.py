@@ -43,8 +43,7 @@ def machine() -> Machine:
 
 def read_goldens() -> dict[str, dict[str, Any]]:
     """The golden values by game."""
-    values: dict[str, dict[str, Any]] = json.loads(Path(__file__).with_name("goldens.json").read_text("utf-8"))
-    return values
+    return json.loads(Path(__file__).with_name("goldens.json").read_text("utf-8"))
 
 
 def differences(game: str, golden: dict[str, Any]) -> list[str]:

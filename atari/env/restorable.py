@@ -99,8 +99,7 @@ class Restorable:
     @property
     def snapshot_arguments(self) -> dict[str, Any]:
         """The arguments that a snapshot must have in common with this wrapper."""
-        arguments: dict[str, Any] = self._saved_kwargs  # type: ignore[attr-defined]  # of RecordConstructorArgs
-        return arguments
+        return self._saved_kwargs  # type: ignore[attr-defined]  # of RecordConstructorArgs
 
     def _save_state(self) -> State:
         """The state; before the first reset too, with arrays of the same shape and dtype."""
@@ -157,7 +156,6 @@ def _unwrapped(env: Environment) -> AtariEnv:
 
 
 def _stateful(env: Environment) -> Iterator[Environment]:
-    """The wrappers with a state, from the outside in."""
     for layer in layers(env):
         if isinstance(layer, Restorable):
             if type(layer)._save_state is not Restorable._save_state or layer._state:
@@ -182,16 +180,14 @@ def _save_state(layer: Any) -> State:
     if isinstance(layer, TimeLimit):
         steps = layer._elapsed_steps
         return {"_elapsed_steps": -1 if steps is None else steps}
-    state: State = layer._save_state()
-    return state
+    return layer._save_state()
 
 
 def _load_state(layer: Any, state: State) -> dict[str, Any]:
     if isinstance(layer, TimeLimit):
         steps = state["_elapsed_steps"]
         return {"_elapsed_steps": None if steps < 0 else steps}
-    attributes: dict[str, Any] = layer._load_state(state)
-    return attributes
+    return layer._load_state(state)
 
 
 def _allow_step(layer: Environment) -> None:
@@ -251,8 +247,7 @@ def _array(blob: bytes, like: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         raise _damaged(str(error)) from None
     if len(data) != like.nbytes or not unpacker.eof or unpacker.unused_data:
         raise _damaged(f"an array has not {like.nbytes} bytes")
-    array: np.ndarray[Any, Any] = np.frombuffer(bytearray(data), like.dtype).reshape(like.shape)
-    return array
+    return np.frombuffer(bytearray(data), like.dtype).reshape(like.shape)
 
 
 def _damaged(text: str) -> ValueError:

@@ -112,7 +112,6 @@ class _Assembler:
         return len(self._code)
 
     def node(self, node: ast.expr) -> None:
-        """Append the instructions that push the value of an expression."""
         match node:
             case ast.Constant(value=int(value)):
                 self.emit("push", value)

@@ -24,8 +24,7 @@ def value_source(label: RamLabel) -> str:
 
 def over_ram(source: str, index: int) -> ast.expr:
     """An expression of a label, with `v` replaced by the label's byte."""
-    expression: ast.expr = _Byte(index).visit(ast.parse(source.strip(), mode="eval")).body
-    return expression
+    return _Byte(index).visit(ast.parse(source.strip(), mode="eval")).body
 
 
 class _Byte(ast.NodeTransformer):

@@ -128,7 +128,6 @@ class _Compiler:
                 self._emit(op)
 
     def _node(self, node: ast.expr) -> None:
-        """Append the operations that leave the value of an expression on the stack."""
         match node:
             case ast.Constant(value=value):
                 self._number(node, value)

@@ -164,8 +164,7 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
             seed = int(np.random.randint(2**31 - self.num_envs))
         if not 0 <= seed < SEED_LIMIT:
             raise ValueError(f"seed must be within 0..2**32-1, got {seed}")
-        seeds: Sequence[int | None] = super().seed(seed)
-        return seeds
+        return super().seed(seed)
 
     def set_options(self, options: Sequence[Mapping[str, Any]] | Mapping[str, Any] | None = None) -> None:
         """Set the options of the next reset, {"new_game": True}: a dict, or a list with an equal dict for each lane.
@@ -265,13 +264,11 @@ class _Recorder(VecEnvWrapper):  # type: ignore[misc]
         self.class_attributes = dict(inspect.getmembers(type(self)))
 
     def reset(self) -> Any:
-        """Begin new games."""
         return self.venv.reset()
 
     def step_wait(self) -> tuple[Any, Any, Any, list[dict[str, Any]]]:
         """Play a step and record its frames; the results are those of `AtariVecEnv.step_wait`."""
-        played: tuple[Any, Any, Any, list[dict[str, Any]]] = self.venv.step_wait()
-        return played
+        return self.venv.step_wait()
 
 
 def _of_recorder(name: str) -> Any:

@@ -224,8 +224,7 @@ class Ram:
 
 
 def _first(column: Any) -> list[int]:
-    values: list[int] = column[:_MOST_COLUMNS].tolist()
-    return values
+    return column[:_MOST_COLUMNS].tolist()
 
 
 def access(target: Any, index: int | None = None) -> "_Single | _Vector":
@@ -274,8 +273,7 @@ class _Single:
     def _core(self) -> Core:
         if isinstance(self._target, AtariEnv) and self._target.driver.closed:
             raise gymnasium.error.ClosedEnvironmentError("this environment is closed; call reset() to go on")
-        core: Core = self._target.core if isinstance(self._target, AtariEnv) else self._target
-        return core
+        return self._target.core if isinstance(self._target, AtariEnv) else self._target
 
     def read(self) -> ByteArray:
         return self._core().ram()[None]

@@ -283,8 +283,7 @@ class Search:
 
     def _read_recorded(self) -> ByteArray:
         assert self._states is not None
-        row: ByteArray = self._states[self._state]
-        return row
+        return self._states[self._state]
 
     def _numbers(self, name: str, value: Any) -> IntArray:
         """The numbers (N, 1), or (1, 1), of an argument."""

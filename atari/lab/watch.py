@@ -272,8 +272,7 @@ def _same(before: Any, now: Any) -> bool:
 
 def _column(rows: list[Any]) -> Array:
     if rows and np.ndim(rows[0]):
-        stacked: Array = np.ma.stack([np.ma.asarray(row) for row in rows]).astype(np.int32)
-        return stacked
+        return np.ma.stack([np.ma.asarray(row) for row in rows]).astype(np.int32)
     hidden = [row is None for row in rows]
     values = np.array([0 if row is None else row for row in rows], np.int32)
     return np.ma.array(values, mask=hidden) if any(hidden) else values

@@ -69,8 +69,7 @@ def train(
 
 def game_among(code: AgentCode, argv: Sequence[str], prog: str) -> str:
     """The game of a command line without the agent, as the user names it. Unknown options are left out."""
-    game: str = _parser(code.kind, prog, None).parse_known_args(argv)[0].game
-    return game
+    return _parser(code.kind, prog, None).parse_known_args(argv)[0].game
 
 
 def training_options(code: AgentCode, argv: Sequence[str], prog: str) -> TrainingOptions:

@@ -115,5 +115,4 @@ class FrameAgent:
         return int(chosen)
 
     def _screen(self, core: Core) -> ByteArray:
-        """The frame that the policy sees, in palette indices."""
         return core.screen()

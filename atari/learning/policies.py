@@ -115,8 +115,7 @@ def _of_object(source: Any, sample: bool) -> Policy:
     if sample:
         name = getattr(source, "name", source)
         raise ValueError(f"sample=True draws actions with the probabilities of a network, and {name} has none")
-    found: Policy = source
-    return found
+    return source
 
 
 def _run_folder(folder: Path, sample: bool) -> Policy:

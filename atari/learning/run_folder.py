@@ -451,8 +451,7 @@ class RunFolder:
             self.memory = ReplayMemory.open(memory, flush=flush, num_threads=num_threads, autoflush=False)
         self.state = content["state"]
         self._log.forget_after(content["step"])
-        weights: Mapping[str, torch.Tensor] = content["weights"]
-        return weights
+        return content["weights"]
 
 
 def _check_kind(kind: str) -> None:

@@ -105,7 +105,6 @@ class BaseSession(ABC):
 
     @property
     def _between_steps(self) -> bool:
-        """Whether the next frame is the first of a step."""
         return True
 
     @property

@@ -175,7 +175,6 @@ class Loop:
             self._helping = not self._helping
 
     def _show_errors(self, work: Callable[[], None]) -> None:
-        """Call `work`, and show its error as a message; play continues."""
         try:
             work()
         except (OSError, ValueError, gymnasium.error.Error) as error:
@@ -187,7 +186,6 @@ class Loop:
         self._message_until = self._ticks + round(_MESSAGE_SECONDS * self._rate)
 
     def _text(self) -> str:
-        """Return the text drawn over the frame."""
         session = self._session
         state = ""
         if self._controls.rewinding:

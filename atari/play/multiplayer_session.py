@@ -147,11 +147,9 @@ class MultiplayerSession(BaseSession):
         chosen = dict(zip(self.humans, map(int, actions), strict=True))
         chosen |= {player: self._decide(player, agent) for player, agent in self._agents.items()}
         self._agents_are_new = False
-        rewards: list[int] = self._played.act_players([chosen[player] for player in range(self.core.players)])
-        return rewards
+        return self._played.act_players([chosen[player] for player in range(self.core.players)])
 
     def _decide(self, player: int, agent: PlayerAgent) -> int:
-        """The action of a policy."""
         core: Any = self.core
         try:
             if self._agents_are_new:
@@ -161,8 +159,7 @@ class MultiplayerSession(BaseSession):
             raise RuntimeError(f"the policy of player {player + 1} failed: {type(error).__name__}: {error}") from error
 
     def _snapshot(self) -> bytes:
-        data: bytes = self._played.snapshot()
-        return data
+        return self._played.snapshot()
 
     def _restore(self, data: bytes) -> None:
         self._played.restore(data)

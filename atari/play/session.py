@@ -153,8 +153,7 @@ class Session(BaseSession):
             self.scores = [self.score + reward]
         if self._ended and not self.over:
             self._go_on()
-        data: bytes = self._inner.snapshot()
-        return data
+        return self._inner.snapshot()
 
     def _restore(self, data: bytes) -> None:
         self._inner.restore(data)

@@ -323,5 +323,4 @@ class ScoresPolicy:
             )
         if self._sample:  # the highest of scores with Gumbel noise is a draw of softmax
             scores = scores + np.stack([self.generator(lane).gumbel(size=scores.shape[1]) for lane in lanes.tolist()])
-        best: Array = scores.argmax(1)
-        return best
+        return scores.argmax(1)

@@ -124,5 +124,4 @@ def _game(name: Any, file: Any, game: Game | None) -> Any:
 def _read(text: Any) -> dict[str, Any]:
     if not isinstance(text, str):
         raise TypeError(f"a task is read from a string of JSON, got {text!r:.80}")
-    table: dict[str, Any] = check_type(json_text.parse(text, "the task"), "a task", dict)
-    return table
+    return check_type(json_text.parse(text, "the task"), "a task", dict)

@@ -94,8 +94,7 @@ def _made(make: MakeVector) -> Any:
 def _mode(envs: Any) -> AutoresetMode:
     mode = envs.metadata.get("autoreset_mode")
     require(isinstance(mode, AutoresetMode), f'metadata["autoreset_mode"] must be an AutoresetMode, got {mode!r}')
-    found: AutoresetMode = mode
-    return found
+    return mode
 
 
 def _check_spaces(envs: Any) -> None:
@@ -109,8 +108,7 @@ def _check_spaces(envs: Any) -> None:
 def ended(result: tuple[Any, ...]) -> Bools:
     """The environments (n,) whose episode a step has ended; with several players, the episode of all."""
     ends: Bools = result[2] | result[3]
-    of_all: Bools = np.logical_and.reduce(ends.reshape(len(ends), -1), axis=1)
-    return of_all
+    return np.logical_and.reduce(ends.reshape(len(ends), -1), axis=1)
 
 
 def _rollout(envs: Any, mode: AutoresetMode, actions: list[Any]) -> Results:

@@ -55,8 +55,7 @@ class AleVectorInterface:
         mask[indices] = True
         seeds = [reset_seeds[place] for place in np.argsort(indices)]
         options = None if mask.all() else {"reset_mask": mask}
-        first: tuple[Any, dict[str, Any]] = self._envs.reset(seed=seeds, options=options)
-        return first
+        return self._envs.reset(seed=seeds, options=options)
 
     def send(self, action_ids: Any, paddle_strengths: Any) -> None:
         """Begin a step, with the index of an action and the strength of a paddle for each environment of the batch.
@@ -78,5 +77,4 @@ class AleVectorInterface:
 
     def recv(self) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """Wait for a batch of results."""
-        results: tuple[Any, Any, Any, Any, dict[str, Any]] = self._envs.recv()
-        return results
+        return self._envs.recv()

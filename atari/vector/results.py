@@ -186,8 +186,7 @@ def _lenders(parts: dict[str, npt.NDArray[np.uint8]]) -> dict[str, _emulator.Arr
 def zero_sum(reward: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
     """The rewards (rows, players), each minus the mean of the other players' rewards: one division of integers."""
     players = reward.shape[1]
-    relative: npt.NDArray[np.float64] = (players * reward - reward.sum(axis=1, keepdims=True)) / (players - 1)
-    return relative
+    return (players * reward - reward.sum(axis=1, keepdims=True)) / (players - 1)
 
 
 def _read_only(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -222,5 +221,4 @@ def ends_of_stacks(task: Task, terminations: Bools, truncations: Bools, info: Ma
     ended: Bools = terminations | truncations
     if task.new_stack_after_life:
         return ended
-    over: Bools = truncations | (ended & info.get("_episode", False))
-    return over
+    return truncations | (ended & info.get("_episode", False))

@@ -196,7 +196,6 @@ def _words(texts: tuple[str, ...]) -> Image:
 
 
 def _strip(stack: Image) -> Image:
-    """The images of a stack beside each other, the oldest first."""
     padded = [np.pad(image, ((0, 0), (0, 3)), constant_values=255) for image in stack]
     return np.pad(np.concatenate(padded, 1), ((0, 0), (0, 8)), constant_values=255)
 

@@ -231,7 +231,6 @@ class AlgorithmicEnv(gymnasium.Env[Any, Any]):
         return 1.0 if right else -0.5
 
     def _parse(self, given: Any) -> Rows:
-        """The rows of an input given as text."""
         known = self.alphabet[: self.base]
         lines = given.split("\n") if isinstance(given, str) else []
         even = len(lines) == self.height and len({len(line) for line in lines}) == 1

@@ -56,8 +56,7 @@ class GridEnv(AlgorithmicEnv):
 
     def draw(self, length: int) -> Rows:
         """Rows of independent digits."""
-        rows: Rows = self.np_random.integers(self.base, size=(self.height, length)).tolist()
-        return rows
+        return self.np_random.integers(self.base, size=(self.height, length)).tolist()
 
     def solve(self, rows: Rows) -> list[int]:
         """The digits that must be written for the rows of a grid."""

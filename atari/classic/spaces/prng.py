@@ -25,4 +25,4 @@ class Shared:
         if np_random is not None and vars(self)["_np_random"] is None:
             return np_random
         own: Any = super()
-        return own.np_random  # type: ignore[no-any-return]
+        return own.np_random

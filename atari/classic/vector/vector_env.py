@@ -217,11 +217,11 @@ class VectorEnvWrapper(VectorEnv, Wrapper):
         self.env: Any = env
 
     def seed(self, seeds: Any = None, *, seed: Any = None) -> list[Any]:  # type: ignore[override]  # noqa: D102
-        return self.env.seed(seed if seeds is None else seeds)  # type: ignore[no-any-return]
+        return self.env.seed(seed if seeds is None else seeds)
 
     @property
     def unwrapped(self) -> Env:  # noqa: D102
-        return self.env.unwrapped  # type: ignore[no-any-return]
+        return self.env.unwrapped
 
     def render(self, *args: Any, **options: Any) -> Any:  # noqa: D102
         return self.env.render(*args, **options)

@@ -213,7 +213,7 @@ class FrameStack(ObservationWrapper):
 
     def _reset(self, **options: Any) -> LazyFrames:
         self.frames.extend([self.env.reset(**options)] * self.num_stack)
-        return self.observation()  # type: ignore[no-any-return]
+        return self.observation()
 
     def _step(self, action: Any) -> Step:
         observation, reward, done, info = self.env.step(action)

@@ -98,7 +98,7 @@ class RecordVideo(Wrapper):
                 self.close_video_recorder()
         elif self._video_enabled():
             self.start_video_recorder()
-        return result  # type: ignore[no-any-return]
+        return result
 
     def _close(self) -> None:
         self.close_video_recorder()

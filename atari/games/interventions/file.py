@@ -187,7 +187,7 @@ def _write(table: Any, paid: bool, where: str) -> WriteRule:
 
 def _when(value: Any, where: str) -> "Literal['frame', 'reset'] | tuple[int, ...]":
     if value in ("frame", "reset"):
-        return value  # type: ignore[no-any-return]
+        return value
     frames = list(value) if isinstance(value, (list, tuple)) else [value]
     if not frames or not all(type(frame) is int and 0 <= frame <= LATEST_FRAME for frame in frames):
         raise ValueError(f"{where}: must be 'frame', 'reset', a frame of the episode or a list of these, got {value!r}")

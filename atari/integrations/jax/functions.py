@@ -90,7 +90,7 @@ def _foreign_functions(jax: Any, parts: ResultParts) -> tuple[Callable[..., Any]
     declared = [jax.ShapeDtypeStruct(shape, dtype) for _, shape, dtype in parts.declared]
 
     def function(name: str, results: list[Any]) -> Callable[..., Any]:
-        return jax.ffi.ffi_call(name, [handle_like, *results], has_side_effect=True, input_output_aliases={0: 0})  # type: ignore[no-any-return]
+        return jax.ffi.ffi_call(name, [handle_like, *results], has_side_effect=True, input_output_aliases={0: 0})
 
     def send(handle: Any, *arguments: Any) -> Any:
         return function("atari_send", [])(handle, *arguments)[0]
@@ -120,8 +120,8 @@ def _checked(
     def checked_step(handle: Any, action: Any, env_id: Any = None) -> tuple[Any, Any]:
         arrays = check(action, env_id)
         if env_id is not None:
-            return recv(send(handle, *arrays))  # type: ignore[no-any-return]
-        return step(handle, *arrays)  # type: ignore[no-any-return]
+            return recv(send(handle, *arrays))
+        return step(handle, *arrays)
 
     return checked_send, checked_step
 

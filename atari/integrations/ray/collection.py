@@ -210,7 +210,6 @@ class _Manifest:
                 self.finished[line["seed"]] = line
 
     def add(self, data: bytes, facts: dict[str, Any]) -> None:
-        """Write the file of a seed, and its line."""
         seed = facts["seed"]
         file = f"seed-{seed:010}" + (".parquet" if "steps" in facts else ".a26r")
         new = self._folder / f"_{file}"  # readers of a folder skip names that begin with _

@@ -76,8 +76,7 @@ class Rollout:
             `rollout.observations_at(*np.nonzero(rollout.valid))` are the observations of all transitions.
         """
         table, index = self.observations_table, self.observations_index
-        found: Bytes = table[steps, environments] if index is None else table[index[steps, environments]]
-        return found
+        return table[steps, environments] if index is None else table[index[steps, environments]]
 
     @property
     def nbytes(self) -> int:

@@ -236,7 +236,6 @@ class _Rows:
         self._games: list[tuple[float, int]] = []
 
     def add(self, row: int, *parts: Any) -> None:
-        """Write a row: actions, rewards, terminations, truncations, valid, and extras by name."""
         *columns, extras = parts
         if not row:
             self._columns = [np.zeros((self._steps, *part.shape), part.dtype) for part in columns]
@@ -255,13 +254,11 @@ class _Rows:
             column[row] = part
 
     def add_games(self, info: Mapping[str, Any]) -> None:
-        """Add the games that ended."""
         if "episode" in info:
             for lane in np.flatnonzero(info["_episode"]).tolist():
                 self._games.append((float(info["episode"]["r"][lane]), int(info["episode"]["l"][lane])))
 
     def rollout(self, index: int, number: int, version: int, table: Any, table_index: Any) -> Rollout:
-        """The rollout of all rows."""
         scores = np.array([score for score, _ in self._games], np.float64)
         lengths = np.array([length for _, length in self._games], np.int64)
         actions, rewards, terminations, truncations, valid = self._columns

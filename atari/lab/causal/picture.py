@@ -120,12 +120,10 @@ def _lit(causal_map: CausalMap, byte: ByteCauses, screen: Picture, kind: str) ->
     back = np.stack([dim, dim, dim * 1.15], 2)
     hot = np.clip(np.concatenate([heat * 500, heat * heat * 300, np.maximum(heat - 0.75, 0) * 900], 2), 0, 255)
     strength = np.clip(heat * 1.6, 0, 1)
-    lit: Picture = np.clip(back * (1 - strength) + hot * strength, 0, 255).astype(np.uint8)
-    return lit
+    return np.clip(back * (1 - strength) + hot * strength, 0, 255).astype(np.uint8)
 
 
 def _header(causal_map: CausalMap, game: Game | None, screen: Picture, width: int) -> Picture:
-    """The title, the screen, the categories, and the suggestions."""
     doubled = screen.repeat(2, 1)
     header = np.full((len(doubled) + 3 * _MARGIN, width, 3), _BACKGROUND, np.uint8)
     header[_MARGIN : _MARGIN + len(doubled), : doubled.shape[1]] = doubled

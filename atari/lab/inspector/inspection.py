@@ -472,7 +472,6 @@ class Inspection:
             raise RuntimeError(f"the agent {agent.name} has failed: {error!r}") from error
 
     def _moved(self) -> None:
-        """Note that the present state does not follow from the frame before."""
         self._agent_is_new = True
         self._debt = 0.0
 

@@ -160,8 +160,7 @@ class _Training:
     def predict(self, features: Any) -> npt.NDArray[np.int64]:
         with self._torch.no_grad():
             parts = [self.logits(part).argmax(2) for part in features.split(_BATCH)]
-        result: npt.NDArray[np.int64] = self._torch.cat(parts).numpy()
-        return result
+        return self._torch.cat(parts).numpy()
 
     def keep_best(self, accuracy: npt.NDArray[np.float64], patience: int) -> bool:
         """Keep the weights of labels with a better accuracy; return whether a label is still trained."""

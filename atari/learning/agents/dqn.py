@@ -307,7 +307,6 @@ class DQN(Agent):
         return (targets - values).abs().detach().cpu(), loss.item(), values.mean().item()
 
     def _normalize(self, observations: Any) -> None:
-        """Add observations to the statistics, which the target network uses, too."""
         self.network.encoder.observe(torch.from_numpy(observations).to(self.device))
         self.target.encoder.normalize.load_state_dict(self.network.encoder.normalize.state_dict())
 

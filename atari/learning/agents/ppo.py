@@ -300,7 +300,6 @@ class PPO(Agent):
         return mean
 
     def _step(self) -> None:
-        """Average the workers' gradients, and take a step of the optimiser."""
         self.replicas.average_gradients()
         nn.utils.clip_grad_norm_(self.network.parameters(), self.options.max_gradient, foreach=True)
         self.optimizer.param_groups[0]["lr"] = self.learning_rate

@@ -111,8 +111,7 @@ class QNetwork(nn.Module):
 
     def forward(self, observations: Tensor) -> Tensor:
         """Values of the actions, (batch, actions)."""
-        values: Tensor = self.advantage(self.encoder(observations))
-        return values
+        return self.advantage(self.encoder(observations))
 
     scores = forward
 
@@ -235,12 +234,10 @@ class PQN(Agent):
         return {"loss": loss, "value": value, "epsilon": epsilon}
 
     def _epsilon(self, done: float) -> float:
-        """The probability of a random action after a part of the training."""
         last, middle = self.options.epsilon, self.options.epsilon_middle
         return float(np.interp(done, (0, self.options.exploration, 1), (1, last if middle is None else middle, last)))
 
     def _learn(self, learning_rate: float) -> list[Tensor]:
-        """Learn from all steps once; returns loss and mean value of the minibatches."""
         options = self.options
         steps, size = options.horizon * options.num_envs // options.replicas, options.minibatch // options.replicas
         orders = [torch.randperm(steps, generator=self.generator).to(self.device) for _ in self.rollouts]

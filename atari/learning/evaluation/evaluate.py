@@ -466,5 +466,4 @@ def find_workers(workers: Any) -> Workers:
         return RayWorkers()
     if not callable(getattr(workers, "map", None)):
         raise TypeError(f"workers is 'ray' or has a method map(function, tasks), got {workers!r}")
-    found: Workers = workers
-    return found
+    return workers

@@ -39,8 +39,7 @@ def human_normalised(scores: Scores, references: References) -> dict[str, Floats
 def interquartile_mean(values: Floats) -> Floats:
     """The mean of the middle half of the last axis, without floor(n / 4) values at either end, as SciPy's trim_mean."""
     cut = values.shape[-1] // 4
-    middle: Floats = np.sort(values, axis=-1)[..., cut : values.shape[-1] - cut].mean(-1)
-    return middle
+    return np.sort(values, axis=-1)[..., cut : values.shape[-1] - cut].mean(-1)
 
 
 def summaries(means: Floats, pooled: Floats) -> dict[str, Floats]:
@@ -106,5 +105,4 @@ def atari5_estimate(scores: Scores) -> float:
 
 def profile(scores: Scores, thresholds: Floats) -> Floats:
     """The fraction of runs, each game with the same weight, whose score is above each threshold, (thresholds,)."""
-    fractions: Floats = np.mean([(runs[:, None] > thresholds).mean(0) for runs in scores.values()], axis=0)
-    return fractions
+    return np.mean([(runs[:, None] > thresholds).mean(0) for runs in scores.values()], axis=0)

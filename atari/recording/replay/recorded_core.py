@@ -295,8 +295,7 @@ class RecordedCore:
     @property
     def writes(self) -> list[Any]:
         """The writes by slot, None where one has ended."""
-        slots: list[Any] = self.inner.writes
-        return slots
+        return self.inner.writes
 
     @writes.setter
     def writes(self, slots: Sequence[Any]) -> None:

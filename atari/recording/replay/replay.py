@@ -284,7 +284,7 @@ class Replay:
         runner, calls = self._runner_at(core, sound=sound, start=frame)
         while runner.frame < frame:
             next(calls)
-        return runner.core  # type: ignore[no-any-return]
+        return runner.core
 
     def verify(self, core: str = "native", *, progress: Callable[[int], object] | None = None) -> Verification:
         """Play the replay and compare it with the hashes in the file.
@@ -420,7 +420,6 @@ class Replay:
         return 0, 1 + check_integer('a frame other than "best"', frame, 0, self.frames_total - 1)
 
     def _frames_of(self, episode: int | Literal["best"], core: str, sound: bool) -> Iterator[Frame]:
-        """The frames of one of `episodes`."""
         number = self.best_episode if episode == "best" else episode
         number = check_integer('an episode other than "best"', number, 0, len(self.episodes) - 1)
         calls = takewhile(lambda pair: len(pair[0].episodes) <= number, self._calls(core, sound=sound))

@@ -86,7 +86,6 @@ def _advance(game: Game, mode: int | None, *, sound: bool = False) -> tuple[Nati
 
 
 def _mode_screen(game: Game, mode: int) -> Image:
-    """A screen of a mode in random play."""
     core, play = _advance(game, mode)
     screens = []
     for frame in range(_MODE_FRAMES):

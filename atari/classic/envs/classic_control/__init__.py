@@ -40,7 +40,7 @@ class CartPoleEnv(Adapted):
     @property
     def steps_beyond_done(self) -> int | None:
         """The steps after the end of the episode; None before it. A script may assign it."""
-        return self.modern.unwrapped.steps_beyond_terminated  # type: ignore[attr-defined, no-any-return]
+        return self.modern.unwrapped.steps_beyond_terminated  # type: ignore[attr-defined]
 
     @steps_beyond_done.setter
     def steps_beyond_done(self, steps: int | None) -> None:
