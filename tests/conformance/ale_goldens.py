@@ -65,6 +65,11 @@ def mode_runs(game: str) -> list[VerificationRun]:
     ]
 
 
+def sticky_run(game: str) -> VerificationRun:
+    """Sticky actions, which are drawn in every frame."""
+    return VerificationRun(game, frames=600, seed=1)
+
+
 def poke_run(game: str) -> VerificationRun:
     """Overwritten RAM reaches rare states in minutes: illegal opcodes, runaway programs, odd scores."""
     return VerificationRun(game, frames=200, seed=2, pokes=True)
@@ -284,6 +289,7 @@ def _play_setting(env: Any, seed: int | None) -> str:
 
 SCRIPTS: dict[str, Callable[[str, str], Any]] = {
     "modes": lambda game, side: [check_sum(run, side) for run in mode_runs(game)],
+    "sticky": lambda game, side: check_sum(sticky_run(game), side),
     "pokes": lambda game, side: check_sum(poke_run(game), side),
     "paddles": lambda game, side: check_sum(paddle_run(game), side) if game in PADDLE_GAMES else "",
     "middle": lambda game, side: check_sum_of_middle(*cores_of_middle(game, side)),
