@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, overload
 
 import gymnasium
 import numpy as np
-from gymnasium.utils import RecordConstructorArgs
 
 from atari._emulator import RamOf, VectorEngine
 from atari.base.gymnasium_versions import VectorEnv, VectorWrapper
 from atari.base.validation import check_arguments, check_name
 from atari.env import AtariEnv
-from atari.env.restorable import Restorable
+from atari.env.restorable import RestorableWrapper
 from atari.games.game import Game
 from atari.lab import atari_ari
 from atari.lab.labels import Labels, unknown_label
@@ -37,7 +36,7 @@ class LabelValues(dict[str, int]):
             raise KeyError(f"no label {name!r}" + (f"; did you mean {near[0]!r}?" if near else ""))
 
 
-class EnvRamLabels(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class EnvRamLabels(RestorableWrapper):
     """Adds labels to the `info` of an `AtariEnv`: `RamLabels(env, ...)` makes it."""
 
     def __init__(
@@ -46,8 +45,7 @@ class EnvRamLabels(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordCons
         if not isinstance(env.unwrapped, AtariEnv):
             raise TypeError(f"RamLabels reads the RAM of an AtariEnv or an AtariVectorEnv, got {env}")
         chosen = None if labels is None else _checked(labels)
-        RecordConstructorArgs.__init__(self, labels=chosen, names=names)
-        super().__init__(env)
+        super().__init__(env, labels=chosen, names=names)
         self._atari = env.unwrapped
         (self._labels,) = _labels_by_game((env.unwrapped.game,), chosen, names).values()
 

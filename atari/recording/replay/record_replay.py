@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Any, overload
 
 import gymnasium
 import numpy as np
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.base.gymnasium_versions import AutoresetMode, VectorEnv, VectorWrapper
 from atari.base.validation import check_arguments, check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.env import AtariEnv
-from atari.env.restorable import Restorable
+from atari.env.restorable import RestorableWrapper
 from atari.env.settings import make_episode
 from atari.multiplayer.core import MultiplayerCore
 from atari.recording.recordable import not_recorded, recorded_vector
@@ -24,7 +23,7 @@ from atari.vector.options import VectorOptions
 from atari.vector.seeds import seed_words
 
 
-class RecordEnvReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class RecordEnvReplay(RestorableWrapper):
     """Records an `AtariEnv` in a replay: `RecordReplay(env, path)` makes it."""
 
     def __init__(self, env: gymnasium.Env[Any, Any], path: str | PathLike[str]) -> None:
@@ -33,8 +32,7 @@ class RecordEnvReplay(Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordC
             raise not_recorded(env, "RecordReplay")
         if isinstance(inner.driver.emulated, RecordedCore):
             raise ValueError("this environment is being recorded already; close that RecordReplay first")
-        RecordConstructorArgs.__init__(self, path=path)
-        super().__init__(env)
+        super().__init__(env, path=path)
         self._atari = inner
         emulated = inner.driver.emulated
         started = emulated.snapshot() if inner.driver.phase != "new" else None

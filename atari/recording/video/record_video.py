@@ -5,12 +5,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, overload
 
 import gymnasium
-from gymnasium.utils import RecordConstructorArgs
 
 from atari.base.gymnasium_versions import VectorEnv
 from atari.base.validation import check_arguments
 from atari.env import AtariEnv
-from atari.env.restorable import Restorable
+from atari.env.restorable import RestorableWrapper
 from atari.recording.recordable import not_recorded
 from atari.recording.video.record_vector_video import RecordVectorVideo
 from atari.recording.video.record_video_base import RecordVideoBase, Trigger, VideoRecorder, VideoSettings, make_folder
@@ -18,7 +17,7 @@ from atari.recording.video.writer import video_rate
 from atari.vector.env import is_vector
 
 
-class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, Any, Any], RecordConstructorArgs):
+class RecordEnvVideo(RecordVideoBase, RestorableWrapper):
     """Records videos of an `AtariEnv`: `RecordVideo(env, video_folder, ...)` makes it."""
 
     def __init__(
@@ -41,11 +40,10 @@ class RecordEnvVideo(RecordVideoBase, Restorable, gymnasium.Wrapper[Any, Any, An
         keep: str = "all",
     ) -> None:
         given = {name: value for name, value in locals().items() if name not in ("self", "env", "__class__")}
-        RecordConstructorArgs.__init__(self, **given)
         inner = getattr(env, "unwrapped", env)
         if not isinstance(inner, AtariEnv):
             raise not_recorded(env, "RecordVideo", "; for other environments use gymnasium.wrappers.RecordVideo")
-        super().__init__(env)
+        super().__init__(env, **given)
         self._atari = inner
         rate = video_rate(inner.game, f".{format}", fps, speed)
         self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay, keep)
