@@ -8,9 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.learning.options import TrainingOptions
+from atari.learning.restarts import Restarts
 from atari.vector import AtariVectorEnv
 
 ByteArray = npt.NDArray[np.uint8]
+
+_GREEDY = 0.01
+"""Environments with an epsilon below this play greedily: their games are the score of a training."""
 
 
 class TrainingEnvironments:
@@ -23,10 +27,14 @@ class TrainingEnvironments:
         num_envs: the number of environments.
         num_threads: threads that play them.
         stacked: whether observations are stacks; otherwise each is a single image or RAM vector.
+        restart_share: the share of the environments that `Restarts` begins near the ends of good games.
 
     Attributes:
         actions: names of the actions by their index in `step`.
         shape: the shape of an observation.
+        restarts: what restarts environments; None without a share.
+        scored: bool (num_envs,), the environments whose games `take_games` returns: those that play whole games, unless
+            an agent leaves more of them out.
 
     Example:
         >>> import numpy as np
@@ -40,7 +48,15 @@ class TrainingEnvironments:
         >>> environments.close()
     """
 
-    def __init__(self, options: TrainingOptions, num_envs: int, num_threads: int = 1, stacked: bool = True) -> None:
+    def __init__(
+        self,
+        options: TrainingOptions,
+        num_envs: int,
+        num_threads: int = 1,
+        stacked: bool = True,
+        *,
+        restart_share: float = 0.0,
+    ) -> None:
         played = options.tasks
         if not stacked:
             played = tuple(task.replace(stack_num=None if options.from_ram else 1) for task in played)
@@ -50,6 +66,8 @@ class TrainingEnvironments:
         space: Any = self._envs.single_observation_space
         self.shape: tuple[int, ...] = space.shape
         self.num_envs = num_envs
+        self.restarts = Restarts(self._envs, restart_share, options.seed) if restart_share else None
+        self.scored = np.ones(num_envs, np.bool_) if self.restarts is None else ~self.restarts.restarted
         self._games: list[tuple[str, float, int]] = []
 
     def reset(self, seed: int | npt.NDArray[np.int64]) -> ByteArray:
@@ -63,17 +81,38 @@ class TrainingEnvironments:
         self, actions: npt.NDArray[np.int64], out: Any = None
     ) -> tuple[ByteArray, Any, Any, Any, Mapping[str, Any]]:
         """Play one step, as `AtariVectorEnv.step`."""
-        results = self._envs.step(actions, out=out)
-        info = results[4]
+        observations, rewards, terminations, truncations, info = self._envs.step(actions, out=out)
         for games in (info.get("final_info", {}), info):  # ended by the step, or inside the reset that follows
             self._count_games(games)
-        return results
+        if self.restarts is not None:
+            ends, overs = terminations | truncations, info["terminated"] | truncations
+            observations = self.restarts.after_step(observations, ends, overs, info["reward"])
+        return observations, rewards, terminations, truncations, info
 
     def _count_games(self, info: Mapping[str, Any]) -> None:
         if "episode" in info:
-            ended, episode = info["_episode"], info["episode"]
+            ended, episode = info["_episode"] & self.scored, info["episode"]
             names = [self._envs.games[lane].id for lane in np.flatnonzero(ended)]
             self._games += zip(names, episode["r"][ended].tolist(), episode["l"][ended].tolist(), strict=True)
+
+    def lane_epsilons(self, greatest: float) -> npt.NDArray[np.float32]:
+        """An epsilon for each environment, (num_envs,), as in Ape-X (Horgan et al. 2018); the greedy ones are scored.
+
+        Environment i of N has `greatest ** (1 + 7 i / (N - 1))`: the first explores most, and the last almost never. So
+        in all of a training each place of a game is reached by environments that play greedily, and explored by others.
+
+        Raises:
+            ValueError: no environment that plays whole games has an epsilon below 0.01.
+        """
+        count = self.num_envs
+        epsilons = (greatest ** (1 + 7 * np.arange(count) / max(count - 1, 1))).astype(np.float32)
+        self.scored &= epsilons < _GREEDY
+        if not self.scored.any():
+            raise ValueError(
+                f"with lane_epsilon={greatest:g} none of the {count} environments that play whole games is greedy, so "
+                "there would be no score; give more environments or a smaller lane_epsilon"
+            )
+        return epsilons
 
     def take_games(self) -> list[tuple[str, float, int]]:
         """The name, score and length in frames of each whole game that has ended since the last call."""
@@ -82,13 +121,16 @@ class TrainingEnvironments:
 
     def state(self) -> dict[str, Any]:
         """The positions in all games, as `restore` takes them."""
-        return {"snapshots": pickle.dumps(self._envs.snapshot())}
+        restarts = {} if self.restarts is None else {"restarts": self.restarts.state()}
+        return {"snapshots": pickle.dumps(self._envs.snapshot()), **restarts}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Continue from the positions of `state`."""
         self._envs.reset(seed=0)
         self._envs.restore(None, pickle.loads(state["snapshots"]))
         self._games = []
+        if self.restarts is not None:
+            self.restarts.restore(state["restarts"])
 
     def close(self) -> None:
         """Close the environments."""

@@ -219,8 +219,16 @@ class Training:
             "seconds": round(self.seconds, 3),
             "games": self.games,
             "score": self._score(),
+            **self._restarts(),
             **({} if len(self.scores) == 1 else {f"score_{game}": mean for game, mean in self._means().items()}),
         }
+
+    def _restarts(self) -> dict[str, float]:
+        """The number of restarts, and the median score of the snapshots from which environments restart."""
+        found = [one.restarts for one in self.agent.environments if one.restarts is not None]
+        if not found:
+            return {}
+        return {"restarts": sum(one.count for one in found), "frontier": max(one.frontier for one in found)}
 
     def save_when_due(self) -> None:
         """Write a checkpoint if its time has come. If that fails, the last checkpoint is kept, with a warning."""

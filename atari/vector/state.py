@@ -13,6 +13,7 @@ import atari._emulator as _emulator
 from atari.cores import writes
 from atari.games.game import Game
 from atari.task import Task
+from atari.task.checks import check_bool
 from atari.task.json_form import require_same
 from atari.vector.lanes import AddedWrites, check_lanes
 from atari.vector.results import Results
@@ -88,25 +89,33 @@ class VectorState(Views):
         tasks = self._options.identities
         return [LaneSnapshot(state, tasks[index]) for index, state in zip(chosen, states, strict=True)]
 
-    def restore(self, indices: Iterable[int] | None, snapshots: Sequence[LaneSnapshot]) -> None:
+    def restore(
+        self, indices: Iterable[int] | None, snapshots: Sequence[LaneSnapshot], *, own_generators: bool = False
+    ) -> None:
         """Continue some environments, or all, from snapshots; each may come from any environment of the same task.
 
         Observations already returned do not change; `observe` returns the new ones. The threads copy a state when its
         environment is next played or read.
+
+        Args:
+            indices: the environments; None is all of them.
+            snapshots: one for each of them.
+            own_generators: draw no-ops, skips and sticky actions as the environments would have gone on to do, and not
+                as the snapshots' environments did (added). So two environments that continue from one snapshot differ.
 
         Raises:
             RuntimeError, IndexError: see `snapshot`.
             TypeError, ValueError: these are no snapshots, not one for each environment, or belong to another task; the
                 message lists each field that differs. Nothing has changed.
         """
-        chosen = self._indices(indices)
+        chosen, own = self._indices(indices), check_bool("own_generators", own_generators)
         if len(set(chosen)) < len(chosen):
             raise ValueError(f"an environment is given twice: {chosen}; give each once")
         with self._lock:
             engine = self._started()
             _check_snapshots(snapshots)
             self._require_same(chosen, [task for _, task in snapshots])
-            engine.restore(chosen, [state for state, _ in snapshots])
+            engine.restore(chosen, [state for state, _ in snapshots], own)
 
     def fork(self, source: int, targets: Iterable[int]) -> None:
         """Continue some environments from the state of another one of the same task, its generators included.

@@ -189,7 +189,7 @@ void register_vector(nb::module_& m) {
              "Wait for a batch of results; returns whether an episode or a game ended in it.")
         .def_prop_ro("sent", &BoundEngine::sent, "Whether a batch has been sent and not received.")
         .def("snapshot", &BoundEngine::snapshot, "environments"_a)
-        .def("restore", &BoundEngine::restore, "environments"_a, "states"_a)
+        .def("restore", &BoundEngine::restore, "environments"_a, "states"_a, "own_generators"_a = false)
         .def("save", &BoundEngine::save, "environment"_a, "The state of one environment as bytes.")
         .def(
             "save_emulator",

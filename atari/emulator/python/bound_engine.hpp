@@ -180,7 +180,8 @@ class BoundEngine : Exclusive {
         });
     }
 
-    void restore(const std::vector<int>& environments, const std::vector<const BoundSnapshot*>& states) {
+    void restore(const std::vector<int>& environments, const std::vector<const BoundSnapshot*>& states,
+                 bool own_generators) {
         if (environments.size() != states.size())
             throw std::invalid_argument("there must be a snapshot for each environment");
         std::vector<BoundSnapshot> copies;  // Another thread may drop the list.
@@ -195,7 +196,8 @@ class BoundEngine : Exclusive {
                                                 " is of another game than environment " +
                                                 std::to_string(environments[i]) + ", or was taken with other options");
             }
-            for (size_t i = 0; i < copies.size(); ++i) engine_->restore(environments[i], std::move(snapshots[i]));
+            for (size_t i = 0; i < copies.size(); ++i)
+                engine_->restore(environments[i], std::move(snapshots[i]), own_generators);
         });
     }
 

@@ -105,9 +105,11 @@ void VectorEngine::drain() {
     }
 }
 
-void VectorEngine::apply_restore(Slot& slot) {
+void VectorEngine::apply_restore(Slot& slot, bool own_generators) {
     if (!slot.pending_restore) return;
-    slot.lane->restore(slot.pending_restore->state);
+    const LaneState& state = slot.pending_restore->state;
+    if (own_generators) slot.lane->restore_with_own_generators(state);
+    else slot.lane->restore(state);
     slot.outcome = slot.pending_restore->outcome;
     slot.outcome.reward = {};  // the reward of the step before the snapshot
     slot.outcome.own_reward = 0.0;
@@ -289,6 +291,13 @@ VectorEngine::Snapshot VectorEngine::parse(int environment, const uint8_t* in) {
     Snapshot parsed = snapshot(environment);
     restore(environment, std::move(now));
     return parsed;
+}
+
+void VectorEngine::restore(int environment, Snapshot snapshot, bool own_generators) {
+    Slot& to = slot(environment);
+    if (own_generators) apply_restore(to);  // the generators are those of a restore before this one
+    to.pending_restore = std::move(snapshot);
+    if (own_generators) apply_restore(to, true);
 }
 
 bool VectorEngine::fits(int environment, const LaneSnapshot& snapshot) const {

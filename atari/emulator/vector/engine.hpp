@@ -101,8 +101,9 @@ class VectorEngine {
     Snapshot parse(int environment, const uint8_t* in);
     bool fits(int environment, const LaneSnapshot& snapshot) const;
     // The state is copied when the environment is next played or read, so mostly by the threads. It is never copied if
-    // another restore comes first. The restored state's result replaces a result that has not been received.
-    void restore(int environment, Snapshot snapshot) { slot(environment).pending_restore = std::move(snapshot); }
+    // another restore comes first. The restored state's result replaces a result that has not been received. With
+    // `own_generators` the environment's next draws are those that it would have made.
+    void restore(int environment, Snapshot snapshot, bool own_generators = false);
 
   private:
     enum class Task : uint8_t { kReset, kStep, kObserve };
@@ -129,7 +130,7 @@ class VectorEngine {
 
     Slot& slot(int environment) { return slots_[static_cast<size_t>(environment)]; }
     const Slot& slot(int environment) const { return slots_[static_cast<size_t>(environment)]; }
-    static void apply_restore(Slot& slot);
+    static void apply_restore(Slot& slot, bool own_generators = false);
     void run_task(int environment);
     void play(Slot& slot, int environment);
     void keep_final(Slot& slot, int environment);

@@ -84,6 +84,7 @@ class Episode {
     size_t state_size() const;
     void save(uint8_t* out) const;
     void load(const uint8_t* in);
+    EpisodeRandom& random() { return random_; }
 
   private:
     enum class Layer : uint8_t { kGame, kLives, kNoops, kFire, kPlayers, kActionDelay, kObservationDelay, kSkip };

@@ -1,6 +1,7 @@
 // `Lane`: an environment of the vector engine, with the episode that is played on it.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -92,6 +93,16 @@ class Lane {
     void restore(const LaneState& state) {
         episode_.load(state.episode.data());
         environment().restore(state.environment);
+    }
+    // The next draws are those that the lane would have made: of no-ops, skips, sticky actions and writes.
+    void restore_with_own_generators(const LaneState& state) {
+        EnvironmentState& own = environment().parts().state;
+        const EnvironmentState before = own;
+        const EpisodeRandom drawn = episode_.random();
+        restore(state);
+        own.random = before.random;
+        std::copy_n(before.writes.random, 2, own.writes.random);
+        episode_.random() = drawn;
     }
 
   private:

@@ -39,8 +39,13 @@ class PQNOptions(TrainingOptions):
         exploration: the first part of the training, over which epsilon falls to `epsilon_middle`.
         epsilon_middle: epsilon after `exploration`, from which it falls to `epsilon` until the end of the training;
             none is `epsilon`, as in the paper.
+        lane_epsilon: epsilon of the first environment, in place of the three options before it; environment i of N
+            plays with lane_epsilon ** (1 + 7 i / (N - 1)) for ever, as in Ape-X (Horgan et al. 2018), where it is 0.4.
+            All fall from 1 over the first 2 % of the training. The logged score is that of environments below 0.01.
         max_gradient: norm to which gradients are clipped.
-        anneal: let the learning rate fall to 0 over the training.
+        anneal: let the learning rate fall to 0 over the training, or over its last part.
+        anneal_from: the part of the training before the learning rate falls.
+        restart_share: the share of the environments that, after an end, begin near the ends of recent good games.
     """
 
     total_steps: int = 50_000_000
@@ -52,16 +57,22 @@ class PQNOptions(TrainingOptions):
     epsilon: float = 0.001
     exploration: float = 0.1
     epsilon_middle: float | None = None
+    lane_epsilon: float | None = None
     max_gradient: float = 10.0
     anneal: bool = True
+    anneal_from: float = 0.0
+    restart_share: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
         if not 0 < self.exploration <= 1:
             raise ValueError(f"exploration must be above 0 and at most 1, got {self.exploration}")
-        for name in ("epsilon", "epsilon_middle"):
+        for name in ("epsilon", "epsilon_middle", "lane_epsilon"):
             if (getattr(self, name) or 0) > 1:
                 raise ValueError(f"{name} must be within 0..1, got {getattr(self, name)}")
+        for name in ("restart_share", "anneal_from"):
+            if getattr(self, name) >= 1:
+                raise ValueError(f"{name} must be below 1, got {getattr(self, name)}")
         if self.minibatch % self.workers or self.num_envs * self.horizon % self.minibatch:
             raise ValueError(
                 f"num_envs * horizon must be a multiple of minibatch, and minibatch of workers; got "
@@ -122,7 +133,10 @@ class Rollout:
     def __init__(self, options: PQNOptions, index: int) -> None:
         self.options, self.device = options, options.torch_device
         count, threads = options.num_envs // options.replicas, options.workers // options.replicas
-        self.environments = TrainingEnvironments(options, count, threads)
+        self.environments = TrainingEnvironments(options, count, threads, restart_share=options.restart_share)
+        self.lane_epsilons: Tensor | None = None
+        if options.lane_epsilon is not None:
+            self.lane_epsilons = torch.from_numpy(self.environments.lane_epsilons(options.lane_epsilon))
         self.generator = torch.Generator().manual_seed(options.seed * options.replicas + index)
         first = options.seed * options.num_envs + index * count
         self.observations = self.environments.reset(options.environment_seeds(first, count))
@@ -139,14 +153,19 @@ class Rollout:
         self.seen = one.new_zeros(*self.actions.shape, *one.shape[1:])
 
     @torch.no_grad()
-    def play(self, epsilon: float) -> Tensor:
-        """Play `horizon` steps, and compute the targets. Returns a part of the observations."""
+    def play(self, done: float) -> Tensor:
+        """Play `horizon` steps, and compute the targets. Returns a part of the observations.
+
+        Args:
+            done: the part of the training that is done.
+        """
         count, actions, part = self.environments.num_envs, len(self.environments.actions), []
+        self.epsilon = self._epsilon(done)
         for step in range(self.options.horizon):
             seen = self._prepare(self.observations)
             self.greatest[step], chosen = self.network(seen).cpu().max(1)
             random = torch.randint(actions, (count,), generator=self.generator)
-            chosen = torch.where(torch.rand(count, generator=self.generator) < epsilon, random, chosen)
+            chosen = torch.where(torch.rand(count, generator=self.generator) < self.epsilon, random, chosen)
             self.seen[step], self.actions[step] = seen, chosen
             if step % 8 == 0:
                 part.append(torch.from_numpy(self.observations))
@@ -163,6 +182,13 @@ class Rollout:
 
     def _prepare(self, observations: Any) -> Tensor:
         return self.network.encoder.prepare(torch.from_numpy(observations).to(self.device))
+
+    def _epsilon(self, done: float) -> Tensor:
+        if self.lane_epsilons is not None:
+            return 1 - min(1, done / 0.02) * (1 - self.lane_epsilons)
+        last, middle = self.options.epsilon, self.options.epsilon_middle
+        falls = (1, last if middle is None else middle, last)
+        return torch.tensor(np.interp(done, (0, self.options.exploration, 1), falls))
 
     def _estimate(self) -> None:
         following = self.greatest[-1]
@@ -224,18 +250,19 @@ class PQN(Agent):
         """Play `horizon` steps in each environment and learn from them. Returns the columns of the log."""
         options = self.options
         done = self.steps / options.total_steps
-        epsilon = self._epsilon(done)
-        learning_rate = options.learning_rate * (1 - done if options.anneal else 1)
-        seen = self.replicas.map(lambda rollout: rollout.play(epsilon), self.rollouts)
+        left = min(1.0, (1 - done) / (1 - options.anneal_from)) if options.anneal else 1.0
+        learning_rate = options.learning_rate * left
+        seen = self.replicas.map(lambda rollout: rollout.play(done), self.rollouts)
         self.steps += options.horizon * options.num_envs
         metrics = torch.stack([metric for _ in range(options.epochs) for metric in self._learn(learning_rate)])
         self._normalize(seen)
         loss, value = metrics.mean(0).tolist()
-        return {"loss": loss, "value": value, "epsilon": epsilon}
-
-    def _epsilon(self, done: float) -> float:
-        last, middle = self.options.epsilon, self.options.epsilon_middle
-        return float(np.interp(done, (0, self.options.exploration, 1), (1, last if middle is None else middle, last)))
+        return {
+            "loss": loss,
+            "value": value,
+            "epsilon": self.rollouts[0].epsilon.mean().item(),
+            "learning_rate": learning_rate,
+        }
 
     def _learn(self, learning_rate: float) -> list[Tensor]:
         options = self.options

@@ -1,0 +1,114 @@
+"""`Restarts`: some environments of a training begin where good games were lost, in place of the games' beginnings."""
+
+import pickle
+import zlib
+from collections import deque
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from atari.vector import AtariVectorEnv
+from atari.vector.state import LaneSnapshot
+
+EVERY, KEPT = 100, 3
+"""Steps between two snapshots of an environment, and how many it keeps: the oldest is 200 to 300 steps old."""
+RING, LEAST = 256, 32
+"""The most snapshots of a game, and the number from which on environments begin from them."""
+LIVES, BEST = 500, 0.75
+"""The number of last lives whose scores are compared, and the part of them that a good one is not below."""
+
+
+class Restarts:
+    """After an end, a share of the environments goes on from snapshots before recent deaths in good games.
+
+    Each environment leaves a snapshot every 100 steps. When a life ends, the game's score so far is compared with those
+    at the ends of the last 500 lives in the environments that play whole games. If it is among the best quarter, one of
+    the environment's snapshots goes into a ring of 256. The environments that restart feed the ring, too, so it moves
+    on with the agent. Each environment draws sticky actions as it would have, so games from one snapshot differ.
+
+    Args:
+        envs: the environments, with SAME_STEP autoreset; environment i plays game i modulo the number of games.
+        share: the share of them that restarts, above 0 and at most 1.
+        seed: the seed of the choice among snapshots.
+
+    Attributes:
+        restarted: bool (num_envs,), the environments that restart.
+        count: the number of restarts so far.
+    """
+
+    def __init__(self, envs: AtariVectorEnv, share: float, seed: int) -> None:
+        self._envs = envs
+        lanes = np.arange(envs.num_envs)
+        self.restarted: npt.NDArray[np.bool_] = np.floor(lanes * share) > np.floor((lanes - 1) * share)
+        self._game = lanes % len({game.id for game in envs.games})
+        self._rng = np.random.default_rng(seed)
+        self._step = self.count = 0
+        self._scores = np.zeros(envs.num_envs)
+        self._trails = [deque[Any](maxlen=KEPT) for _ in lanes]
+        self._rings = [deque[Any](maxlen=RING) for _ in range(self._game.max() + 1)]
+        self._lives = [deque[float](maxlen=LIVES) for _ in self._rings]
+
+    @property
+    def frontier(self) -> float:
+        """The median score of the snapshots in the rings; NaN without one."""
+        scores = [score for ring in self._rings for _, _, score in ring]
+        return float(np.median(scores)) if scores else float("nan")
+
+    def after_step(self, observations: Any, ends: Any, overs: Any, rewards: Any) -> Any:
+        """Note the results of a step, and restart environments; returns the observations that follow.
+
+        Args:
+            observations: those of the step, (num_envs, ...) uint8; they are not changed.
+            ends, overs: bool (num_envs,), the ends of episodes, and of games.
+            rewards: int32 (num_envs,), not clipped.
+        """
+        self._step += 1
+        self._scores += rewards
+        ended = np.flatnonzero(ends)
+        for lane in ended:
+            self._keep(lane)
+        self._scores[overs] = 0
+        chosen = [lane for lane in ended.tolist() if self.restarted[lane] and len(self._ring_of(lane)) >= LEAST]
+        if chosen:
+            observations = self._restart(chosen, observations)
+        self._leave(observations)
+        return observations
+
+    def _keep(self, lane: int) -> None:
+        """Put a snapshot of an environment whose life has ended into the ring, if the game was good."""
+        lives, trail, score = self._lives[self._game[lane]], self._trails[lane], self._scores[lane]
+        if not self.restarted[lane]:
+            lives.append(score)
+        if trail and len(lives) >= LIVES // 5 and score >= np.quantile(lives, BEST):
+            self._ring_of(lane).append(trail[self._rng.integers(len(trail))])
+        trail.clear()
+
+    def _ring_of(self, lane: int) -> deque[Any]:
+        return self._rings[self._game[lane]]
+
+    def _restart(self, lanes: list[int], observations: Any) -> Any:
+        rings = [self._ring_of(lane) for lane in lanes]
+        states: list[tuple[LaneSnapshot, Any, float]] = [ring[self._rng.integers(len(ring))] for ring in rings]
+        self._envs.restore(lanes, [state for state, _, _ in states], own_generators=True)
+        observations = observations.copy()
+        for lane, (_, seen, score) in zip(lanes, states, strict=True):
+            observations[lane], self._scores[lane] = seen, score
+        self.count += len(lanes)
+        return observations
+
+    def _leave(self, observations: Any) -> None:
+        """Take the snapshots of the environments whose turn it is."""
+        lanes = list(range(self._step % EVERY, len(self._trails), EVERY))
+        for lane, state in zip(lanes, self._envs.snapshot(lanes) if lanes else (), strict=True):
+            self._trails[lane].append((state, observations[lane].copy(), self._scores[lane]))
+
+    def state(self) -> bytes:
+        """All that the next steps depend on beside the environments."""
+        parts = (self._step, self.count, self._scores, self._trails, self._rings, self._lives, self._rng)
+        return zlib.compress(pickle.dumps(parts), 1)
+
+    def restore(self, state: bytes) -> None:
+        """Continue from a state of `state`."""
+        parts = pickle.loads(zlib.decompress(state))
+        self._step, self.count, self._scores, self._trails, self._rings, self._lives, self._rng = parts
