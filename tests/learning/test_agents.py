@@ -125,13 +125,37 @@ def test_ppo_estimates_advantages() -> None:
 
 @pytest.mark.parametrize(("middle", "expected"), [(None, [1, 0.55, 0.1, 0.1, 0.1]), (0.5, [1, 0.75, 0.5, 0.3, 0.1])])
 def test_pqn_explores_less_and_less(middle: float | None, expected: list[float]) -> None:
-    agent = pqn.PQN(make_options("pqn", epsilon=0.1, epsilon_middle=middle, exploration=0.2))
-    assert [agent._epsilon(done) for done in (0, 0.1, 0.2, 0.6, 1)] == pytest.approx(expected)
-    agent.close()
+    with closing(
+        pqn.PQN(make_options("pqn", epsilon=0.1, epsilon_middle=middle, exploration=0.2, lane_epsilon=None))
+    ) as agent:
+        epsilons = [agent.rollouts[0]._epsilon(done).item() for done in (0, 0.1, 0.2, 0.6, 1)]
+    assert epsilons == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("name", ["pqn", "dqn"])
+def test_lanes_with_epsilons_of_their_own(name: str) -> None:
+    options = make_options(name, lane_epsilon=0.4, num_envs=8, workers=1, exploration={"pqn": 0.2, "dqn": 100}[name])
+    with closing(find_agent(name)(options)) as agent:
+        last = [0.4 ** (1 + lane) for lane in range(8)]
+        found = []
+        for part in (0, 0.5, 1):  # of the time over which all epsilons fall from 1
+            agent.steps = round(100 * part)
+            found.append(agent._epsilon() if name == "dqn" else agent.rollouts[0]._epsilon(0.2 * part))
+        np.testing.assert_allclose(found[0], 1)
+        np.testing.assert_allclose(found[1], [(1 + epsilon) / 2 for epsilon in last], rtol=1e-4)
+        np.testing.assert_allclose(found[2], last, rtol=1e-4)
+        assert agent.environments[0].scored.tolist() == [epsilon < 0.01 for epsilon in last]
+
+
+@pytest.mark.parametrize("name", ["pqn", "dqn"])
+def test_lanes_without_a_greedy_one_are_refused(name: str) -> None:
+    with pytest.raises(ValueError, match=r"with lane_epsilon=0\.9 none of the 4 environments .* is greedy"):
+        find_agent(name)(make_options(name, lane_epsilon=0.9, num_envs=4, workers=1))
 
 
 @pytest.mark.parametrize(
-    ("name", "value"), [("exploration", 0.0), ("exploration", 1.5), ("epsilon_middle", 1.5), ("epsilon", 2)]
+    ("name", "value"),
+    [("exploration", 0.0), ("exploration", 1.5), ("epsilon_middle", 1.5), ("epsilon", 2), ("lane_epsilon", 1.5)],
 )
 def test_pqn_refuses_parts_above_1(name: str, value: float) -> None:
     with pytest.raises(ValueError, match=f"{name} must be .*, got {value}"):

@@ -87,6 +87,28 @@ def test_a_snapshot_of_one_continues_in_another() -> None:
         assert len(set(info["frame_number"].tolist())) == 1
 
 
+@OF_OPTIONS
+def test_a_restored_environment_can_keep_its_own_generators(options: dict[str, Any]) -> None:
+    envs = make("breakout", 4, **{**options, "repeat_action_probability": 0.25})
+    envs.reset(seed=1)
+    play(envs, 37, seed=1)
+    (state,) = envs.snapshot([0])
+    envs.fork(1, [2])  # both have the same generators
+    envs.restore([1, 2, 3], [state] * 3, own_generators=True)
+    kept = envs.snapshot()
+    rams = []
+    for step in range(60):
+        envs.step(np.full(4, step % 4))
+        rams.append(envs.ram())
+    lanes = np.array(rams).swapaxes(0, 1)
+    np.testing.assert_array_equal(lanes[1], lanes[2])
+    assert len({lane.tobytes() for lane in lanes}) == 3
+    envs.restore(None, kept)  # a snapshot after it has the generators that were kept
+    for step in range(60):
+        envs.step(np.full(4, step % 4))
+        np.testing.assert_array_equal(envs.ram(), rams[step])
+
+
 def test_fork() -> None:
     envs = make("seaquest", 40)
     envs.reset(seed=5)

@@ -42,6 +42,9 @@ class DQNOptions(TrainingOptions):
         target_update: updates after which the target network is copied.
         epsilon: probability of a random action at the end of `exploration`; it begins at 1.
         exploration: steps over which epsilon falls.
+        lane_epsilon: give each environment an epsilon of its own after `exploration`, in place of `epsilon`:
+            environment i of N plays with lane_epsilon ** (1 + 7 i / (N - 1)), as in Ape-X (Horgan et al. 2018), where
+            it is 0.4. The score in the log is that of the environments below 0.01. None is one epsilon for all.
         optimizer: rmsprop, with the constants of Mnih et al. 2015, or adam.
         double: let the network choose the next action, and the target network rate it.
         dueling: compute a value of the state and advantages of the actions, instead of values of the actions.
@@ -64,6 +67,7 @@ class DQNOptions(TrainingOptions):
     target_update: int = 10_000
     epsilon: float = 0.1
     exploration: int = 1_000_000
+    lane_epsilon: float | None = None
     optimizer: str = "rmsprop"
     double: bool = False
     dueling: bool = False
@@ -77,6 +81,8 @@ class DQNOptions(TrainingOptions):
             raise ValueError(f"optimizer must be one of rmsprop, adam, got {self.optimizer!r}")
         if self.batch % self.workers:
             raise ValueError(f"batch must be a multiple of workers, got {self.batch} and {self.workers}")
+        if (self.lane_epsilon or 0) > 1:
+            raise ValueError(f"lane_epsilon must be within 0..1, got {self.lane_epsilon}")
         if self.memory < self.learning_starts:
             raise ValueError(f"memory must hold learning_starts steps, got {self.memory} and {self.learning_starts}")
         if self.total_steps <= self.learning_starts:
@@ -158,6 +164,8 @@ class DQN(Agent):
         self.generator = np.random.default_rng(options.seed)
         envs = TrainingEnvironments(options, options.num_envs, options.workers, stacked=False)
         self.envs, self.environments = envs, [envs]
+        lanes = options.lane_epsilon
+        self.last_epsilon: Any = options.epsilon if lanes is None else envs.lane_epsilons(lanes)
         first = envs.reset(options.environment_seeds(options.seed, options.num_envs))
         self.in_folder = run is not None
         self.memory = self._make_memory(run, first)
@@ -239,7 +247,7 @@ class DQN(Agent):
         return {
             "loss": float(np.mean(losses)),
             "value": float(np.mean(values)),
-            "epsilon": self._epsilon(),
+            "epsilon": float(np.mean(self._epsilon())),
             "updates": self.updates,
         }
 
@@ -255,8 +263,9 @@ class DQN(Agent):
         self.memory.add(actions, *results)
         self.steps += count
 
-    def _epsilon(self) -> float:
-        return max(self.options.epsilon, 1 - (1 - self.options.epsilon) * self.steps / self.options.exploration)
+    def _epsilon(self) -> Any:
+        """The probability of a random action in each environment, or in all of them."""
+        return np.maximum(self.last_epsilon, 1 - (1 - self.last_epsilon) * self.steps / self.options.exploration)
 
     def _due(self) -> bool:
         wanted = (self.steps - self.options.learning_starts) // self.options.train_every

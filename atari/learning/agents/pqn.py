@@ -36,12 +36,12 @@ class PQNOptions(TrainingOptions):
         epochs: how often the network learns from each step.
         q_lambda: weight of later steps in the lambda-returns.
         epsilon: probability of a random action at the end; it begins at 1.
-        exploration: the first part of the training, over which epsilon falls to `epsilon_middle`.
+        exploration: the first part of the training, over which epsilon falls.
         epsilon_middle: epsilon after `exploration`, from which it falls to `epsilon` until the end of the training;
             none is `epsilon`, as in the paper.
-        lane_epsilon: epsilon of the first environment, in place of the three options before it; environment i of N
-            plays with lane_epsilon ** (1 + 7 i / (N - 1)) for ever, as in Ape-X (Horgan et al. 2018), where it is 0.4.
-            All fall from 1 over the first 2 % of the training. The logged score is that of environments below 0.01.
+        lane_epsilon: give each environment an epsilon of its own after `exploration`: environment i of N plays with
+            lane_epsilon ** (1 + 7 i / (N - 1)) until the end, as in Ape-X (Horgan et al. 2018), where it is 0.4. The
+            score in the log is that of the environments below 0.01. None is one epsilon for all.
         max_gradient: norm to which gradients are clipped.
         anneal: let the learning rate fall to 0 over the training, or over its last part.
         anneal_from: the part of the training before the learning rate falls.
@@ -94,7 +94,8 @@ FAST: dict[str, Any] = {
     "minibatch": 256,
     "q_lambda": 0.9,
     "anneal": False,
-    "exploration": 0.1,
+    "exploration": 0.02,
+    "lane_epsilon": 0.4,
     "learning_rate": 5e-4,
 }
 """Options for pixels, found by measurement on two cores; see docs/learning.md."""
@@ -184,8 +185,9 @@ class Rollout:
         return self.network.encoder.prepare(torch.from_numpy(observations).to(self.device))
 
     def _epsilon(self, done: float) -> Tensor:
+        """The probability of a random action in each environment, or in all of them."""
         if self.lane_epsilons is not None:
-            return 1 - min(1, done / 0.02) * (1 - self.lane_epsilons)
+            return 1 - min(1, done / self.options.exploration) * (1 - self.lane_epsilons)
         last, middle = self.options.epsilon, self.options.epsilon_middle
         falls = (1, last if middle is None else middle, last)
         return torch.tensor(np.interp(done, (0, self.options.exploration, 1), falls))

@@ -1,0 +1,110 @@
+"""Restarts near the ends of good games: what is kept, which environments restart, and that a resume is exact."""
+
+import math
+import pickle
+from contextlib import closing
+from typing import Any
+
+import numpy as np
+import pytest
+
+torch = pytest.importorskip("torch")
+
+from small_trainings import make_options  # noqa: E402
+
+from atari.learning import TrainingEnvironments  # noqa: E402
+from atari.learning.agents import find_agent  # noqa: E402
+from atari.learning.restarts import EVERY, KEPT, LEAST, RING  # noqa: E402
+
+
+def environments(**given: Any) -> TrainingEnvironments:
+    options = make_options("pqn", "breakout", num_envs=8, workers=1, **given)
+    return TrainingEnvironments(options, 8, restart_share=0.25)
+
+
+def play(envs: TrainingEnvironments, steps: int, rng: np.random.Generator) -> list[Any]:
+    actions = len(envs.actions)
+    return [envs.step(rng.integers(actions, size=envs.num_envs))[0].copy() for _ in range(steps)]
+
+
+@pytest.fixture(scope="module")
+def played() -> Any:
+    """Environments that have restarted, and the observations of all steps."""
+    envs = environments()
+    first = envs.reset(seed=0)
+    rng = np.random.default_rng(0)
+    seen = [first.copy()]
+    while envs.restarts.count < 20:
+        seen += play(envs, 100, rng)
+    yield envs, seen
+    envs.close()
+
+
+def test_a_share_of_the_environments_restarts_and_has_no_score(played: Any) -> None:
+    envs, _ = played
+    assert envs.restarts.restarted.tolist() == [True, False, False, False] * 2
+    assert envs.scored.tolist() == [False, True, True, True] * 2
+
+
+def test_what_is_kept(played: Any) -> None:
+    restarts = played[0].restarts
+    (ring,), (lives,) = restarts._rings, restarts._lives
+    assert LEAST <= len(ring) <= RING
+    assert all(len(trail) <= KEPT for trail in restarts._trails)
+    bar = np.quantile(lives, 0.75)
+    assert restarts.frontier == np.median([score for _, _, score in ring])
+    assert bar > np.median(lives)  # so that it chooses
+
+
+def test_observations_after_a_restart_are_those_of_the_snapshots(played: Any) -> None:
+    """An environment that has just restarted shows what the snapshot's environment saw, and goes on from there."""
+    envs, _ = played
+    before, restarts = envs.restarts.count, envs.restarts
+    rng = np.random.default_rng(1)
+    while restarts.count == before:
+        observations, *_ = envs.step(rng.integers(len(envs.actions), size=8))
+    now, _ = envs._envs.observe()
+    np.testing.assert_array_equal(observations, now)
+    kept = [image.tobytes() for _, image, _ in restarts._rings[0]]
+    assert sum(observations[lane].tobytes() in kept for lane in (0, 4)) >= restarts.count - before
+
+
+@pytest.mark.parametrize("agent", ["ppo", "pqn"])
+def test_a_resumed_training_has_the_same_weights(agent: str) -> None:
+    options = make_options(agent, "breakout", num_envs=8, workers=1, total_steps=10**6, restart_share=0.25)
+    with closing(find_agent(agent)(options)) as first, closing(find_agent(agent)(options)) as second:
+        while not any(one.restarts.count for one in first.environments):
+            first.update()
+        state = pickle.loads(pickle.dumps(first.state()))
+        second.restore(state)
+        rows = [(first.update(), second.update()) for _ in range(20)]
+        assert all(one == other for one, other in rows)
+        for one, other in zip(first.network.parameters(), second.network.parameters(), strict=True):
+            assert torch.equal(one, other)
+        assert first.environments[0].restarts.count == second.environments[0].restarts.count
+
+
+def test_without_a_share_nothing_restarts() -> None:
+    with closing(find_agent("pqn")(make_options("pqn"))) as agent:
+        assert agent.environments[0].restarts is None
+        assert set(agent.environments[0].state()) == {"snapshots"}
+
+
+def test_before_the_first_snapshot_there_is_no_frontier() -> None:
+    envs = environments()
+    assert math.isnan(envs.restarts.frontier)
+    envs.close()
+
+
+@pytest.mark.parametrize("agent", ["ppo", "pqn"])
+def test_all_environments_cannot_restart(agent: str) -> None:
+    with pytest.raises(ValueError, match="restart_share must be below 1"):
+        make_options(agent, restart_share=1.0)
+
+
+def test_a_snapshot_is_taken_every_hundred_steps() -> None:
+    envs = environments()
+    envs.reset(seed=0)
+    play(envs, EVERY, np.random.default_rng(0))
+    assert all(len(trail) <= 1 for trail in envs.restarts._trails)
+    envs.close()
