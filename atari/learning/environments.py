@@ -28,6 +28,7 @@ class TrainingEnvironments:
         num_threads: threads that play them.
         stacked: whether observations are stacks; otherwise each is a single image or RAM vector.
         restart_share: the share of the environments that `Restarts` begins near the ends of good games.
+        restart_from: a file with the states from which `Restarts` begins them instead.
 
     Attributes:
         actions: names of the actions by their index in `step`.
@@ -56,6 +57,7 @@ class TrainingEnvironments:
         stacked: bool = True,
         *,
         restart_share: float = 0.0,
+        restart_from: str | None = None,
     ) -> None:
         played = options.tasks
         if not stacked:
@@ -66,7 +68,9 @@ class TrainingEnvironments:
         space: Any = self._envs.single_observation_space
         self.shape: tuple[int, ...] = space.shape
         self.num_envs = num_envs
-        self.restarts = Restarts(self._envs, restart_share, options.seed) if restart_share else None
+        self.restarts: Restarts | None = None
+        if restart_share:
+            self.restarts = Restarts(self._envs, restart_share, options.seed, restart_from)
         self.scored = np.ones(num_envs, np.bool_) if self.restarts is None else ~self.restarts.restarted
         self._games: list[tuple[str, float, int]] = []
 

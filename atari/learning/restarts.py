@@ -3,11 +3,17 @@
 import pickle
 import zlib
 from collections import deque
-from typing import Any
+from contextlib import closing
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from atari.learning.diagnosis.frontier import read_frontier
+from atari.learning.options import TrainingOptions
+from atari.task import Task
+from atari.task.task import GameLike
 from atari.vector import AtariVectorEnv
 from atari.vector.state import LaneSnapshot
 
@@ -18,6 +24,47 @@ RING, LEAST = 256, 32
 LIVES, BEST = 500, 0.75
 """The number of last lives whose scores are compared, and the part of them that a good one is not below."""
 
+_Options = TypeVar("_Options", bound="RestartOptions")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RestartOptions(TrainingOptions):
+    """The options of agents whose environments can restart, see `Restarts`.
+
+    Attributes:
+        restart_share: the share of the environments that, after an end, begin near the ends of recent good games.
+        restart_from: a file of states, as `atari diagnose` writes one; the environments of restart_share begin from
+            these states alone, in the whole training.
+    """
+
+    restart_share: float = 0.0
+    restart_from: str | None = None
+
+    @classmethod
+    def of(cls: type[_Options], game: GameLike, *, preset: str | None = None, **options: Any) -> _Options:
+        """The options of a training in a game, see `TrainingOptions.of`, which reads the file of `restart_from`, too.
+
+        Raises:
+            FileNotFoundError: there is no such file.
+            TypeError, ValueError: an option is wrong, or the file is none of states of this task.
+        """
+        made = super().of(game, preset=preset, **options)
+        if made.restart_from is not None:  # not in `__post_init__`: a run can be read without the file
+            read_frontier(made.restart_from, made.task)
+        return made
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.restart_share >= 1:
+            raise ValueError(f"restart_share must be below 1, got {self.restart_share}")
+        if self.restart_from is not None and not self.restart_share:
+            raise ValueError(
+                f"restart_from={self.restart_from!r} is for the environments of restart_share, which is 0; add "
+                "restart_share=0.25, or leave restart_from out"
+            )
+        if self.restart_from is not None and self.more_games is not None:
+            raise ValueError("restart_from has states of one game; leave it or more_games out")
+
 
 class Restarts:
     """After an end, a share of the environments goes on from snapshots before recent deaths in good games.
@@ -27,18 +74,22 @@ class Restarts:
     the environment's snapshots goes into a ring of 256. The environments that restart feed the ring, too, so it moves
     on with the agent. Each environment draws sticky actions as it would have, so games from one snapshot differ.
 
+    With a file, the ring has its states, from the first step to the end. The file is read before the first step, but
+    not if `restore` comes first: a checkpoint has the ring.
+
     Args:
         envs: the environments, with SAME_STEP autoreset; environment i plays game i modulo the number of games.
         share: the share of them that restarts, above 0 and at most 1.
         seed: the seed of the choice among snapshots.
+        file: a file of `write_frontier` with states of the only game; None fills the ring while the agent plays.
 
     Attributes:
         restarted: bool (num_envs,), the environments that restart.
         count: the number of restarts so far.
     """
 
-    def __init__(self, envs: AtariVectorEnv, share: float, seed: int) -> None:
-        self._envs = envs
+    def __init__(self, envs: AtariVectorEnv, share: float, seed: int, file: str | None = None) -> None:
+        self._envs, self._file = envs, file
         lanes = np.arange(envs.num_envs)
         self.restarted: npt.NDArray[np.bool_] = np.floor(lanes * share) > np.floor((lanes - 1) * share)
         self._game = lanes % len({game.id for game in envs.games})
@@ -63,16 +114,20 @@ class Restarts:
             ends, overs: bool (num_envs,), the ends of episodes, and of games.
             rewards: int32 (num_envs,), not clipped.
         """
+        if self._file is not None and not self._rings[0]:
+            self._rings = [_read(self._file, self._envs.task)]
         self._step += 1
         self._scores += rewards
-        ended = np.flatnonzero(ends)
-        for lane in ended:
+        ended: list[int] = np.flatnonzero(ends).tolist()
+        for lane in ended if self._file is None else ():
             self._keep(lane)
         self._scores[overs] = 0
-        chosen = [lane for lane in ended.tolist() if self.restarted[lane] and len(self._ring_of(lane)) >= LEAST]
+        least = LEAST if self._file is None else 1
+        chosen = [lane for lane in ended if self.restarted[lane] and len(self._ring_of(lane)) >= least]
         if chosen:
             observations = self._restart(chosen, observations)
-        self._leave(observations)
+        if self._file is None:
+            self._leave(observations)
         return observations
 
     def _keep(self, lane: int) -> None:
@@ -112,3 +167,15 @@ class Restarts:
         """Continue from a state of `state`."""
         parts = pickle.loads(zlib.decompress(state))
         self._step, self.count, self._scores, self._trails, self._rings, self._lives, self._rng = parts
+
+
+def _read(file: str, task: Task) -> deque[Any]:
+    """The states of a file, with the observation and the score of each."""
+    ring = deque[Any]()
+    frontier = read_frontier(file, task)
+    with closing(AtariVectorEnv(task, 1)) as envs:
+        envs.reset(seed=0)
+        for state, score in zip(*frontier, strict=True):
+            envs.restore([0], [state])
+            ring.append((state, envs.observe()[0][0].copy(), score))
+    return ring

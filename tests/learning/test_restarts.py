@@ -1,8 +1,10 @@
 """Restarts near the ends of good games: what is kept, which environments restart, and that a resume is exact."""
 
+import json
 import math
 import pickle
 from contextlib import closing
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,9 +14,12 @@ torch = pytest.importorskip("torch")
 
 from small_trainings import make_options  # noqa: E402
 
+import atari  # noqa: E402
 from atari.learning import TrainingEnvironments  # noqa: E402
 from atari.learning.agents import find_agent  # noqa: E402
+from atari.learning.diagnosis.frontier import write_frontier  # noqa: E402
 from atari.learning.restarts import EVERY, KEPT, LEAST, RING  # noqa: E402
+from atari.learning.training import Training  # noqa: E402
 
 
 def environments(**given: Any) -> TrainingEnvironments:
@@ -108,3 +113,72 @@ def test_a_snapshot_is_taken_every_hundred_steps() -> None:
     play(envs, EVERY, np.random.default_rng(0))
     assert all(len(trail) <= 1 for trail in envs.restarts._trails)
     envs.close()
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> str:
+    """Two states of Breakout with the scores 100 and 102, of an evaluation: its games are whole, and not clipped."""
+    task = make_options("pqn", "breakout").task.replace(episodic_life=False, reward_clipping=False, noops=(0, 0))
+    path = tmp_path / "breakout.frontier"
+    with closing(atari.AtariVectorEnv(task, 2)) as envs:
+        envs.reset(seed=3)
+        for step in range(12):
+            envs.step(np.array([1 + step % 3, 1]))
+        write_frontier(path, task, envs.snapshot(), [100, 102])
+    return str(path)
+
+
+@pytest.mark.parametrize("agent", ["ppo", "pqn"])
+def test_environments_restart_from_the_states_of_a_file(agent: str, file: str) -> None:
+    """All restarts are from the file, whose states stay the only ones; the other environments play whole games."""
+    options = make_options(agent, "breakout", num_envs=8, workers=1, restart_share=0.25, restart_from=file)
+    envs = TrainingEnvironments(options, 8, restart_share=0.25, restart_from=file)
+    envs.reset(seed=0)
+    rng, restarts, seen, scores = np.random.default_rng(0), envs.restarts, set(), set()
+    assert restarts is not None
+    while restarts.count < 20:
+        before = restarts.count
+        observations, _, terminations, truncations, _ = envs.step(rng.integers(4, size=8))
+        for lane in np.flatnonzero((terminations | truncations) & restarts.restarted).tolist():
+            seen.add(observations[lane].tobytes())
+            scores.add(restarts._scores[lane])
+        assert restarts.count - before == ((terminations | truncations) & restarts.restarted).sum()
+    assert scores == {100, 102}
+    assert seen == {image.tobytes() for _, image, _ in restarts._rings[0]}
+    assert restarts.frontier == 101
+    envs.close()
+
+
+@pytest.mark.parametrize("agent", ["ppo", "pqn"])
+def test_a_resumed_training_needs_no_file(agent: str, file: str, tmp_path: Path) -> None:
+    """A checkpoint has the states of the file; two trainings that go on from it have equal weights."""
+    code = find_agent(agent)
+    given = {"num_envs": 8, "workers": 1, "total_steps": 10**6, "restart_share": 0.25, "restart_from": file}
+    training = Training.begin(code, make_options(agent, "breakout", **given), tmp_path / "run")
+    while training.agent.environments[0].restarts.count < 3:
+        training.agent.update()
+    training.save()
+    rows = [training.agent.update() for _ in range(10)]
+    restarts = training.agent.environments[0].restarts
+    training.close()
+    assert json.loads((tmp_path / "run" / "config.json").read_text())["options"]["restart_from"] == file
+    Path(file).unlink()
+    with closing(Training.resume(tmp_path / "run")) as resumed:
+        assert [resumed.agent.update() for _ in range(10)] == rows
+        again = resumed.agent.environments[0].restarts
+        assert (again.count, again.frontier) == (restarts.count, 101)
+
+
+@pytest.mark.parametrize("agent", ["ppo", "pqn"])
+def test_what_cannot_restart_from_a_file(agent: str, file: str, tmp_path: Path) -> None:
+    bad: list[tuple[str, dict[str, Any], type[Exception], str]] = [
+        ("breakout", {"restart_from": file}, ValueError, "which is 0; add restart_share=0.25"),
+        ("pong", {}, ValueError, "cannot be used by this task: .* with game = 'breakout', but"),
+        ("breakout", {"stack_num": 4}, ValueError, "with stack_num = 2, but this environment has 4"),
+        ("breakout", {"more_games": "pong", "actions": "full"}, ValueError, "of one game; leave it or more_games out"),
+        ("breakout", {"restart_from": str(tmp_path / "none")}, FileNotFoundError, "none"),
+    ]
+    for game, given, error, text in bad:
+        share = {} if given == {"restart_from": file} else {"restart_share": 0.25, "restart_from": file}
+        with pytest.raises(error, match=text):
+            make_options(agent, game, **{**share, **given})

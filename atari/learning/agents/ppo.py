@@ -21,13 +21,13 @@ from atari.learning import (
     RunFolder,
     TrainingEnvironments,
     TrainingLoop,
-    TrainingOptions,
     main,
 )
+from atari.learning.restarts import RestartOptions
 
 
 @dataclass(frozen=True, kw_only=True)
-class PPOOptions(TrainingOptions):
+class PPOOptions(RestartOptions):
     """The options of PPO; the defaults are those of the paper's Atari experiments.
 
     Attributes:
@@ -43,7 +43,6 @@ class PPOOptions(TrainingOptions):
         kl_target: after each epoch, multiply or divide the learning rate by 1.5 to hold the KL divergence of an update
             near this; none leaves the rate alone.
         normalize_returns: let the value function predict returns with a mean of 0 and a variance of 1.
-        restart_share: the share of the environments that, after an end, begin near the ends of recent good games.
     """
 
     horizon: int = 128
@@ -57,12 +56,9 @@ class PPOOptions(TrainingOptions):
     anneal: bool = True
     kl_target: float | None = None
     normalize_returns: bool = False
-    restart_share: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.restart_share >= 1:
-            raise ValueError(f"restart_share must be below 1, got {self.restart_share}")
         if self.minibatch % self.workers or self.num_envs * self.horizon % self.minibatch:
             raise ValueError(
                 f"num_envs * horizon must be a multiple of minibatch, and minibatch of workers; got "
@@ -144,7 +140,9 @@ class Rollout:
     def __init__(self, options: PPOOptions, index: int) -> None:
         self.options, self.device = options, options.torch_device
         count, threads = options.num_envs // options.replicas, options.workers // options.replicas
-        self.environments = TrainingEnvironments(options, count, threads, restart_share=options.restart_share)
+        self.environments = TrainingEnvironments(
+            options, count, threads, restart_share=options.restart_share, restart_from=options.restart_from
+        )
         self.generator = torch.Generator().manual_seed(options.seed * options.replicas + index)
         first = options.seed * options.num_envs + index * count
         self.observations = self.environments.reset(options.environment_seeds(first, count))

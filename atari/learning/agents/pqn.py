@@ -21,13 +21,13 @@ from atari.learning import (
     RunFolder,
     TrainingEnvironments,
     TrainingLoop,
-    TrainingOptions,
     main,
 )
+from atari.learning.restarts import RestartOptions
 
 
 @dataclass(frozen=True, kw_only=True)
-class PQNOptions(TrainingOptions):
+class PQNOptions(RestartOptions):
     """The options of PQN; the defaults are those of the paper's Atari experiments.
 
     Attributes:
@@ -45,7 +45,6 @@ class PQNOptions(TrainingOptions):
         max_gradient: norm to which gradients are clipped.
         anneal: let the learning rate fall to 0 over the training, or over its last part.
         anneal_from: the part of the training before the learning rate falls.
-        restart_share: the share of the environments that, after an end, begin near the ends of recent good games.
     """
 
     total_steps: int = 50_000_000
@@ -61,7 +60,6 @@ class PQNOptions(TrainingOptions):
     max_gradient: float = 10.0
     anneal: bool = True
     anneal_from: float = 0.0
-    restart_share: float = 0.0
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -70,9 +68,8 @@ class PQNOptions(TrainingOptions):
         for name in ("epsilon", "epsilon_middle", "lane_epsilon"):
             if (getattr(self, name) or 0) > 1:
                 raise ValueError(f"{name} must be within 0..1, got {getattr(self, name)}")
-        for name in ("restart_share", "anneal_from"):
-            if getattr(self, name) >= 1:
-                raise ValueError(f"{name} must be below 1, got {getattr(self, name)}")
+        if self.anneal_from >= 1:
+            raise ValueError(f"anneal_from must be below 1, got {self.anneal_from}")
         if self.minibatch % self.workers or self.num_envs * self.horizon % self.minibatch:
             raise ValueError(
                 f"num_envs * horizon must be a multiple of minibatch, and minibatch of workers; got "
@@ -134,7 +131,9 @@ class Rollout:
     def __init__(self, options: PQNOptions, index: int) -> None:
         self.options, self.device = options, options.torch_device
         count, threads = options.num_envs // options.replicas, options.workers // options.replicas
-        self.environments = TrainingEnvironments(options, count, threads, restart_share=options.restart_share)
+        self.environments = TrainingEnvironments(
+            options, count, threads, restart_share=options.restart_share, restart_from=options.restart_from
+        )
         self.lane_epsilons: Tensor | None = None
         if options.lane_epsilon is not None:
             self.lane_epsilons = torch.from_numpy(self.environments.lane_epsilons(options.lane_epsilon))
