@@ -15,7 +15,7 @@ torch = pytest.importorskip("torch")
 from small_trainings import make_options  # noqa: E402
 
 import atari  # noqa: E402
-from atari.learning import TrainingEnvironments  # noqa: E402
+from atari.learning import TrainingEnvironments, restarts  # noqa: E402
 from atari.learning.agents import find_agent  # noqa: E402
 from atari.learning.diagnosis.frontier import write_frontier  # noqa: E402
 from atari.learning.restarts import EVERY, KEPT, LEAST, RING  # noqa: E402
@@ -75,7 +75,9 @@ def test_observations_after_a_restart_are_those_of_the_snapshots(played: Any) ->
 
 
 @pytest.mark.parametrize("agent", ["ppo", "pqn"])
-def test_a_resumed_training_has_the_same_weights(agent: str) -> None:
+def test_a_resumed_training_has_the_same_weights(agent: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, few in (("EVERY", 5), ("LEAST", 2), ("LIVES", 20)):
+        monkeypatch.setattr(restarts, name, few)
     options = make_options(agent, "breakout", num_envs=8, workers=1, total_steps=10**6, restart_share=0.25)
     with closing(find_agent(agent)(options)) as first, closing(find_agent(agent)(options)) as second:
         while not any(one.restarts.count for one in first.environments):
@@ -134,18 +136,18 @@ def test_environments_restart_from_the_states_of_a_file(agent: str, file: str) -
     options = make_options(agent, "breakout", num_envs=8, workers=1, restart_share=0.25, restart_from=file)
     envs = TrainingEnvironments(options, 8, restart_share=0.25, restart_from=file)
     envs.reset(seed=0)
-    rng, restarts, seen, scores = np.random.default_rng(0), envs.restarts, set(), set()
-    assert restarts is not None
-    while restarts.count < 20:
-        before = restarts.count
+    rng, made, seen, scores = np.random.default_rng(0), envs.restarts, set(), set()
+    assert made is not None
+    while made.count < 20:
+        before = made.count
         observations, _, terminations, truncations, _ = envs.step(rng.integers(4, size=8))
-        for lane in np.flatnonzero((terminations | truncations) & restarts.restarted).tolist():
+        for lane in np.flatnonzero((terminations | truncations) & made.restarted).tolist():
             seen.add(observations[lane].tobytes())
-            scores.add(restarts._scores[lane])
-        assert restarts.count - before == ((terminations | truncations) & restarts.restarted).sum()
+            scores.add(made._scores[lane])
+        assert made.count - before == ((terminations | truncations) & made.restarted).sum()
     assert scores == {100, 102}
-    assert seen == {image.tobytes() for _, image, _ in restarts._rings[0]}
-    assert restarts.frontier == 101
+    assert seen == {image.tobytes() for _, image, _ in made._rings[0]}
+    assert made.frontier == 101
     envs.close()
 
 
@@ -159,14 +161,14 @@ def test_a_resumed_training_needs_no_file(agent: str, file: str, tmp_path: Path)
         training.agent.update()
     training.save()
     rows = [training.agent.update() for _ in range(10)]
-    restarts = training.agent.environments[0].restarts
+    before = training.agent.environments[0].restarts
     training.close()
     assert json.loads((tmp_path / "run" / "config.json").read_text())["options"]["restart_from"] == file
     Path(file).unlink()
     with closing(Training.resume(tmp_path / "run")) as resumed:
         assert [resumed.agent.update() for _ in range(10)] == rows
         again = resumed.agent.environments[0].restarts
-        assert (again.count, again.frontier) == (restarts.count, 101)
+        assert (again.count, again.frontier) == (before.count, 101)
 
 
 @pytest.mark.parametrize("agent", ["ppo", "pqn"])
