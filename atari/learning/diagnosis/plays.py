@@ -150,7 +150,7 @@ class Plays(Sequence[Play]):
             >>> envs = plays.player.make(1)
             >>> _ = envs.reset(seed=1)
             >>> envs.restore([0], [state])
-            >>> (envs.ram()[0] == plays[0].rams[20]).all()
+            >>> bool((envs.ram()[0] == plays[0].rams[20]).all())
             True
         """
         wanted: defaultdict[int, defaultdict[int, list[int]]] = defaultdict(lambda: defaultdict(list))
