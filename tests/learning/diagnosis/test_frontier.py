@@ -10,7 +10,11 @@ import pytest
 
 import atari
 from atari.cores.snapshot import pack, unpack
-from atari.learning.diagnosis.frontier import MOST, read_frontier, write_frontier
+from atari.learning import load_policy
+from atari.learning.diagnosis import frontier
+from atari.learning.diagnosis.frontier import MOST, frontier_of, read_frontier, write_frontier
+from atari.learning.diagnosis.moments import Moment
+from atari.learning.diagnosis.plays import play_games
 
 TASK = atari.Task.of("breakout", preset="envpool", stack_num=2, img_height=42, img_width=42)
 TRAINING = TASK.replace(episodic_life=True, repeat_action_probability=0.0, reward_clipping=False, noops=(0, 0))
@@ -122,3 +126,23 @@ def test_forged_and_damaged_files_are_refused(file: Path) -> None:
             read_frontier(file, TASK)
     with pytest.raises(FileNotFoundError):
         read_frontier(file.with_name("missing"), TASK)
+
+
+def test_the_states_before_moments(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each state is that of the game, also before its first step and beside a lost life that waits for a reset."""
+    task = TRAINING.replace(on_reset="continue", max_num_frames_per_episode=2000)
+    plays = play_games(load_policy("random"), task, 2, seed=0)
+    reset = plays[0].resets[0]
+    moments = [Moment(0, reset + 5, "life"), Moment(1, 12, "life"), Moment(1, 13, "life")]
+    found = frontier_of(plays, moments, before=[5, 12])
+    steps = [(0, reset - 1), (0, reset - 7), (1, 7), (1, 0), (1, 8), (1, 1)]
+    with closing(plays.player.make(len(steps))) as envs:
+        envs.reset(seed=0)
+        envs.restore(None, found.snapshots)
+        expected = np.stack([plays[play].rams[step] for play, step in steps])
+        np.testing.assert_array_equal(envs.ram(), expected)
+        assert not any(lane.ended for lane in envs.lanes)
+    assert found.scores == tuple(plays[play].totals[step] for play, step in steps)
+    assert frontier_of(plays, moments[:1], before=[10**6]).scores == (0,)
+    monkeypatch.setattr(frontier, "MOST", 2)
+    assert frontier_of(plays, moments, before=[5, 12]).scores == (found.scores[0], found.scores[-1])
