@@ -20,6 +20,8 @@ _MOST_SURPRISE = 4.0
 _LONGEST_PERIOD = 32
 _LEAST_LOOP, _LEAST_HELD = 100, 400
 """Steps of a loop of several actions, and of one action that is held."""
+_LEAST_BARREN = 0.5
+"""The part of a loop that must be in a row without a reward: what repeats and gets rewards is no loop."""
 _LEAST_LOOPING_GAMES = 0.1
 
 Ints = npt.NDArray[np.int64]
@@ -133,9 +135,10 @@ class _Stretch(NamedTuple):
 def loop(plays: Plays) -> Finding | None:
     """The score, or step, from which a cycle of actions repeats without a reward; None if there is no such place.
 
-    A loop is repeated until the game gets no reward any more. It has at least 100 steps without a reward, 400 if one
-    action is held; more than each repetition that a game has left to get a reward; and more than half of the longest
-    time without a reward from which a game went on. At least a tenth of the games must have a loop.
+    A loop is repeated until the game gets no reward any more. In a row it has at least 100 steps without a reward, 400
+    if one action is held; more than half of its own steps; more than each repetition that a game has left for a reward;
+    and more than half of the longest time without a reward from which a game went on. At least a tenth of the
+    games must have a loop.
 
     Args:
         plays: the games, see `play_games`.
@@ -155,7 +158,9 @@ def loop(plays: Plays) -> Finding | None:
     stuck = {
         number: last
         for number, (last, _) in enumerate(found)
-        if last is not None and last.barren > max(went_on, _LEAST_HELD if last.period == 1 else _LEAST_LOOP, gap / 2)
+        if last is not None
+        and last.barren > max(went_on, _LEAST_HELD if last.period == 1 else _LEAST_LOOP, gap / 2)
+        and last.barren > _LEAST_BARREN * (last.end - last.start)
     }
     if len(stuck) < max(1, _LEAST_LOOPING_GAMES * len(plays)):
         return None
@@ -181,43 +186,48 @@ def _longest_gap(play: Play, last: _Stretch | None) -> int:
 
 
 def _loops(play: Play) -> tuple[_Stretch | None, list[_Stretch]]:
-    """The first stretch of repeated actions after whose end no reward comes, and the stretches before it."""
+    """The longest stretch of repeated actions after whose end no reward comes, and the stretches left for a reward."""
     rewarded = np.flatnonzero(play.rewards > 0)
+    stuck: list[_Stretch] = []
     left: list[_Stretch] = []
     for one in _repetitions(play.actions):
         inside = rewarded[(rewarded >= one.start) & (rewarded < one.end)]
-        whole = one._replace(barren=int(np.diff(inside, prepend=one.start - 1, append=one.end).max()))
-        if not len(rewarded) or rewarded[-1] < one.end:
-            return whole, left
-        left.append(whole)
-    return None, left
+        barren = int(np.diff(inside, prepend=one.start - 1, append=one.end).max())
+        (left if len(rewarded) and rewarded[-1] >= one.end else stuck).append(one._replace(barren=barren))
+    return max(stuck, key=lambda one: one.barren, default=None), left
 
 
 def _repetitions(actions: npt.NDArray[np.uint8]) -> list[_Stretch]:
-    """The stretches of at least 40 steps in which actions repeat with a period, each with its shortest period.
-
-    One other action does not end a stretch: a random one changes nothing in a cycle that goes on.
-    """
+    """The stretches of at least 40 steps in which actions repeat with a period, each with its shortest period."""
     found: list[_Stretch] = []
     taken = np.zeros(len(actions), np.bool_)
     for period in range(1, min(_LONGEST_PERIOD, len(actions) - 1) + 1):
-        for start, end in _runs(actions[period:] == actions[:-period], period + 1):
-            stretch = _Stretch(start, end + period, period)
-            if end - start >= max(40, 3 * period) and taken[start:end].mean() < 0.5:
-                found.append(stretch)
-                taken[start : end + period] = True
+        for start, end in _runs(actions, period):
+            if end - start >= max(40, 4 * period) and taken[start:end].mean() < 0.5:
+                found.append(_Stretch(start, end, period))
+                taken[start:end] = True
     return sorted(found)
 
 
-def _runs(same: Bools, most_between: int) -> list[tuple[int, int]]:
-    """The runs of true values as (start, end), joined where at most so many values lie between two long ones."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], same, [False])).astype(np.int8)))
+def _runs(actions: npt.NDArray[np.uint8], period: int) -> list[tuple[int, int]]:
+    """The steps start..end-1 in which actions repeat with a period.
+
+    One other action, such as a random one, does not end a run if the cycle goes on after it as if nothing were.
+    """
+    same = np.concatenate(([False], actions[period:] == actions[:-period], [False]))
+    edges = np.flatnonzero(same[1:] != same[:-1]).reshape(-1, 2)
     runs: list[tuple[int, int]] = []
-    for start, end in edges.reshape(-1, 2).tolist():
-        if runs and start - runs[-1][1] <= most_between and runs[-1][1] - runs[-1][0] >= 4 * most_between:
-            runs[-1] = (runs[-1][0], end)
-        else:
-            runs.append((start, end))
+    if not len(edges) or (edges[:, 1] - edges[:, 0]).max() < 3 * period:
+        return runs
+    edges[:, 1] += period
+    for start, end in edges.tolist():
+        if runs and start <= runs[-1][1] + 1 and runs[-1][1] - runs[-1][0] >= 4 * period:
+            first = runs[-1][0]
+            expected = actions[first + (np.arange(start, end) - first) % period]
+            if (actions[start:end] != expected).sum() <= 1:
+                runs[-1] = (first, end)
+                continue
+        runs.append((start, end))
     return runs
 
 
