@@ -13,6 +13,7 @@ from atari.games.game import Game
 from atari.lab.labels import Labels
 from atari.learning.diagnosis.facts import Comparison, Fact
 from atari.learning.diagnosis.plays import Play, Plays
+from atari.vector import AtariVectorEnv
 from atari.vector.state import LaneSnapshot
 
 Kind = Literal["life", "end", "spare", "limit", "plateau"]
@@ -130,14 +131,13 @@ def groups(plays: Plays) -> tuple[Group, ...]:
     """
     longest = unusual_steps(plays)
     moments, comparison = moments_of(plays, longest), Comparison(plays, longest)
-    found = []
+    found: list[Group] = []
     for kind in ("spare", "end", "limit", "life", "plateau"):
         own = [moment for moment in moments if moment.kind == kind]
         before = last_chance(plays, own) if own and kind in ("life", "end", "spare") else 0
         clusters = _clusters(plays, own, before, comparison) if own else []
-        found += [
-            _group(plays, one, len(own), before, comparison, longest) for one in sorted(clusters, key=len, reverse=True)
-        ]
+        parts = [_group(plays, one, len(own), before, comparison, longest) for one in clusters]
+        found += sorted(parts, key=lambda group: (not group.facts, -len(group.moments)))
     ends = sorted((one for one in found if one.kind in _ENDS), key=lambda group: -group.games)
     return (*ends, *(one for one in found if one.kind not in _ENDS))
 
@@ -315,16 +315,16 @@ def last_chance(plays: Plays, moments: Sequence[Moment]) -> int:
     ]
     states = dict(zip(places, plays.states(places), strict=True))
     low, high = np.ones(len(moments), np.int64), np.maximum(1, most)
-    while (low < high).any():
-        middle = (low + high) // 2
-        open_ = np.flatnonzero(low < high)
-        own = [moments[row] for row in open_.tolist()]
-        begins = [
-            Moment(one.play, one.step - steps, one.kind) for one, steps in zip(own, middle[open_].tolist(), strict=True)
-        ]
-        changed = _forks_change(plays, [states[begin] for begin in begins], middle[open_])
-        high[open_[changed]] = middle[open_[changed]]
-        low[open_[~changed]] = middle[open_[~changed]] + 1
+    held = np.unique(np.linspace(0, len(plays.actions) - 1, _HELD).round().astype(np.int64))
+    with closing(plays.player.make(len(moments) * len(held))) as envs:
+        envs.reset(seed=0)
+        while (low < high).any():
+            rows, middle = np.flatnonzero(low < high), (low + high) // 2
+            own = [(moments[row], int(middle[row])) for row in rows.tolist()]
+            begins = [states[Moment(one.play, one.step - steps, one.kind)] for one, steps in own]
+            changed = _forks_change(envs, begins, held, middle[rows])
+            high[rows[changed]] = middle[rows[changed]]
+            low[rows[~changed]] = middle[rows[~changed]] + 1
     return int(np.quantile(high, 0.75, method="nearest"))
 
 
@@ -334,20 +334,20 @@ def _steps_of_life(play: Play, step: int) -> int:
     return step - (lost[-1] if lost else -1) - 1
 
 
-def _forks_change(plays: Plays, states: Sequence[LaneSnapshot], steps: Ints) -> Bools:
+def _forks_change(envs: AtariVectorEnv, states: Sequence[LaneSnapshot], held: Ints, steps: Ints) -> Bools:
     """Whether, from each state, a held action loses the life at another step than the game, `steps` later."""
-    held = np.unique(np.linspace(0, len(plays.actions) - 1, _HELD).round().astype(np.int64))
-    count = len(held)
-    actions, after = np.tile(held, len(states)), steps.repeat(count)
-    with closing(plays.player.make(len(actions))) as envs:
-        envs.reset(seed=0)
-        envs.restore(None, [state for state in states for _ in range(count)])
-        before = envs.observe()[1]["lives"]
-        lost = after + 1
-        for step in range(1, int(after.max()) + 1):
-            _, _, terminated, truncated, info = envs.step(actions)
-            lost[(lost > after) & (step <= after) & (terminated | truncated | (info["lives"] < before))] = step
-    changed: Bools = (lost != after).reshape(-1, count).any(1)
+    actions, after = np.tile(held, len(states)), steps.repeat(len(held))
+    lanes = np.arange(len(actions))
+    envs.restore(lanes.tolist(), [state for state in states for _ in held])
+    before = envs.observe()[1]["lives"]
+    lost = after + 1
+    for step in range(1, int(after.max()) + 1):
+        lanes = lanes[(lost[lanes] > after[lanes]) & (step <= after[lanes])]
+        if not len(lanes):
+            break
+        _, _, terminated, truncated, info = envs.step(actions[lanes], env_id=lanes)
+        lost[lanes[terminated | truncated | (info["lives"] < before[lanes])]] = step
+    changed: Bools = (lost != after).reshape(len(states), -1).any(1)
     return changed
 
 
