@@ -29,5 +29,5 @@ def behaviour(plays: Plays) -> tuple[Finding, ...]:
     presses = unused_presses(plays)
     unused = {finding.place for finding in presses}
     sides = [finding for finding in sides_not_visited(plays) if _PRESSES[finding.place] not in unused]
-    found = [delayed_actions(plays), random_from(plays), *presses, loop(plays), *unseen_objects(plays), *sides]
+    found = [delayed_actions(plays), random_from(plays), *unseen_objects(plays), *presses, loop(plays), *sides]
     return tuple(finding for finding in found if finding is not None)

@@ -22,7 +22,7 @@ _LEAST_LOOP, _LEAST_HELD = 100, 400
 """Steps of a loop of several actions, and of one action that is held."""
 _LEAST_BARREN = 0.5
 """The part of a loop that must be in a row without a reward: what repeats and gets rewards is no loop."""
-_LEAST_LOOPING_GAMES = 0.1
+_LEAST_LOOPING_GAMES, _MOST_OF = 0.1, 0.7
 
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
@@ -232,10 +232,24 @@ def _runs(actions: npt.NDArray[np.uint8], period: int) -> list[tuple[int, int]]:
 
 
 def _beginning(plays: Plays, loops: dict[int, _Stretch]) -> tuple[Unit, int]:
-    """The score or step from which games loop: of the two, that which varies less between the games."""
-    scores = np.array([int(scores_before(plays[number])[one.start]) for number, one in loops.items()])
-    steps = np.array([one.start for one in loops.values()])
-    all_scores, all_steps = float(np.ptp(plays.scores)) or 1.0, float(max(map(len, plays)))
-    if len(loops) > 1 and np.ptp(steps) / all_steps < np.ptp(scores) / max(all_scores, float(scores.max())):
-        return "step", int(np.median(steps))
-    return "score", int(np.median(scores))
+    """The score or step from which games loop.
+
+    It is a score if most loops begin beside a reward, and one score lies between the scores before and after it in most
+    games. Else it is a step if most loops begin at about the same step; else the score, too.
+    """
+    starts = np.array([one.start for one in loops.values()])
+    gains = [np.flatnonzero(plays[number].rewards > 0) for number in loops]
+    # The last actions before a cycle may be those of the cycle by chance.
+    beside = [own[(own >= start - 2) & (own < start + 4)] for own, start in zip(gains, starts.tolist(), strict=True)]
+    near = {number: int(own[-1]) for number, own in zip(loops, beside, strict=True) if len(own)}
+    middle = int(np.median(starts))
+    if len(near) >= _MOST_OF * len(loops):
+        totals = {number: plays[number].totals for number in near}
+        before = np.array([totals[number][step] - plays[number].rewards[step] for number, step in near.items()])
+        after = np.array([totals[number][step] for number, step in near.items()])
+        fits = [int(((before < score) & (after >= score)).sum()) for score in after]
+        if max(fits) >= _MOST_OF * len(loops):
+            return "score", int(min(score for score, fit in zip(after, fits, strict=True) if fit == max(fits)))
+    if len(loops) > 1 and (np.abs(starts - middle) <= 4 + middle // 20).mean() >= _MOST_OF:
+        return "step", middle
+    return "score", int(np.median([scores_before(plays[number])[one.start] for number, one in loops.items()]))

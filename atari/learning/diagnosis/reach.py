@@ -20,7 +20,7 @@ _LEAST_EFFECT = 0.25
 _REACHING, _REACHING_STEPS = 24, 40
 _LEAST_UNSEEN = 0.3
 _MOST_BEYOND = 0.002
-"""The part of all steps that may be on a side that counts as never visited."""
+"""The part of all steps that may be on a side that counts as not visited."""
 
 Presses: dict[str, Callable[[Action], bool]] = {
     "UP": lambda action: action.vertical > 0,
@@ -139,7 +139,7 @@ def sides_not_visited(plays: Plays) -> tuple[Finding, ...]:
 
     From the visited states that are nearest to a side, forks hold the direction to it for 40 steps, half of them with
     other directions between. A finding is a side where at least 30 % of the range of visited and reached positions is
-    never visited (at most 0.2 % of the steps).
+    not visited (in at most 0.2 % of the steps).
 
     Args:
         plays: the games, see `play_games`.
@@ -168,8 +168,8 @@ def sides_not_visited(plays: Plays) -> tuple[Finding, ...]:
             if whole >= 16 and beyond >= _LEAST_UNSEEN * whole:
                 end = low - beyond if side == axis.low else high + beyond
                 text = (
-                    f"The agent never goes to the {side}: {axis.label} is {low} to {high} in its games, and {end} can "
-                    f"be reached, so {beyond / whole:.0%} of the range is not visited."
+                    f"The agent never goes to the {side}: {axis.label} is {low} to {high} in its games, and "
+                    f"{end} can be reached, so {beyond / whole:.0%} of the range is not visited."
                 )
                 options = ("--entropy 0.02", "--exploration 0.2", "--restart-from FRONTIER")
                 found.append(Finding("side not visited", side, None, beyond / whole, text, options))

@@ -269,14 +269,13 @@ class Faults:
         kinds = self._objects_near()
         if not kinds:
             return None
-        name = sorted(kinds)[rng.integers(len(kinds))]
-
-        def blind(observations: Array) -> Array:
-            seen = observations.copy()
-            seen[..., kinds[name]] = 0
-            return self.agent.scores(seen)
-
-        return self._fault("unseen object", name, self.agent.policy(blind))
+        for name in rng.permutation(sorted(kinds)).tolist():
+            policy = self.agent.policy(partial(_blind, self.agent.scores, kinds[name]))
+            # An agent that nothing is left to see for does always the same, which is another fault.
+            actions = np.concatenate([one.actions for one in play(policy, self.agent.game, 3, 77)])
+            if (np.bincount(actions) > 0.05 * len(actions)).sum() >= 2:
+                return self._fault("unseen object", name, policy)
+        return None
 
     def _from(self, rng: np.random.Generator) -> Fault | None:
         """From some score or step on, actions are drawn uniformly."""
@@ -352,13 +351,33 @@ class Faults:
                     options.append((side, number, middle, beyond, names.index(away)))
         if not options:
             return None
-        side, number, middle, beyond, away_index = options[rng.integers(len(options))]
+        for choice in rng.permutation(len(options)).tolist():
+            side, number, middle, beyond, away = options[choice]
 
-        def change(chosen: Array, observations: Array, memories: list[dict[str, Any]]) -> Array:
-            values = labels.evaluate(_rams(observations))[0][number]
-            return np.where((values - middle) * beyond > 0, away_index, chosen)
+            def change(
+                chosen: Array,
+                observations: Array,
+                memories: Any,
+                number: int = number,
+                middle: float = middle,
+                beyond: int = beyond,
+                away: int = away,
+            ) -> Array:
+                values = labels.evaluate(_rams(observations))[0][number]
+                return np.where((values - middle) * beyond > 0, away, chosen)
 
-        return self._fault("side not visited", side, Wrapper(self.agent, change))
+            wrapped = Wrapper(self.agent, change)
+            plays = play(load_policy(wrapped), self.agent.game, 6, 77)
+            every = np.concatenate([labels.evaluate(one.rams)[0][number] for one in plays])
+            # At least 30 % must not be visited; a thing that cannot stop goes on to the side.
+            if np.mean((every - middle) * beyond > 0.4 * abs(middle - self._end(number, beyond))) < 0.002:
+                return self._fault("side not visited", side, wrapped)
+        return None
+
+    def _end(self, number: int, beyond: int) -> float:
+        """The end of the range of a label on a side."""
+        every = np.concatenate([self.plays.labels.evaluate(one.rams)[0][number] for one in self.plays])
+        return float(np.quantile(every, 0.99 if beyond > 0 else 0.01))
 
     def _shares(self) -> Array:
         counts = np.bincount(np.concatenate([one.actions for one in self.plays]), minlength=len(self.plays.actions))
@@ -416,6 +435,12 @@ class Place:
 
 def _shown_score(labels: Labels, shown: Sequence[int], observations: Array) -> Array:
     return np.asarray(labels.evaluate(_rams(observations))[0][list(shown)].sum(0))
+
+
+def _blind(scores: Callable[[Array], Array], hidden: Sequence[int], observations: Array) -> Array:
+    seen = observations.copy()
+    seen[..., list(hidden)] = 0
+    return scores(seen)
 
 
 def _cycle(place: Place, cycle: Array, chosen: Array, observations: Array, memories: list[dict[str, Any]]) -> Array:
