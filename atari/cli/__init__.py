@@ -14,7 +14,9 @@ import atari
 from atari.base.program import interruptible, run
 from atari.task.parser import Parser
 
-_COMMANDS = tuple("info roms verify record replay play train watch evaluate collect lab causes completion".split())
+_COMMANDS = tuple(
+    "info roms verify record replay play train watch evaluate diagnose collect lab causes completion".split()
+)
 
 _EXAMPLES = """\
 examples:
@@ -26,6 +28,7 @@ examples:
   atari watch runs/pong-ppo-pixels-seed0   and plays
   atari play ms_pacman                     play a game by hand, in a window
   atari evaluate random pong               play whole games by a protocol, and score a policy
+  atari diagnose runs/pong                 see where its games end, and what gets it on
   atari info                               the list of games
   atari info ms_pacman                     all facts of a game
   atari info PongDeterministic-v4          what an environment ID means

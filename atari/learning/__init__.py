@@ -22,6 +22,7 @@ from atari.policy import Policy, ScoresPolicy
 if TYPE_CHECKING:
     from atari.learning.agent import Agent, TrainingLoop
     from atari.learning.command import main
+    from atari.learning.diagnosis.diagnosis import Diagnosis, diagnose
     from atari.learning.networks import Encoder
     from atari.learning.replicas import Replicas
     from atari.learning.run_folder import RunFolder
@@ -31,6 +32,7 @@ __all__ = [
     "GAME_SETS",
     "PROTOCOLS",
     "Agent",
+    "Diagnosis",
     "Encoder",
     "EvaluationProtocol",
     "Policy",
@@ -45,25 +47,28 @@ __all__ = [
     "TrainingLoop",
     "TrainingOptions",
     "compare",
+    "diagnose",
     "evaluate",
     "load_policy",
     "main",
     "record_games",
 ]
 
-_WITH_TORCH = {
+_LATE = {
     "Agent": "agent",
+    "Diagnosis": "diagnosis.diagnosis",
     "Encoder": "networks",
     "Replicas": "replicas",
     "RunFolder": "run_folder",
     "Training": "training",
     "TrainingLoop": "agent",
+    "diagnose": "diagnosis.diagnosis",
     "main": "command",
 }
-"""The modules of the names that need PyTorch."""
+"""The modules of the names that are imported when they are used first: most of them need PyTorch."""
 
 
 def __getattr__(name: str) -> Any:
-    if name in _WITH_TORCH:
-        return getattr(import_module(f"{__name__}.{_WITH_TORCH[name]}"), name)
+    if name in _LATE:
+        return getattr(import_module(f"{__name__}.{_LATE[name]}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
