@@ -5,11 +5,11 @@ from pathlib import Path
 
 from atari.base.progress import ProgressBar
 from atari.cli.arguments import Commands, add_command
-from atari.cli.policies import find_played
+from atari.cli.policies import find_played, games_of
 from atari.cli.printing import print_json
 from atari.learning import PROTOCOLS, load_policy
 from atari.learning.evaluation.protocols import MAX_EPISODES
-from atari.task.arguments import add_task
+from atari.task.arguments import add_task, show_task
 from atari.task.fields import OF_GAME
 from atari.task.parser import number, seed
 
@@ -48,6 +48,8 @@ def _diagnose(args: argparse.Namespace) -> int:
 
     policy = load_policy(args.source, sample=args.sample)
     (game,) = find_played(args, [args.games] if args.games else [], None if args.games else policy)
+    if show_task(args, games_of(policy, game, args.protocol)[0]):
+        return 0
     folder = args.output or _folder(args.source, game.id)
     folder.mkdir(parents=True, exist_ok=True)  # an error before the games, which take minutes
     with ProgressBar(unit=" games", disable=None, leave=False) as bar:

@@ -8,7 +8,6 @@ A table stands between `<!-- table: NAME -->` and `<!-- end -->`. A test compare
 """
 
 import argparse
-import dataclasses
 import re
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -22,7 +21,6 @@ import numpy.typing as npt
 import atari
 from atari.base.typed_table import in_text
 from atari.task import PRESETS, fields
-from atari.task.arguments import descriptions
 from atari.task.env_ids import FAMILIES, Family
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -115,31 +113,8 @@ def task_fields(tuned: bool) -> str:
     return "\n".join(lines)
 
 
-def options() -> str:
-    """A table of the options that all agents have, and one for each agent's own."""
-    from atari.learning.agents import AGENTS, find_agent  # imports PyTorch
-    from atari.learning.options import TrainingOptions
-
-    common = {field.name: field.default for field in dataclasses.fields(TrainingOptions) if field.name != "task"}
-    texts = descriptions(TrainingOptions)
-    lines = ["| option of all agents | meaning |", "|---|---|"]
-    lines += [f"| `--{name.replace('_', '-')}`, `{name}` | {texts[name]} |" for name in texts if name in common]
-    for name in AGENTS:
-        agent = find_agent(name)
-        texts = descriptions(agent.options_class)
-        lines += ["", f"| option of `{name}` | default | `--fast` | meaning |", "|---|---|---|---|"]
-        for field in dataclasses.fields(agent.options_class):
-            fast = in_text(agent.fast[field.name]) if field.name in agent.fast else ""
-            own = field.name not in (*common, "task")
-            if own or fast or field.default != common.get(field.name, field.default):
-                flag = f"`--{field.name.replace('_', '-')}`, `{field.name}`"
-                default = "" if field.default is dataclasses.MISSING else in_text(field.default)
-                lines.append(f"| {flag} | {default} | {fast} | {texts[field.name] if own else 'as above'} |")
-    return "\n".join(lines)
-
-
 def fast() -> str:
-    """A table of the fields of the task that `--fast` changes, for pixels and for RAM."""
+    """A table of the options that `--fast` changes, for pixels and for RAM."""
     from atari.learning.agents import AGENTS, find_agent  # imports PyTorch
     from atari.learning.options import FAST_RAM
 
@@ -150,9 +125,6 @@ def fast() -> str:
         "|---" * (len(agents) + 2) + "|",
     ]
     for name in names:
-        own = {field.name for agent in agents.values() for field in dataclasses.fields(agent.options_class)}
-        if name in own - {"network"}:
-            continue  # `options` has it
         cells = [in_text(agent.fast[name]) if name in agent.fast else "" for agent in agents.values()]
         ram = in_text(FAST_RAM[name]) if name in FAST_RAM else "as from pixels"
         lines.append(f"| `{name}` | {' | '.join(cells)} | {ram} |")
@@ -160,7 +132,6 @@ def fast() -> str:
 
 
 TABLES: Mapping[str, Callable[[], str]] = {
-    "learning.options": options,
     "learning.fast": fast,
     "ids.families": families,
     "presets.sources": sources,

@@ -215,7 +215,7 @@ def _searched(plays: Plays, parts: Sequence[Group], count: int) -> list[tuple[in
     for number in ends:
         moments = sorted(parts[number].moments, key=lambda one: abs(plays[one.play].score - parts[number].median))
         queues.append([(number, moment) for moment in moments])
-    found = []
+    found: list[tuple[int, Moment]] = []
     while len(found) < count and any(queues):
         for queue in queues:
             if queue and len(found) < count:
