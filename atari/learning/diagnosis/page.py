@@ -61,7 +61,7 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path) -> Path:
 
 def _moment(diagnosis: Diagnosis, number: int, one: Search, folder: Path) -> str:
     """The part of the page about a moment: its video beside that of the continuation."""
-    plays, group = diagnosis.plays, diagnosis.groups[one.group]
+    plays = diagnosis.plays
     ahead = _BEFORE if one.saved is None else one.saved.ahead
     start = max(-1, one.moment.step - ahead)
     (state,) = plays.states([Moment(one.moment.play, start, one.moment.kind)])
@@ -74,9 +74,9 @@ def _moment(diagnosis: Diagnosis, number: int, one: Search, folder: Path) -> str
         one.saved.write(folder / f"saved-{number}.a26r", plays.player)
         videos.append(_video(folder / f"saved-{number}", f"A continuation, found by {one.saved.way}."))
         text = str(one.saved)
-    about = words(group, plays.task.definition)
-    figures = "".join(videos)
-    return f"<h3>Game {one.moment.play}</h3>\n<p>{html.escape(about)}</p>\n<p>{html.escape(text)}</p>\n" + (
+    figures, points = "".join(videos), plays[one.moment.play].totals[one.moment.step]
+    return (
+        f"<h3>Game {one.moment.play}, at {points:,} points</h3>\n<p>{html.escape(text)}</p>\n"
         f'<div class="pair">{figures}</div>\n'
     )
 

@@ -1,0 +1,128 @@
+"""The diagnosis as a whole: what it says, that it is the same every time, its page, its command, and its refusals."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cli_tools import Capture, read, refused
+
+from atari.cli import main
+from atari.learning import Diagnosis, diagnose
+from atari.learning.diagnosis.frontier import read_frontier
+from atari.learning.diagnosis.page import write_diagnosis
+from atari.learning.diagnosis.training_log import Standstill, standstill
+from atari.recording import Replay
+
+
+def found(**given: Any) -> Diagnosis:
+    return diagnose("random", "breakout", **{"games": 3, "frontiers": 2, "seconds": 0.3, **given})
+
+
+@pytest.fixture(scope="module")
+def diagnosis() -> Diagnosis:
+    return found()
+
+
+def test_the_same_arguments_give_the_same_diagnosis(diagnosis: Diagnosis) -> None:
+    assert str(found()) == str(diagnosis)
+    assert str(found(seed=1)) != str(diagnosis)
+
+
+def test_the_text_has_all_parts(diagnosis: Diagnosis) -> None:
+    head, *rest = str(diagnosis).splitlines()
+    assert head.startswith("random in Breakout: ")
+    assert head.endswith(" in 3 games by baselines")
+    titles = [line for line in rest if line and not line.startswith(" ")]
+    assert titles == ["Where games end", "Continuations", "What the agent does", *["To try"] * bool(diagnosis.options)]
+    assert "  3 of 3 games end with the last life" in str(diagnosis)
+
+
+def test_the_folder(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    page = write_diagnosis(diagnosis, tmp_path / "new" / "folder")
+    text = page.read_text()
+    names = {path.name for path in page.parent.iterdir()}
+    assert {"index.html", "diagnosis.txt", "frontier.states", "lost-0.a26r", "lost-0.mp4", "lost-1.a26r"} <= names
+    assert all(f'src="{name}"' in text for name in names if name.endswith(".mp4"))
+    assert all(Replay.load(page.parent / name).verify() for name in names if name.endswith(".a26r"))
+    frontier = read_frontier(page.parent / "frontier.states", diagnosis.plays.task)
+    assert max(frontier.scores) <= diagnosis.plays.scores.max()
+    assert (page.parent / "diagnosis.txt").read_text() == f"{diagnosis}\n"
+
+
+def test_the_command(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ("diagnose", "random", "breakout", "--episodes", "2", "--frontiers", "0")
+    text = read(capsys, *words)
+    assert text.rstrip().endswith("diagnosis/breakout/index.html")
+    facts = json.loads(read(capsys, *words, "--json"))
+    assert facts["text"] in text
+    assert len(facts["scores"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["random"], "does not say which game it plays"),
+        (["nothing.zip", "pong"], "nothing.zip"),
+        (["random", "pong", "--protocol", "dopamin"], "did you mean 'dopamine'"),
+    ],
+)
+def test_refusals(words: list[str], text: str, capsys: Capture, tmp_path: Path, monkeypatch: Any) -> None:
+    monkeypatch.chdir(tmp_path)
+    refused(capsys, ["diagnose", *words], text)
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_folder_that_cannot_be_made_is_refused_before_the_games(capsys: Capture, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    assert main(["diagnose", "random", "pong", "-o", str(tmp_path / "file" / "diagnosis")]) == 1
+    assert "file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("name", "value"), [("games", 0), ("frontiers", -1), ("seconds", 0), ("seed", -1)])
+def test_arguments_out_of_range(name: str, value: int) -> None:
+    with pytest.raises(ValueError, match=name):
+        found(**{name: value})
+
+
+def rows(scores: Any, **columns: Any) -> list[dict[str, float]]:
+    return [
+        {
+            "step": index * 1e4,
+            "frames": index * 4e4,
+            "score": score,
+            **{name: column[index] for name, column in columns.items()},
+        }
+        for index, score in enumerate(scores)
+    ]
+
+
+def test_a_standstill_is_where_the_score_stops_to_rise() -> None:
+    scores = np.minimum(np.arange(200), 100)
+    at = standstill(rows(scores, epsilon=np.linspace(1, 0, 200)), {"anneal": True, "total_steps": 2e6})
+    assert at is not None
+    assert 95 * 4e4 <= at.frames <= 103 * 4e4
+    assert at.epsilon == pytest.approx(0.5, abs=0.02)
+    assert at.rate == pytest.approx(0.51, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "scores", [np.arange(200), np.full(5, 3.0), np.full(200, np.nan), np.r_[np.arange(100), np.zeros(100)]]
+)
+def test_no_standstill(scores: Any) -> None:
+    assert standstill(rows(scores), {}) is None
+
+
+@pytest.mark.parametrize(
+    ("epsilon", "rate", "lanes", "options"),
+    [
+        (0.01, 0.3, False, ("--lane-epsilon 0.4", "--anneal-from 0.8")),
+        (0.01, 0.9, True, ()),
+        (0.5, None, False, ()),
+        (None, 0.1, False, ("--anneal-from 0.8",)),
+    ],
+)
+def test_options_of_a_standstill(epsilon: Any, rate: Any, lanes: bool, options: Any) -> None:
+    assert Standstill(10.0, 1e6, 2e6, epsilon, rate, lanes).options == options
