@@ -18,7 +18,7 @@ _LEAST_USE = 0.001
 _STATES, _HELD = 40, 4
 _LEAST_EFFECT = 0.25
 _REACHING, _REACHING_STEPS = 24, 40
-_LEAST_UNSEEN = 0.3
+_LEAST_UNSEEN = 0.35
 _MOST_BEYOND = 0.002
 """The part of all steps that may be on a side that counts as not visited."""
 
@@ -138,7 +138,7 @@ def sides_not_visited(plays: Plays) -> tuple[Finding, ...]:
     """The sides of the screen to which the player's object never goes though it can.
 
     From the visited states that are nearest to a side, forks hold the direction to it for 40 steps, half of them with
-    other directions between. A finding is a side where at least 30 % of the range of visited and reached positions is
+    other directions between. A finding is a side where at least 35 % of the range of visited and reached positions is
     not visited (in at most 0.2 % of the steps).
 
     Args:

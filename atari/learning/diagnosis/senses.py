@@ -15,8 +15,8 @@ from atari.learning.diagnosis.findings import Finding, Step, losses, spread
 from atari.learning.diagnosis.plays import Plays
 from atari.learning.diagnosis.reach import player_axes
 
-_GAMES, _STEPS, _IMPULSES = 6, 48, 24
-_LEAST_ANSWERS, _LEAST_PART = 4, 0.03
+_GAMES, _STEPS, _IMPULSES = 6, 80, 32
+_LEAST_ANSWERS, _LEAST_PART = 4, 0.02
 _BEFORE_LOSS, _NEAR = 16, 48
 _LEAST_NEAR, _LEAST_MOMENTS, _MOST_OBSERVATIONS = 0.15, 5, 400
 _LEAST_OBSERVATIONS, _LEAST_SEEN = 100, 0.02
@@ -33,7 +33,7 @@ def delayed_actions(plays: Plays) -> Finding | None:
 
     Stretches of observations are given to the policy again, in several lanes with the same seeds; in each lane but the
     first another observation takes the place of one of them. The delay is the smallest number of steps after which the
-    actions of at least 3 % of the lanes, and of 4, differ for the first time.
+    actions of at least 2 % of the lanes, and of 4, differ for the first time.
 
     Args:
         plays: the games, see `play_games`.

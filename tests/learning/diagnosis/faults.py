@@ -369,8 +369,8 @@ class Faults:
             wrapped = Wrapper(self.agent, change)
             plays = play(load_policy(wrapped), self.agent.game, 6, 77)
             every = np.concatenate([labels.evaluate(one.rams)[0][number] for one in plays])
-            # At least 30 % must not be visited; a thing that cannot stop goes on to the side.
-            if np.mean((every - middle) * beyond > 0.4 * abs(middle - self._end(number, beyond))) < 0.002:
+            # At least 40 % must not be visited; a thing that cannot stop goes on to the side.
+            if np.mean((every - middle) * beyond > 0.2 * abs(middle - self._end(number, beyond))) < 0.002:
                 return self._fault("side not visited", side, wrapped)
         return None
 

@@ -10,7 +10,7 @@ from learning.diagnosis.faults import KINDS, Faults, agent, play
 from atari.learning.diagnosis.behaviour import behaviour
 from atari.learning.diagnosis.findings import Finding
 
-GAME = "air_raid"
+GAME = "phoenix"
 
 
 @lru_cache
