@@ -1,6 +1,7 @@
 """The environments that an agent learns in: a vector environment of the task of the training."""
 
 import pickle
+import zlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -126,12 +127,12 @@ class TrainingEnvironments:
     def state(self) -> dict[str, Any]:
         """The positions in all games, as `restore` takes them."""
         restarts = {} if self.restarts is None else {"restarts": self.restarts.state()}
-        return {"snapshots": pickle.dumps(self._envs.snapshot()), **restarts}
+        return {"snapshots": zlib.compress(pickle.dumps(self._envs.snapshot()), 1), **restarts}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Continue from the positions of `state`."""
         self._envs.reset(seed=0)
-        self._envs.restore(None, pickle.loads(state["snapshots"]))
+        self._envs.restore(None, pickle.loads(zlib.decompress(state["snapshots"])))
         self._games = []
         if self.restarts is not None:
             self.restarts.restore(state["restarts"])
