@@ -55,7 +55,7 @@ def unused_presses(plays: Plays) -> tuple[Finding, ...]:
         >>> from atari.learning.diagnosis.reach import unused_presses
         >>> task = Task.of("breakout", max_num_frames_per_episode=4000, fire="after_noops")
         >>> [finding.place for finding in unused_presses(play_games(load_policy("noop"), task, games=1, seed=0))]
-        ['FIRE', 'RIGHT', 'LEFT']
+        ['RIGHT', 'LEFT', 'FIRE']
     """
     if not all(isinstance(action, Action) for action in plays.task.action_set):
         return ()
