@@ -32,6 +32,12 @@ def ids() -> Iterator[tuple[str, str]]:
         del gymnasium.registry[env_id]
 
 
+@pytest.fixture(scope="module")
+def vectors(ids: tuple[str, str]) -> list[gymnasium.vector.VectorEnv[Any, Any, Any]]:
+    """A vector of each package, which each test resets."""
+    return [gymnasium.make_vec(env_id, 2, vectorization_mode="vector_entry_point") for env_id in ids]
+
+
 @pytest.mark.parametrize(
     ("name", "options"),
     [
@@ -73,9 +79,8 @@ def test_wrappers(ids: tuple[str, str], name: str, options: dict[str, Any]) -> N
         ("DictInfoToList", {}),
     ],
 )
-def test_wrappers_of_vectors(ids: tuple[str, str], name: str, options: dict[str, Any]) -> None:
-    made = [gymnasium.make_vec(env_id, 2, vectorization_mode="vector_entry_point") for env_id in ids]
-    envs = [getattr(wrappers.vector, name)(env, **options) for env in made]
+def test_wrappers_of_vectors(vectors: list[Any], name: str, options: dict[str, Any]) -> None:
+    envs = [getattr(wrappers.vector, name)(env, **options) for env in vectors]
     first, second = (env.reset(seed=1)[0] for env in envs)
     assert data_equivalence(first, second)
     for action in range(30):

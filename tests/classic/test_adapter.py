@@ -108,14 +108,14 @@ def test_a_copy_goes_on_where_it_was_made() -> None:
 
 @pytest.mark.parametrize("env_id", ["CartPole-v0", "FrozenLake-v1", "Pong-ram-v0", "ALE/Breakout-v5"])
 def test_a_seed_repeats_its_episodes(env_id: str) -> None:
-    def episodes() -> list[Any]:
+    def episodes() -> list[bytes]:
         env.seed(3)
         env.action_space.seed(3)
         seen = []
         for _ in range(3):
             seen.append(env.reset())
             seen += [env.step(env.action_space.sample())[0] for _ in range(5)]
-        return [np.asarray(observation).tolist() for observation in seen]
+        return [np.asarray(observation).tobytes() for observation in seen]
 
     env = gym.make(env_id)
     first = episodes()

@@ -158,8 +158,3 @@ def test_a_reader_that_has_gone_ends_the_command_quietly() -> None:
     result = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, timeout=120, check=False)
     os.close(writer)
     assert (result.returncode, result.stderr) == (0, b"")
-
-
-def test_import_atari_imports_neither_command_line_nor_pyav() -> None:
-    program = "import sys, atari; sys.exit(bool({'atari.cli', 'atari.recording', 'av'} & set(sys.modules)))"
-    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
