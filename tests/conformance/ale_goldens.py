@@ -3,7 +3,7 @@
 Each function of `SCRIPTS` plays a game by one side, "ale" or "native", and returns the check sums of all results. The
 tests compare the native side with the file; `test_ale_goldens.py` plays the other side again in some games.
 
-`python tests/conformance/ale_goldens.py` writes the file anew, from ale-py alone.
+`PYTHONPATH=tests:tests/support python tests/conformance/ale_goldens.py` writes the file anew, from ale-py alone.
 """
 
 import copy
@@ -15,9 +15,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import ale_py
 import ale_py.env
 import numpy as np
+from conformance import ale_facts
 
 import atari
 from atari import AtariEnv
@@ -130,11 +130,7 @@ def lives_of_unused_rules(game: str, side: str) -> list[int | bool]:
                 core.act(0)
         lives, truncated = core.lives, core.lives < rules.lives_initial
     else:
-        ale = ale_py.ALEInterface()
-        ale.setInt("random_seed", 1)
-        ale.setFloat("repeat_action_probability", 0.0)
-        ale.setBool("truncate_on_loss_of_life", True)
-        ale.loadROM(Path(ale_py.__file__).parent / "roms" / f"{game}.bin")
+        ale = ale_facts.loaded(game, truncate_on_loss_of_life=True)
         for _ in range(150):
             ale.act(0)
         lives, truncated = ale.lives(), ale.game_truncated()
@@ -288,6 +284,8 @@ def _play_setting(env: Any, seed: int | None) -> str:
 
 
 SCRIPTS: dict[str, Callable[[str, str], Any]] = {
+    "facts": ale_facts.facts,
+    "rules": ale_facts.rules,
     "modes": lambda game, side: [check_sum(run, side) for run in mode_runs(game)],
     "sticky": lambda game, side: check_sum(sticky_run(game), side),
     "pokes": lambda game, side: check_sum(poke_run(game), side),

@@ -1,15 +1,17 @@
-"""The native core and `AtariEnv` on it give the check sums of ale-py and of its environment in every game.
+"""The game files, the native core and `AtariEnv` on it give what ale-py and its environment give in every game.
 
 `ale_goldens.py` says what is played. `test_native_equals_ale_py.py` and `test_env_equals_ale_py.py` compare each game
 with ale-py itself, and name what differs.
 """
 
+import hashlib
 import json
 
 import pytest
-from conformance import ale_goldens
+from conformance import ale_facts, ale_goldens
 from conformance.ale_goldens import GAMES, SCRIPTS, Play
 
+import atari
 from atari.cores import NativeCore
 from atari.cores.verify import verify
 
@@ -43,6 +45,14 @@ def test_a_core_restored_in_mid_episode(game: str) -> None:
     restored = NativeCore(game, seed=9, repeat_action_probability=0.25, sound=True)
     restored.restore(core.snapshot())
     assert ale_goldens.check_sum_of_middle(restored, actions) == GOLDENS[game]["middle"]
+
+
+@pytest.mark.parametrize("game", list(atari.games))
+def test_rom_hashes(game: str) -> None:
+    rom = atari.games[game].rom
+    image = (ale_facts.ROMS / f"{game}.bin").read_bytes()
+    assert (len(image), hashlib.md5(image).hexdigest()) == (rom.size, rom.md5)
+    assert hashlib.sha256(image).hexdigest() == rom.sha256
 
 
 @pytest.mark.parametrize("game", PLAYED_AGAIN)
