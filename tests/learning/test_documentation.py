@@ -1,20 +1,41 @@
 """The code blocks of the documentation that need PyTorch."""
 
+import itertools
 import os
+import runpy
+import shlex
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from documents import blocks
 
 from atari.cli import main
+from atari.recording import Replay
 
 pytest.importorskip("torch")
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 BLOCKS = blocks("learn")
 COMMANDS = blocks("learn", "bash")
+
+
+class Here:
+    """A process of a sweep that runs in this one; `sweep/test_sweeps.py` has true ones."""
+
+    def __init__(self, words: list[str], **_: object) -> None:
+        self.stdin, self.returncode = None, main(words[3:])  # after `python -m atari.cli.sweep`
+
+    def poll(self) -> int:
+        return self.returncode
+
+
+def program_of(line: str) -> str:
+    """The program of a line that needs no process of its own, or nothing."""
+    word = line.partition(" ")[0]
+    return word if word in ("atari", "python") else ""
 
 
 @pytest.mark.parametrize("name", BLOCKS)
@@ -26,12 +47,23 @@ def test_a_block(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_commands(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Commands of `atari` and scripts run in this process, which has imported PyTorch; other lines run in bash."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))  # for the programs that the user trusts
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}:{os.environ['PATH']}")
-    lines = [line.partition("#")[0].split() for line in COMMANDS[name].splitlines()]
-    if any(program != "atari" for program, *_ in filter(None, lines)):
-        subprocess.run(["bash", "-ec", COMMANDS[name]], check=True)
-        return
-    for _, *words in lines:
-        assert main(words) == 0
+    monkeypatch.setattr("atari.learning.sweep.processes.subprocess", SimpleNamespace(Popen=Here, PIPE=None))
+    render = (
+        Replay.render
+    )  # a policy that has learned nothing plays long games, whose videos would take most of the time
+    monkeypatch.setattr(Replay, "render", lambda *of, **options: render(*of, **{"stop": 60, **options}))
+    lines = COMMANDS[name].replace("\\\n", "").splitlines()
+    for program, part in itertools.groupby(lines, program_of):
+        if not program:
+            subprocess.run(["bash", "-ec", "\n".join(part)], check=True)
+            continue
+        for _, *words in (shlex.split(line, comments=True) for line in part):
+            if program == "atari":
+                assert main(words) == 0
+            else:
+                monkeypatch.setattr(sys, "argv", words)
+                runpy.run_path(words[0], run_name="__main__")
