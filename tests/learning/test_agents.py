@@ -35,6 +35,7 @@ def equal(one: Any, other: Any) -> bool:
 def test_every_option_is_described(agent: str) -> None:
     options = find_agent(agent).options_class
     assert set(descriptions(options)) == {field.name for field in fields(options)}
+    assert ppo.PPOOptions.of("pong").clip == 0.1
 
 
 STEPS = {"ppo": 256, "pqn": 256, "dqn": 800}

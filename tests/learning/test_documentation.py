@@ -7,7 +7,6 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from documents import blocks
@@ -17,19 +16,11 @@ from atari.recording import Replay
 
 pytest.importorskip("torch")
 
+from small_trainings import sweep_in_this_process
+
 EXAMPLES = Path(__file__).parents[2] / "examples"
 BLOCKS = blocks("learn")
 COMMANDS = blocks("learn", "bash")
-
-
-class Here:
-    """A process of a sweep that runs in this one; `sweep/test_sweeps.py` has true ones."""
-
-    def __init__(self, words: list[str], **_: object) -> None:
-        self.stdin, self.returncode = None, main(words[3:])  # after `python -m atari.cli.sweep`
-
-    def poll(self) -> int:
-        return self.returncode
 
 
 def program_of(line: str) -> str:
@@ -51,7 +42,7 @@ def test_commands(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))  # for the programs that the user trusts
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}:{os.environ['PATH']}")
-    monkeypatch.setattr("atari.learning.sweep.processes.subprocess", SimpleNamespace(Popen=Here, PIPE=None))
+    sweep_in_this_process(monkeypatch)
     render = (
         Replay.render
     )  # a policy that has learned nothing plays long games, whose videos would take most of the time

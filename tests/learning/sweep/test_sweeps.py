@@ -15,6 +15,8 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
+from small_trainings import sweep_in_this_process  # noqa: E402
+
 from atari.cli import main  # noqa: E402
 from atari.learning import PROTOCOLS, RunFolder  # noqa: E402
 from atari.learning.agent import agent_code  # noqa: E402
@@ -72,6 +74,7 @@ def test_a_sweep_that_is_killed_ends_as_one_that_was_not(
     assert [failed.run.name] == killed
     assert failed.error == "it was ended by signal 9; the same command goes on"
 
+    sweep_in_this_process(monkeypatch)
     assert main(WORDS) == 0
     shown = capsys.readouterr()
     assert f"{killed[0]} done 1,024 1,024" in shown.err
