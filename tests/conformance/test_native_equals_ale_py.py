@@ -22,7 +22,7 @@ def test_six_hundred_frames_with_sticky_actions(game: str) -> None:
     assert verify(sticky_run(game)) is None
 
 
-@pytest.mark.parametrize("game", GAMES[::8])
+@pytest.mark.parametrize("game", GAMES[::16])
 def test_snapshots_in_mid_episode_continue_on_both_cores(game: str) -> None:
     """New cores restored from snapshots continue like the saved cores, and like each other."""
     options = {"seed": 5, "repeat_action_probability": 0.25, "sound": True}

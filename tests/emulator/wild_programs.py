@@ -41,10 +41,17 @@ def noise(rng: random.Random, kind: str) -> bytes:
 
 
 def soup(rng: random.Random, kind: str) -> bytes:
-    """Instructions in random order, and between them sequences that are common in games."""
+    """Instructions in random order, and between them sequences that are common in games.
+
+    After 8 KiB, pages of 256 bytes are those of the beginning, in random order: a program runs through few of them.
+    """
     image = bytearray()
-    while len(image) < SIZES[kind]:
+    while len(image) < min(SIZES[kind], 8192):
         image += rng.choices(INGREDIENTS, AMOUNTS)[0](rng)
+    del image[8192:]
+    while len(image) < SIZES[kind]:
+        page = 256 * rng.randrange(32)
+        image += image[page : page + 256]
     return with_vectors(image[: SIZES[kind]], rng)
 
 
