@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 
+import atari
 import atari.classic as gym
 from atari.classic.adapter import Adapter, adapt
 from atari.classic.utils import seeding
@@ -35,6 +36,17 @@ class Probe(gymnasium.Env[Any, Any]):
     def render(self) -> Any:
         self.calls.append(self.render_mode)
         return np.full((2, 3, 3), 7, np.uint8)
+
+
+def test_steps_are_those_of_the_modern_interface() -> None:
+    env, modern = gym.make("Pong-v4"), atari.make("Pong-v4")  # two to four frames a step, drawn by the seed
+    env.seed(1)
+    np.testing.assert_array_equal(env.reset(), modern.reset(seed=1)[0])
+    for action in range(6):
+        observation, reward, done, _ = env.step(action)
+        expected, modern_reward, terminated, *_ = modern.step(action)
+        np.testing.assert_array_equal(observation, expected)
+        assert (reward, done) == (modern_reward, terminated)
 
 
 def test_done_is_terminated_or_truncated() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import gymnasium
 import pytest
-from cli_tools import Capture, Patch, refused
+from cli_tools import Capture, Patch, read, refused
 
 import atari
 from atari import cli
@@ -30,13 +30,11 @@ def run(*words: str, **options: object) -> "subprocess.CompletedProcess[str]":
 
 
 def test_version(capsys: Capture) -> None:
-    assert main(["--version"]) == 0
-    assert capsys.readouterr().out == f"atari-envs {atari.__version__}\n"
+    assert read(capsys, "--version") == f"atari-envs {atari.__version__}\n"
 
 
 def test_help_names_every_command(capsys: Capture) -> None:
-    assert main(["--help"]) == 0
-    out = capsys.readouterr().out
+    out = read(capsys, "--help")
     assert out.startswith("usage: atari [-h] [--version] COMMAND")
     assert {command[0] for command in COMMANDS} <= set(out.split())
 
@@ -85,6 +83,7 @@ def test_each_command_has_help(command: list[str], capsys: Capture) -> None:
         (["record", "pong", "--seconds", "nan"], "'nan' is not a number within 0.1..1000000000"),
         (["record", "pong", "--seconds", "inf"], "'inf' is not a number within 0.1..1000000000"),
         (["record", "pong", "--steps", "5", "--seconds", "5"], "not allowed with argument"),
+        (["record", "pong", "--steps", "0"], "'0' is not a whole number within 1..1000000000"),
     ],
 )
 def test_wrong_usage_is_2(words: list[str], text: str, capsys: Capture) -> None:
@@ -93,13 +92,11 @@ def test_wrong_usage_is_2(words: list[str], text: str, capsys: Capture) -> None:
 
 @pytest.mark.parametrize("words", ["random --json pong", "random pong --json", "--json random pong"])
 def test_an_option_stands_before_between_or_after_the_arguments(words: str, capsys: Capture) -> None:
-    assert main(["evaluate", *words.split(), "--print-task"]) == 0
-    assert Task.from_json(capsys.readouterr().out).game == "pong"
+    assert Task.from_json(read(capsys, "evaluate", *words.split(), "--print-task")).game == "pong"
 
 
 def test_flags_are_in_groups_and_the_usage_is_one_line(capsys: Capture) -> None:
-    assert main(["record", "--help"]) == 0
-    usage, *rest = capsys.readouterr().out.splitlines()
+    usage, *rest = read(capsys, "record", "--help").splitlines()
     assert usage == "usage: atari record GAME [options]"
     titles = [line for line in rest if line.endswith(":") and not line.startswith(" ")]
     fields = [f"what is played: {group}:" for group in GROUPS]

@@ -89,6 +89,11 @@ def test_other_layers(fields: dict[str, Any], expected: str) -> None:
     assert names(**fields) == expected
 
 
+def test_an_environment_that_skips_frames_is_refused() -> None:
+    with pytest.raises(ValueError, match="already plays 4 a step"):
+        wrap(AtariEnv("pong"), task())
+
+
 def test_arguments() -> None:
     lives = {"episodic_life": True, "on_reset": "continue", "last_life": True}
     assert arguments("EpisodicLife", **lives) == {"on_reset": "continue", "last_life": True}

@@ -112,6 +112,7 @@ ENVIRONMENTS: list[tuple[Any, Any, str]] = [
     (FrameSkip, lambda: Dqn(pong(), stack_size=None), f"DqnPreprocessing {TWICE} 4"),
     (FrameSkip, lambda: AtariPreprocessing(pong(), frame_skip=3), f"AtariPreprocessing {TWICE} 3"),
     (FrameSkip, lambda: RepeatAction(pong(), 5), f"RepeatAction {TWICE} 5"),
+    (FrameSkip, lambda: MaxAndSkipObservation(pong(), 6), f"MaxAndSkipObservation {TWICE} 6"),
     (
         FrameSkip,
         lambda: MaxAndSkipObservation(pong(), 6),
