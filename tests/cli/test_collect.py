@@ -16,9 +16,8 @@ h5py = pytest.importorskip("h5py", reason="h5py is not installed")
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: Patch) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine.py").write_text(
+def policies(folder: Path) -> None:
+    (folder / "mine.py").write_text(
         "class Images:\n    environment = {'preset': 'dopamine'}\n    def __call__(self, o, lanes): return lanes * 0\n"
         "class Sticky(Images):\n    protocol = 'dopamine'\n"
     )

@@ -65,6 +65,14 @@ def started(game: str = "breakout", *, seed: int = 0, **options: Any) -> AtariEn
     return env
 
 
+def playing(**options: Any) -> AtariEnv:
+    """A game of Pong whose ball is in play."""
+    env = started("pong", **options)
+    for _ in range(30):
+        env.step(2)  # RIGHT
+    return env
+
+
 def over(env: AtariEnv) -> AtariEnv:
     """The game of Breakout with its last ball lost."""
     env.core.set_ram(0x39, 0)
