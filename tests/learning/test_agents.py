@@ -223,11 +223,3 @@ def test_a_loss_that_is_no_number_stops_the_training(tmp_path: Path) -> None:
     assert resumed.agent.steps == 64
     assert np.isfinite(resumed.agent.update()["loss"])
     resumed.close()
-
-
-def test_progress_is_that_of_the_whole_training(tmp_path: Path) -> None:
-    shown: list[int] = []
-    with closing(Training.begin("ppo", make_options("ppo", total_steps=256), tmp_path / "run")) as training:
-        training.run(progress=lambda steps, score: shown.append(steps))
-    assert shown == [row["step"] for row in RunFolder.open(tmp_path / "run").rows()]
-    assert shown[-1] == training.agent.steps

@@ -15,6 +15,7 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
+from cli_tools import Capture, Patch  # noqa: E402
 from small_trainings import sweep_in_this_process  # noqa: E402
 
 from atari.cli import main  # noqa: E402
@@ -47,9 +48,7 @@ def wait_for(what: Any, seconds: float = 120) -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")
-def test_a_sweep_that_is_killed_ends_as_one_that_was_not(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_sweep_that_is_killed_ends_as_one_that_was_not(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     """The sweep is killed in its trainings, then a process of one of them; the same command goes on."""
     monkeypatch.chdir(tmp_path)
     runs = plan(["pong"], [0, 3], Path("runs"), resolve)
@@ -139,7 +138,7 @@ def test_a_sweep_that_is_killed_ends_as_one_that_was_not(
     ],
 )
 def test_wrong_input_is_one_sentence(
-    words: list[str], text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    words: list[str], text: str, tmp_path: Path, monkeypatch: Patch, capsys: Capture
 ) -> None:
     monkeypatch.chdir(tmp_path)
     status = main(["train", *words])
@@ -159,9 +158,7 @@ def test_wrong_input_is_one_sentence(
         "ppo --actions UP,DOWN pong,breakout --fast --jobs 3 --seeds 1,2",
     ],
 )
-def test_options_stand_before_and_after_the_agent_and_its_games(
-    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_options_stand_before_and_after_the_agent_and_its_games(words: str, tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.chdir(tmp_path)
     seen: list[Any] = []
     monkeypatch.setattr("atari.cli.sweep._do", lambda *given: seen.append(given) or SystemExit())
@@ -175,7 +172,7 @@ def test_options_stand_before_and_after_the_agent_and_its_games(
 
 
 @pytest.mark.parametrize("words", ["ppo pong --actions UP,DOWN", "ppo --noops 0,0 pong --fast", "ppo atari.toml"])
-def test_a_comma_in_an_option_makes_no_sweep(words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_comma_in_an_option_makes_no_sweep(words: str, monkeypatch: Patch) -> None:
     seen: list[str] = []
     monkeypatch.setattr("atari.cli.train.run_sweep", lambda *given: pytest.fail("a sweep"))
     monkeypatch.setattr("atari.learning.command.train", lambda code, *given: seen.append(code.name))
@@ -183,9 +180,7 @@ def test_a_comma_in_an_option_makes_no_sweep(words: str, monkeypatch: pytest.Mon
     assert seen == ["ppo"]
 
 
-def test_the_processes_of_an_agent_of_your_own_have_a_copy_of_its_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_processes_of_an_agent_of_your_own_have_a_copy_of_its_file(tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("atari.learning.programs.user_data_path", lambda *_, **__: tmp_path / "data")
     source = "from atari.learning.agents.ppo import PPO\n\nclass Mine(PPO):\n    pass\n"
@@ -201,9 +196,7 @@ def test_the_processes_of_an_agent_of_your_own_have_a_copy_of_its_file(
     assert copy.read_text() == source
 
 
-def test_a_folder_has_one_sweep_at_a_time(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_folder_has_one_sweep_at_a_time(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     from atari.base import durable
 
     monkeypatch.chdir(tmp_path)
