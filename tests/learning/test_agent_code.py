@@ -243,7 +243,7 @@ def test_a_loop_of_ones_own_keeps_its_program(tmp_path: Path) -> None:
 class TestExtend:
     @pytest.mark.parametrize("agent", ["ppo", "dqn"])
     def test_a_complete_training_has_more_steps(self, agent: str, tmp_path: Path) -> None:
-        first, last = (400, 800) if agent == "dqn" else (128, 256)
+        first, last = (800, 1600) if agent == "dqn" else (128, 256)
         for name, steps in (("whole", last), ("extended", first)):
             keep = {"keep_memory": True, "memory": 2000} if agent == "dqn" else {}
             finish(agent, make_options(agent, total_steps=steps, **keep), tmp_path / name)
@@ -288,7 +288,7 @@ class TestNetwork:
         run = RunFolder.open("run")
         assert run.config["options"]["network"] == "network.py:Net"
         assert run.load_weights()["encoder.layers.layer.weight"].shape[0] == 8
-        assert main(["train", "--resume", "run", "--total-steps", "256", "--games", "0"]) == 0
+        assert main(["train", "--resume", "run", "--total-steps", "1024", "--games", "0"]) == 0
         trusted_file().unlink()
         capsys.readouterr()
         assert main(["evaluate", "run", "--episodes", "1"]) == 1
