@@ -13,7 +13,7 @@ from atari.lab import RamLabels
 from atari.testing import check_vector
 
 SHORT: dict[str, Any] = {"max_episode_steps": 10}
-check = partial(check_vector, steps=32)
+check = partial(check_vector, steps=24)
 
 KINDS: dict[str, tuple[Any, dict[str, Any]]] = {
     "RGB, drawn skips, sticky": (

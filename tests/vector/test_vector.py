@@ -20,35 +20,6 @@ def test_the_number_of_threads_does_not_show() -> None:
     assert all(run == runs[0] for run in runs)
 
 
-def test_an_environment_does_not_depend_on_its_neighbours() -> None:
-    together, alone = make("seaquest", 3), make("seaquest", 1)
-    observations, _ = together.reset(seed=8)
-    observation, _ = alone.reset(seed=9)
-    for step in range(30):
-        assert np.array_equal(observations[1], observation[0])
-        observations, *_ = together.step(np.array([0, step % 18, 3]))
-        observation, *_ = alone.step(np.array([step % 18]))
-
-
-class TestSpaces:
-    @pytest.mark.parametrize(
-        ("options", "shape"),
-        [
-            ({}, (3, 4, 84, 84)),
-            ({"obs_type": "rgb", "stack_num": 1, "img_height": 210, "img_width": 160}, (3, 1, 210, 160, 3)),
-            ({"obs_type": "ram"}, (3, 128)),
-            ({"grayscale": False, "img_height": 30, "img_width": 20}, (3, 4, 30, 20, 3)),
-        ],
-    )
-    def test_observations_are_in_their_space(self, options: dict[str, Any], shape: tuple[int, ...]) -> None:
-        envs = make(**options)
-        observation, _ = envs.reset(seed=0)
-        assert observation.shape == shape
-        assert observation in envs.observation_space
-        assert observation[0] in envs.single_observation_space
-        assert observation.any()
-
-
 class TestGames:
     def test_several_in_one_pool(self) -> None:
         envs = make(["pong", "breakout", "skiing"], None)
@@ -130,14 +101,6 @@ class TestBuffers:
             observation, reward, *_ = mine.step(np.array([2, 3]))
             reward[:] = 9
             assert np.array_equal(observation, untouched.step(np.array([2, 3]))[0])
-
-    def test_out(self) -> None:
-        envs, other = make("pong", 2), make("pong", 2)
-        for one in (envs, other):
-            one.reset(seed=0)
-        for out in np.zeros((5, 2, 4, 84, 84), np.uint8):
-            assert envs.step(np.array([1, 2]), out=out)[0] is out
-            assert np.array_equal(out, other.step(np.array([1, 2]))[0])
 
     @pytest.mark.parametrize(
         "out",
