@@ -38,6 +38,16 @@ def unchanged(env: AtariEnv) -> Iterator[None]:
     assert env.snapshot() == before
 
 
+class AroundAle:
+    """An object that users put around `env.ale`: it has the methods of the one inside."""
+
+    def __init__(self, ale: Any) -> None:
+        self.inner = ale
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.inner, name)
+
+
 class Observer:
     """Keeps a value of each frame that the console plays, and of each game that begins if `begun` makes one."""
 
