@@ -1,6 +1,5 @@
 """Replays: a recorded game is reproduced exactly on every core, and a difference names its frame."""
 
-import copy
 import os
 import sys
 import warnings
@@ -407,22 +406,13 @@ class AtariVecEnv:
 
 
 def test_wrong_uses(tmp_path: Path) -> None:
-    path = tmp_path / "a.a26r"
-    for env, options, text in (
-        (gymnasium.make("CartPole-v1"), {}, "records an AtariEnv or an AtariVectorEnv, got CartPoleEnv"),
-        ("pong", {}, "records an AtariEnv or an AtariVectorEnv, got str"),
-        (atari.AtariEnv("pong"), {"index": 1}, "index"),
-        (AtariVecEnv(), {}, r"no AtariVecEnv of Stable-Baselines3; use atari\.sb3\.RecordReplay"),
-    ):
-        with pytest.raises(TypeError, match=text):
-            RecordReplay(env, path, **options)  # type: ignore[call-overload]
+    with pytest.raises(TypeError, match=r"no AtariVecEnv of Stable-Baselines3; use atari\.sb3\.RecordReplay"):
+        RecordReplay(AtariVecEnv(), tmp_path / "a.a26r")  # type: ignore[call-overload]
     with pytest.raises(ValueError, match="must end in"):
         RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.mp4")
     env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r")
     with pytest.raises(ValueError, match="recorded already"):
         RecordReplay(env, tmp_path / "b.a26r")
-    with pytest.raises(TypeError, match="cannot be copied or pickled"):
-        copy.deepcopy(env)
     env.reset()
     with pytest.raises(ValueError, match="is not within 0"):
         env.step(99)

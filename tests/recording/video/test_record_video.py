@@ -392,12 +392,6 @@ def test_wrong_arguments_are_refused_before_a_folder_is_made(
     assert not env.unwrapped.driver.observers  # type: ignore[attr-defined]
 
 
-def test_other_environments_are_refused(tmp_path: Path) -> None:
-    text = r"records an AtariEnv or an AtariVectorEnv, got CartPoleEnv; for other environments use gymnasium\.wrappers"
-    with pytest.raises(TypeError, match=text):
-        record_video(gymnasium.make("CartPole-v1"), tmp_path)
-
-
 def test_without_pyav_the_error_comes_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "av", None)
     with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'av>=14'"):
