@@ -24,11 +24,6 @@ COMMANDS = [
 ]  # fmt: skip
 
 
-def run(*words: str, **options: object) -> "subprocess.CompletedProcess[str]":
-    command = [sys.executable, "-m", "atari", *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, **options)  # type: ignore[call-overload,no-any-return]
-
-
 def test_version(capsys: Capture) -> None:
     assert read(capsys, "--version") == f"atari-envs {atari.__version__}\n"
 
@@ -142,8 +137,9 @@ def test_ctrl_c_is_130(capsys: Capture, monkeypatch: Patch) -> None:
     assert capsys.readouterr().err == "atari: interrupted\n"
 
 
-def test_python_m_atari_is_the_command_line(tmp_path: Path) -> None:
-    unknown = run("info", "breakuot", cwd=tmp_path)
+def test_python_m_atari_is_the_command_line() -> None:
+    command = [sys.executable, "-m", "atari", "info", "breakuot"]
+    unknown = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert (unknown.returncode, unknown.stdout) == (1, "")
     assert unknown.stderr == "atari: error: there is no game 'breakuot'; did you mean 'breakout'?\n"
 
