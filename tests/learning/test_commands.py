@@ -125,10 +125,7 @@ def test_watch(run: str, monkeypatch: Patch, capsys: Capture) -> None:
         (["train", "ppo", "pong", "--device", "cuda:x"], "device must be cpu, cuda, cuda:N or auto, got 'cuda:x'"),
         (["train", "ppo", "pong", "--device", "cuda:99"], "device is 'cuda:99', and PyTorch can use"),
         (["train", "--resume", "nowhere"], "nowhere is no run folder"),
-        (
-            ["train", "--resume", "nowhere", "ppo"],
-            "goes on with its own options, but for --total-steps N; leave out ppo",
-        ),
+        (["train", "--resume", "nowhere", "ppo"], "goes on with its own options, but for --total-steps N; leave out p"),
         (["record", "pong", "--policy", ".", "-o", "x.mp4"], "no run folder"),
         (["watch", "nowhere", "pong"], "nowhere"),
     ],

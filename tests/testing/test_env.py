@@ -196,9 +196,7 @@ def test_spec_false_leaves_the_spec_out() -> None:
 
 
 def test_only_a_function_that_makes_environments_is_taken() -> None:
-    with pytest.raises(
-        TypeError, match=r"check_env takes a function that makes MyEnv\(\), got .*; write lambda: MyEnv"
-    ):
+    with pytest.raises(TypeError, match=r"takes a function that makes MyEnv\(\), got .*; write lambda: MyEnv"):
         check_env(pong())  # type: ignore[arg-type]
     with pytest.raises(ContractError, match=r"^make\(\) must return a gymnasium.Env, got 3"):
         check_env(lambda: 3)  # type: ignore[arg-type, return-value]

@@ -234,13 +234,9 @@ def of_task(task, **environment):
         (
             ValueError,
             {"games": "Pong-ram-v0", "policy": needs(preset="dopamine")},
-            "shows RAM, and the policy sees obs",
+            "shows RAM, and the policy sees obs_",
         ),
-        (
-            ValueError,
-            {"games": "ALE/Pong-v5", "policy": needs(obs_type="ram")},
-            "ALE/Pong-v5 shows images, and the pol",
-        ),
+        (ValueError, {"games": "ALE/Pong-v5", "policy": needs(obs_type="ram")}, "ALE/Pong-v5 shows images, and the"),
         (ValueError, {"games": "PongNoFrameskip-v4"}, "PongNoFrameskip-v4 has repeat_action_probability=0.0, and prot"),
         (ValueError, {"games": "ALE/Pong-v5", "protocol": "dqn2015"}, "pass 'pong', or another protocol"),
         (ValueError, {"games": ["pong", Task.of("pong", mode=1)]}, "pong is given twice"),

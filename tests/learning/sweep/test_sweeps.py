@@ -121,10 +121,7 @@ def test_a_sweep_that_is_killed_ends_as_one_that_was_not(tmp_path: Path, monkeyp
         (["ppo", "pong", "--seeds", "0", "--protocol", "dopamin"], "did you mean 'dopamine'"),
         (["ppo", "pong", "--seeds", "0", "--frameskip", "3"], "plays 4 frames an action, the policy 3"),
         (["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbw"], "dopamine/rainbow"),
-        (
-            ["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbow"],
-            "; protocol 'dopamine' has its environments",
-        ),
+        (["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbow"], "protocol 'dopamine' has its environ"),
         (["ppo", "pong", "--seeds", "0", "--compare", "cleanba/cleanba_ppo_8gpu"], "scores only at 200,000,000 frames"),
         (["--resume", "runs/pong", "--seeds", "0"], "--seeds and --jobs are for new trainings; leave them out beside"),
         (["--seeds", "0", "--resume", "runs/pong"], "--seeds and --jobs are for new trainings; leave them out beside"),

@@ -328,22 +328,12 @@ def test_sticky_actions_after_a_reset_that_plays_no_frame(
 @pytest.mark.parametrize(
     ("make", "options", "error", "text"),
     [
-        (
-            lambda: gymnasium.make("CartPole-v1"),
-            {},
-            TypeError,
-            "records an AtariEnv or an AtariVectorEnv, got CartPoleEnv",
-        ),
+        (lambda: gymnasium.make("CartPole-v1"), {}, TypeError, "an AtariEnv or an AtariVectorEnv, got CartPoleEnv"),
         (lambda: SyncVectorEnv([lambda: atari.make("pong")]), {}, TypeError, "an AtariVectorEnv, got SyncVectorEnv"),
         (lambda: "pong", {}, TypeError, "records an AtariEnv or an AtariVectorEnv, got str"),
         (lambda: atari.AtariEnv("pong"), {"index": 1}, TypeError, "has no option 'index'"),
         (lambda: AtariVectorEnv("pong", 2), {"index": 2}, ValueError, "index must be within 0..1, got 2"),
-        (
-            lambda: AtariVectorEnv("pong", 2, batch_size=1),
-            {},
-            ValueError,
-            "needs batches of all environments, got batch_",
-        ),
+        (lambda: AtariVectorEnv("pong", 2, batch_size=1), {}, ValueError, "needs batches of all environments, got b"),
         (lambda: AtariVectorEnv("pong", 2, players=2), {}, ValueError, "got players=2; games of several players are"),
     ],
 )
