@@ -20,3 +20,13 @@ def film(
             video.write(screen, block)
     assert video.frames == len(written)
     return video.path
+
+
+def always(number: int) -> bool:
+    """A trigger of `RecordVideo`."""
+    return True
+
+
+def files(folder: Path) -> list[str]:
+    """The files in the folder `videos` of a folder, and in its folders."""
+    return sorted(str(path.relative_to(folder / "videos")) for path in (folder / "videos").rglob("*.*"))

@@ -16,6 +16,7 @@ import gymnasium.utils
 import numpy as np
 import pytest
 from env_tools import data_equivalence, needs_gymnasium_1
+from film import always, files
 from replay_tools import full_disk
 from video_reader import NTSC, Screen, sound, video_frames
 
@@ -28,10 +29,6 @@ from atari.recording.video.overlay import CURVE_ROWS, Overlay
 from atari.wrappers import DqnPreprocessing, EpisodicLife
 
 Env = gymnasium.Env[Any, Any]
-
-
-def always(number: int) -> bool:
-    return True
 
 
 def record_video(env: Env, folder: Path, **options: Any) -> RecordVideo:
@@ -47,10 +44,6 @@ def play(env: Env, steps: int, seed: int = 0) -> list[Any]:
         if results[-1][2] or results[-1][3]:
             results.append(env.reset())
     return results
-
-
-def files(folder: Path) -> list[str]:
-    return sorted(str(path.relative_to(folder / "videos")) for path in (folder / "videos").rglob("*.*"))
 
 
 # What the environment does.
