@@ -1,7 +1,6 @@
 """A reward of the task's own: the same numbers from the vector, from single environments and from plain Python."""
 
 import copy
-import pickle
 from typing import Any
 
 import numpy as np
@@ -102,42 +101,6 @@ def test_random_expressions(data: st.DataObject) -> None:
             twins.source, twins.before, twins.ended = *saved[2:], ended
             assert [twins.step() for _ in range(20)] == expected
         twins.step()
-
-
-@pytest.mark.parametrize("autoreset_mode", ["NextStep", "SameStep", "Disabled"])
-@pytest.mark.parametrize("batch_size", [0, 2])
-def test_modes_and_batches_pay_the_same(autoreset_mode: str, batch_size: int) -> None:
-    played = task("reported lives")
-    envs = atari.AtariVectorEnv(played, 3, autoreset_mode=autoreset_mode, batch_size=batch_size)
-    twins = [Twins(played, seed) for seed in range(3)]
-    envs.reset_async(seed=0)
-    _, rewards, *_, info = envs.recv()
-    assert not rewards.any()
-    for step in range(39):
-        actions = np.full(len(rewards), step % 4)
-        _, rewards, *_, info = envs.step(actions)
-        for row, lane in enumerate(info["env_id"]):
-            env = twins[lane].env
-            assert env.step(step % 4)[1] == rewards[row] or batch_size
-    assert rewards.dtype == np.float64
-
-
-def test_the_copies_continue() -> None:
-    envs, single = atari.AtariVectorEnv(task("lives go on"), 2, num_threads=1), atari.make(task("lives go on"))
-    for env, actions in ((envs, np.array([1, 2])), (single, 1)):
-        env.reset(seed=1)
-        for _ in range(40):
-            env.step(actions)
-    copies = [pickle.loads(pickle.dumps(envs)), pickle.loads(pickle.dumps(single)), copy.deepcopy(single)]
-    for _ in range(60):
-        assert copies[0].step(np.array([3, 1]))[1].tolist() == envs.step(np.array([3, 1]))[1].tolist()
-        assert {one.step(1)[1] for one in copies[1:]} == {single.step(1)[1]}
-    envs.close()
-    for one in (envs, copies[0]):
-        one.reset()
-    paid = [[one.step(np.array([1, 3]))[1].tolist() for _ in range(60)] for one in (envs, copies[0])]
-    assert paid[0] == paid[1]
-    assert len({*map(tuple, paid[0])}) > 2
 
 
 def test_a_snapshot_of_another_reward_is_refused() -> None:
