@@ -112,11 +112,6 @@ def test_an_id_decides_sticky_actions_and_ram(env_id: str, sticky: float, obs_ty
     assert (options.network, options.task.stack_num) == (("mlp", 4) if options.from_ram else ("nature", 4))
 
 
-def test_an_id_of_other_sticky_actions_than_a_preset_requires_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"needs repeat_action_probability=0.0, and ALE/Pong-v5 has 0.25"):
-        TrainingOptions.of("ALE/Pong-v5", preset="dqn2015")
-
-
 def test_names_of_actions_go_with_any_preset() -> None:
     actions = ["NOOP", "RIGHT", "LEFT"]
     for preset in atari.PRESETS:

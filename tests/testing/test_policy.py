@@ -37,6 +37,19 @@ class Drawing:
         self.generators = state
 
 
+def drawing(**attributes: Any) -> type[Drawing]:
+    """The class of such policies with other attributes and methods."""
+    return type("Faulty", (Drawing,), attributes)
+
+
+ForgetsState = drawing(restore=lambda self, state: None)
+StateOfLambdas = drawing(state=lambda self: lambda: self.generators)
+HalfState = drawing(restore=property())
+OtherGame = drawing(game="pnog")
+FramesAsText = drawing(training_frames="10M")
+OtherEnvironment = drawing(environment={"obs_typ": "ram"})
+
+
 class IgnoresSeeds(Drawing):
     def begin(self, game: str, actions: Any, lanes: Any, seeds: Any) -> None:
         super().begin(game, actions, lanes, np.frombuffer(os.urandom(8 * len(lanes)), np.uint64))
@@ -48,20 +61,6 @@ class OneGenerator(Drawing):
         self.generators = {int(lane): generator for lane in range(3)}
 
 
-class ForgetsState(Drawing):
-    def restore(self, state: Any) -> None:
-        pass
-
-
-class StateOfLambdas(Drawing):
-    def state(self) -> Any:
-        return lambda: self.generators
-
-
-class HalfState(Drawing):
-    restore = property()  # type: ignore[assignment]
-
-
 class RaisesInBegin(Drawing):
     def begin(self, game: str, actions: Any, lanes: Any, seeds: Any) -> None:
         raise RuntimeError("no memory")
@@ -70,18 +69,6 @@ class RaisesInBegin(Drawing):
 class ThreeArguments:
     def __call__(self, observations: Any, lanes: Any, infos: Any) -> Any:
         return [0] * len(lanes)
-
-
-class OtherGame(Drawing):
-    game = "pnog"
-
-
-class FramesAsText(Drawing):
-    training_frames = "10M"
-
-
-class OtherEnvironment(Drawing):
-    environment = {"obs_typ": "ram"}  # noqa: RUF012
 
 
 def blank(observations: Any) -> Any:
