@@ -1,6 +1,7 @@
 """`RecordVideo`: every frame is recorded, results do not change, and file names are Gymnasium's."""
 
 import copy
+import errno
 import gc
 import inspect
 import pickle
@@ -22,7 +23,7 @@ from video_reader import NTSC, Screen, sound, video_frames
 
 import atari
 from atari.lab import RamLabels, Watch
-from atari.recording import RecordReplay, RecordVideo
+from atari.recording import RecordReplay, RecordVideo, VideoWriter
 from atari.recording.video import writer
 from atari.recording.video.audio import to_16_bit
 from atari.recording.video.overlay import CURVE_ROWS, Overlay
@@ -388,6 +389,9 @@ def test_wrong_arguments_are_refused_before_a_folder_is_made(
 def test_without_pyav_the_error_comes_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "av", None)
     with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'av>=14'"):
+        VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC)
+    assert not list(tmp_path.iterdir())
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'av>=14'"):
         record_video(atari.make("pong"), tmp_path)
     record_video(atari.make("pong"), tmp_path, format="png").close()
 
@@ -433,12 +437,12 @@ def test_a_full_disk_ends_the_video_and_the_game_continues(tmp_path: Path) -> No
             try:
                 results.append(env.step(i % 4))
             except OSError as error:
-                errors.append((error.strerror, error.filename))
+                errors.append((error.errno, error.strerror, error.filename))
                 results.append(env.step(i % 4))
     assert data_equivalence(results, expected)
     assert not env.recording
     text = "the recording has ended after 17 frames: File too large; incomplete, after 17 frames"
-    assert errors == [(text, str(tmp_path / "videos" / "rl-video-episode-0.mkv"))]
+    assert errors == [(errno.EFBIG, text, str(tmp_path / "videos" / "rl-video-episode-0.mkv"))]
     env.reset()
     env.step(0)
     env.close()

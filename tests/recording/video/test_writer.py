@@ -1,14 +1,11 @@
 """`VideoWriter`: files read back have the written frames at the console's frame rate."""
 
-import errno
-import sys
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import av
 import cv2
-import gymnasium
 import numpy as np
 import pytest
 from film import film
@@ -17,7 +14,6 @@ from video_reader import NTSC, Screen, video_frames
 import atari
 from atari.cores import NativeCore
 from atari.recording import VideoWriter
-from atari.recording.video.encoder import FFmpegEncoder
 from atari.recording.video.writer import frame_rate
 
 
@@ -215,26 +211,6 @@ def test_a_place_that_cannot_be_written_is_refused_at_once(tmp_path: Path) -> No
     (tmp_path / "folder.mp4").mkdir()
     with pytest.raises(IsADirectoryError):
         VideoWriter(tmp_path / "folder.mp4", (210, 160), NTSC)
-
-
-def test_without_pyav_the_error_names_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "av", None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'av>=14'"):
-        VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC)
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_full_disk_names_the_incomplete_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(encoder: Any, image: Any, samples: Any) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    writer = VideoWriter(tmp_path / "a.mp4", (210, 160), 60)
-    writer.write(np.zeros((210, 160, 3), np.uint8))
-    monkeypatch.setattr(FFmpegEncoder, "write", full)
-    with pytest.raises(OSError, match="No space left on device; incomplete, after 1 frames") as caught:
-        writer.write(np.zeros((210, 160, 3), np.uint8))
-    assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, str(tmp_path / "a.mp4"))
-    writer.close()
 
 
 def test_a_caption_without_a_line_is_refused(tmp_path: Path) -> None:
