@@ -17,7 +17,7 @@ ZEROS = bytes(100 << 20)
 
 def archive_with(method: int = zipfile.ZIP_DEFLATED, **members: bytes) -> io.BytesIO:
     file = io.BytesIO()
-    with zipfile.ZipFile(file, "w", method, compresslevel=1) as archive:
+    with zipfile.ZipFile(file, "w", method) as archive:
         for name, data in members.items():
             archive.writestr(name, data)
     return file
