@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from env_tools import needs_gymnasium_1
 from gymnasium.utils.env_checker import data_equivalence
-from vector_tools import make
+from vector_tools import begun, make
 
 import atari
 from atari.cores.options import CoreOptions
@@ -52,8 +52,7 @@ def test_close() -> None:
 
 def test_close_while_environments_are_stepped() -> None:
     before = threads()
-    envs = make(num_envs=8, num_threads=3)
-    envs.reset()
+    envs = begun(num_envs=8, num_threads=3)
     envs.send(np.zeros(8, int))
     envs.close()
     assert not threads() - before
@@ -65,8 +64,7 @@ def test_close_while_environments_are_stepped() -> None:
 def test_garbage_collection() -> None:
     gc.collect()
     before = threads()
-    envs = make(num_envs=4, num_threads=4)
-    envs.reset()
+    envs = begun(num_envs=4, num_threads=4)
     envs.send(np.zeros(4, int))
     gone = weakref.ref(envs)
     del envs
@@ -96,8 +94,7 @@ CALLS = {
 
 @pytest.mark.parametrize("name", CALLS)
 def test_closed_environments_raise(name: str) -> None:
-    envs = make(num_envs=2, render_mode="rgb_array")
-    envs.reset()
+    envs = begun(num_envs=2, render_mode="rgb_array")
     envs.close()
     with pytest.raises(gymnasium.error.ClosedEnvironmentError, match=r"closed; call reset\(\)"):
         CALLS[name](envs)
@@ -196,8 +193,7 @@ def test_an_interruption_leaves_it_usable() -> None:
 
 
 def test_long_play_takes_no_more_memory() -> None:
-    envs = make("pong", 4, max_num_frames_per_episode=300, autoreset_mode="SameStep")
-    envs.reset(seed=0)
+    envs = begun("pong", 4, max_num_frames_per_episode=300, autoreset_mode="SameStep", seed=0)
     peaks = []
     for _ in range(3):
         for _ in range(700):
@@ -256,8 +252,7 @@ for _ in range(6):  # where memory ends differs from round to round
 
 
 def test_forks_and_snapshots_take_no_more_memory() -> None:
-    envs = make("pong", 8)
-    envs.reset(seed=0)
+    envs = begun("pong", 8, seed=0)
     peaks = []
     for _ in range(3):
         for step in range(300):
@@ -294,8 +289,7 @@ def test_a_forked_process_gets_an_error_and_can_go_on() -> None:
             one.reset(seed=0)
             assert one.step(np.zeros(3, int))[1].shape == (3,)
 
-    envs = make()
-    envs.reset(seed=0)
+    envs = begun(seed=0)
     assert exit_code(use) == 0
     envs.step(np.zeros(3, int))
 
@@ -303,8 +297,7 @@ def test_a_forked_process_gets_an_error_and_can_go_on() -> None:
 @with_fork
 def test_a_forked_process_ends_of_itself() -> None:
     """The fork happens while environments are played; the child has none of their threads."""
-    envs = make(num_envs=4)
-    envs.reset(seed=0)
+    envs = begun(num_envs=4, seed=0)
     envs.fork(0, [1, 2, 3])
     envs.send(np.zeros(4, int))
     assert exit_code(gc.collect) == 0

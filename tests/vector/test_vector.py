@@ -5,7 +5,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from vector_tools import make, play
+from vector_tools import begun, make, play
 
 import atari
 from atari.base.gymnasium_versions import AutoresetMode
@@ -85,8 +85,7 @@ class TestBuffers:
         assert not np.array_equal(copies[0], copies[-1])
 
     def test_final_observations_that_are_held_stay(self) -> None:
-        envs = make("pong", 2, obs_type="dict", autoreset_mode="SameStep", max_num_frames_per_episode=4)
-        envs.reset(seed=0)
+        envs = begun("pong", 2, obs_type="dict", autoreset_mode="SameStep", max_num_frames_per_episode=4, seed=0)
         held = [envs.step(np.array([2, 3]))[4]["final_obs"] for _ in range(5)]
         assert len({final["image"].ctypes.data for final in held}) == 5
         assert len({final["ram"].ctypes.data for final in held}) == 5
@@ -129,8 +128,7 @@ class TestBuffers:
             assert np.array_equal(good, other.step(np.array([2, 3]))[0])
 
     def test_out_of_a_dict(self) -> None:
-        envs = make("pong", 2, obs_type="dict")
-        envs.reset(seed=0)
+        envs = begun("pong", 2, obs_type="dict", seed=0)
         out = {"image": np.zeros((2, 4, 84, 84), np.uint8), "ram": np.zeros((2, 128), np.uint8)}
         observation, *_ = envs.step(np.array([0, 0]), out=out)
         assert observation["ram"] is out["ram"]
@@ -142,8 +140,7 @@ class TestBuffers:
 
 class TestAutoreset:
     def test_disabled_waits_for_a_reset(self) -> None:
-        envs = make("breakout", 3, autoreset_mode=AutoresetMode.DISABLED, max_num_frames_per_episode=8)
-        envs.reset(seed=0)
+        envs = begun("breakout", 3, autoreset_mode=AutoresetMode.DISABLED, max_num_frames_per_episode=8, seed=0)
         envs.step(np.zeros(3, int))
         observation, _, _, truncated, _ = envs.step(np.zeros(3, int))
         assert truncated.tolist() == [True, True, True]
@@ -175,8 +172,7 @@ class TestAutoreset:
         ],
     )
     def test_masks_are_checked(self, mask: Any, error: type[Exception], text: str) -> None:
-        envs = make()
-        envs.reset(seed=0)
+        envs = begun(seed=0)
         with pytest.raises(error, match=text):
             envs.reset(options={"reset_mask": mask})
 
@@ -200,9 +196,7 @@ class TestSeeds:
         assert np.array_equal(envs.reset(seed=np.array([10, 11, 12], np.int32))[0], first)
 
     def test_negative_ones_and_none_keep_the_generators(self) -> None:
-        envs, other = make("alien", 2), make("alien", 2)
-        envs.reset(seed=1)
-        other.reset(seed=1)
+        envs, other = begun("alien", 2, seed=1), begun("alien", 2, seed=1)
         assert np.array_equal(envs.reset(seed=[-1, 5])[0][0], other.reset()[0][0])
         assert np.array_equal(envs.reset(seed=[None, 5])[0][0], other.reset()[0][0])
 
@@ -253,8 +247,7 @@ class TestBadInput:
         ],
     )
     def test_actions(self, actions: Any, error: type[Exception], text: str) -> None:
-        envs = make()
-        envs.reset(seed=0)
+        envs = begun(seed=0)
         with pytest.raises(error, match=text):
             envs.step(actions)
         *_, info = envs.step([0, 1, 2])
@@ -270,8 +263,7 @@ class TestBadInput:
         ],
     )
     def test_continuous_actions(self, motion: Any, error: type[Exception]) -> None:
-        envs = make("pong", 1, continuous=True)
-        envs.reset(seed=0)
+        envs = begun("pong", 1, continuous=True, seed=0)
         with pytest.raises(error, match="action"):
             envs.step(np.array([motion]))
         envs.step(np.zeros((1, 3), np.float32))
@@ -349,9 +341,7 @@ class TestAsync:
 
     def test_final_observations(self) -> None:
         options = {"autoreset_mode": "SameStep", "max_num_frames_per_episode": 4, "num_threads": 1}
-        envs, whole = make("pong", 4, batch_size=2, **options), make("pong", 4, **options)
-        envs.reset(seed=0)
-        whole.reset(seed=0)
+        envs, whole = begun("pong", 4, batch_size=2, seed=0, **options), begun("pong", 4, seed=0, **options)
         expected = whole.step(np.zeros(4, int))
         for _ in range(2):
             envs.send(np.zeros(2, int))
@@ -361,15 +351,13 @@ class TestAsync:
         assert np.array_equal(info["final_obs"], expected[4]["final_obs"][2:])
 
     def test_a_reset_forgets_what_is_in_flight(self) -> None:
-        envs = make("pong", 4, batch_size=1)
-        envs.reset(seed=0)
+        envs = begun("pong", 4, batch_size=1, seed=0)
         envs.send(np.array([0]))
         for _ in range(3):
             _, info = envs.reset(seed=0)
             assert info["episode_frame_number"][0] <= 30
 
     def test_no_partial_resets(self) -> None:
-        envs = make("pong", 4, batch_size=2)
-        envs.reset()
+        envs = begun("pong", 4, batch_size=2)
         with pytest.raises(ValueError, match="batch_size=0"):
             envs.reset(options={"reset_mask": np.array([True, False, True, True])})
