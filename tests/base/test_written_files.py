@@ -58,7 +58,7 @@ def test_a_flipped_bit_is_found(name: str, tmp_path: Path, monkeypatch: pytest.M
     file, read = tmp_path / WRITTEN[name].name, READERS[name]
     WRITTEN[name].prepare(1)(file)
     good, data, generator = read(file), file.read_bytes(), random.Random(0)
-    refused, flips = 0, 60 if name == "causal map" else 200
+    refused, flips = 0, 40 if name == "causal map" else 120
     for _ in range(flips):
         flipped = bytearray(data)
         flipped[generator.randrange(len(data))] ^= 1 << generator.randrange(8)
