@@ -6,6 +6,8 @@ deferred TIA could get wrong are frequent here, and rare in games.
 
 import random
 from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
 
 from emulator.machines import R, W
 from emulator.programs import JAMS, LENGTHS, START, Code
@@ -45,14 +47,23 @@ def soup(rng: random.Random, kind: str) -> bytes:
 
     After 8 KiB, pages of 256 bytes are those of the beginning, in random order: a program runs through few of them.
     """
-    image = bytearray()
-    while len(image) < min(SIZES[kind], 8192):
-        image += rng.choices(INGREDIENTS, AMOUNTS)[0](rng)
-    del image[8192:]
+    code, state = _mixed(rng.getstate(), min(SIZES[kind], 8192))
+    rng.setstate(state)
+    image = bytearray(code[:8192])
     while len(image) < SIZES[kind]:
         page = 256 * rng.randrange(32)
         image += image[page : page + 256]
     return with_vectors(image[: SIZES[kind]], rng)
+
+
+@lru_cache(maxsize=64)
+def _mixed(state: tuple[Any, ...], size: int) -> tuple[bytes, tuple[Any, ...]]:
+    """Instructions from a generator in this state, and its next one: images of all types begin with the same ones."""
+    rng, image = random.Random(), bytearray()
+    rng.setstate(state)
+    while len(image) < size:
+        image += rng.choices(INGREDIENTS, AMOUNTS)[0](rng)
+    return bytes(image), rng.getstate()
 
 
 def with_vectors(image: bytearray, rng: random.Random) -> bytes:
