@@ -37,6 +37,7 @@ def fails(observations):
     raise ValueError("no idea")
 """
 
+event = pygame.event.Event
 
 pytestmark = pytest.mark.usefixtures("display")
 
@@ -44,10 +45,6 @@ pytestmark = pytest.mark.usefixtures("display")
 @pytest.fixture(autouse=True)
 def policies(display: None) -> None:
     Path("policies_of_two.py").write_text(POLICY)
-
-
-def event(kind: int, **facts: Any) -> Any:
-    return pygame.event.Event(kind, **facts)
 
 
 def test_a_session_is_the_core_with_each_players_actions() -> None:

@@ -307,10 +307,10 @@ def test_names_and_lengths_are_gymnasiums(
 ) -> None:
     task = {"frameskip": 1, "max_num_frames_per_episode": 40, "render_mode": "rgb_array"}
     theirs = gymnasium.wrappers.RecordVideo(atari.make("breakout", **task), str(tmp_path / "theirs"), **options)
-    play(theirs, 400)
+    play(theirs, 200)
     theirs.close()
     ours = RecordVideo(atari.make("breakout", **task), tmp_path / "videos", **options, sound=False)
-    play(ours, 400)
+    play(ours, 200)
     ours.close()
     assert {name: len(video.images) for name, video in videos.items()} == moviepy
     assert files(tmp_path) == sorted(moviepy)
