@@ -46,6 +46,7 @@ def test_a_crash_loses_nothing(whole: tuple[str, Disk, Outcome], tmp_path: Path,
     generator = random.Random(f"{agent} {power}")
     images = {number: tmp_path / f"image-{number}" for number in generator.sample(range(disk.count), IMAGES)}
     assert train(agent, tmp_path / "run", Album(tmp_path / "run", images, generator if power else None))
+    assert all(image.is_dir() for image in images.values())
     for number, image in sorted(images.items()):
         has_config = disk.first_config is not None and number >= disk.first_config
         assert_goes_on(image, expected, has_config, f"{agent} before operation {number}, {disk.names[number]}")

@@ -43,9 +43,7 @@ def test_commands(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))  # for the programs that the user trusts
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}:{os.environ['PATH']}")
     sweep_in_this_process(monkeypatch)
-    render = (
-        Replay.render
-    )  # a policy that has learned nothing plays long games, whose videos would take most of the time
+    render = Replay.render  # of a second: a policy that has learned nothing plays long games
     monkeypatch.setattr(Replay, "render", lambda *of, **options: render(*of, **{"stop": 60, **options}))
     lines = COMMANDS[name].replace("\\\n", "").splitlines()
     for program, part in itertools.groupby(lines, program_of):

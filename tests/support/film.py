@@ -1,4 +1,4 @@
-"""Videos of given frames."""
+"""Videos of given frames, and what the tests of `RecordVideo` share."""
 
 from collections.abc import Iterable
 from pathlib import Path
