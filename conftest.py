@@ -16,6 +16,10 @@ from sybil.parsers.markdown import CodeBlockParser, PythonCodeBlockParser
 import atari  # noqa: F401 - registers its IDs before any document does
 from atari.cli import main
 
+_DATA = TemporaryDirectory()
+# ROM files that tests import and programs that they trust are not the user's.
+os.environ["XDG_DATA_HOME"] = _DATA.name
+
 IN_PROCESS = ("info", "record", "replay")
 """Commands that need no process of their own, which takes a second to import the package."""
 

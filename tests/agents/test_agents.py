@@ -70,7 +70,7 @@ def test_q_learning_of_pong_beats_chance(script: Any) -> None:
     env = pong["make_pong"]()
     env.reset(seed=0)
     agent = pong["LinearQLearner"](seed=0)
-    for _ in range(18):
+    for _ in range(15):
         pong["play_episode"](env, agent)
     learned = pong["evaluate"](env, agent, 5)
     by_chance = pong["evaluate"](env, script["random_agent"]["RandomAgent"](env.action_space, 0), 10)

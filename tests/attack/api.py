@@ -88,7 +88,8 @@ def attack(seed: int) -> None:
     for _ in range(60):
         target = source.choice(objects)
         names = [name for name in dir(target) if not name.startswith("_") and name not in LEFT_OUT]
-        method = attempt_to_get(target, source.choice(names))
+        name = source.choice(names)
+        method = attempt(lambda target=target, name=name: getattr(target, name))  # a property may raise, too
         if callable(method) and not inspect.isclass(method):
             arguments = [hostile(source) for _ in range(source.choice((0, 1, 1, 1, 2, 3)))]
             frames = source.choice((0, 1, 4, 70, -1, 2.5, None, "x"))
@@ -105,8 +106,3 @@ def attack(seed: int) -> None:
     for target in (objects[0], objects[3]):
         attempt(target.close)
         attempt(target.close)
-
-
-def attempt_to_get(target: Any, name: str) -> Any:
-    """An attribute; properties may raise what a call may raise."""
-    return attempt(lambda: getattr(target, name))

@@ -2,7 +2,7 @@
 
 import random
 import tempfile
-import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -74,31 +74,22 @@ def attack_threads(source: random.Random) -> None:
     memory = ReplayMemory(400, 2, (50,), stack_num=1, autoreset_mode="disabled", seed=0)
     no = np.zeros(2, bool)
     memory.reset(np.zeros((2, 50), np.uint8))
-    errors: list[BaseException] = []
 
     def work(value: int) -> None:
         own = random.Random(value)
-        try:
-            for _ in range(60):
-                frames = np.full((2, 50), value, np.uint8)
-                memory.add(np.full(2, value), np.full(2, value), no, no, observations=frames)
-                match own.randrange(6):
-                    case 0:
-                        memory.reset(frames, np.array([True, False]))
-                    case 1:
-                        memory.restore(memory.state())
-                    case _:
-                        check(memory.sample(8))
-        except BaseException as error:
-            errors.append(error)
+        for _ in range(60):
+            frames = np.full((2, 50), value, np.uint8)
+            memory.add(np.full(2, value), np.full(2, value), no, no, observations=frames)
+            match own.randrange(6):
+                case 0:
+                    memory.reset(frames, np.array([True, False]))
+                case 1:
+                    memory.restore(memory.state())
+                case _:
+                    check(memory.sample(8))
 
-    threads = [threading.Thread(target=work, args=(value,)) for value in source.sample(range(1, 200), 3)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    if errors:
-        raise errors[0]
+    with ThreadPoolExecutor(3) as pool:
+        list(pool.map(work, source.sample(range(1, 200), 3)))
 
 
 def check(batch: Any) -> None:

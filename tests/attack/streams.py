@@ -22,6 +22,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from package_modules import SOURCES
+
 import atari
 from atari import cli
 from atari.recording.video.formats import FORMATS
@@ -108,9 +110,8 @@ def draw_value(source: random.Random) -> str:
 def variables() -> tuple[str, ...]:
     """The names in the sources and in the compiled module that look like environment variables of the package."""
     found: set[str] = set()
-    for package in ("atari", "atari.roms", "atari.wrappers"):
-        for path in Path(str(sys.modules[package].__file__)).parent.rglob("*.py"):
-            found |= set(re.findall(r"[\"'](ATARI_[A-Z]+)[\"']", path.read_text("utf-8", "replace")))
+    for path in SOURCES.values():
+        found |= set(re.findall(r"[\"'](ATARI_[A-Z]+)[\"']", path.read_text("utf-8", "replace")))
     module = find_spec("atari._emulator")
     assert module is not None
     assert module.origin is not None
@@ -136,12 +137,9 @@ def commands() -> tuple[tuple[tuple[str, ...], argparse.ArgumentParser], ...]:
 @cache
 def programs() -> tuple[str, ...]:
     """The modules of the package that are programs, besides `atari` itself."""
-    found, folder = [], Path(atari.__file__).parent
-    for path in folder.rglob("*.py"):
-        if re.search(r'^if __name__ == "__main__":', path.read_text("utf-8", "replace"), re.M):
-            module = ".".join(("atari", *path.relative_to(folder).with_suffix("").parts))
-            found.append(module.removesuffix(".__main__"))
-    return tuple(sorted({*found} - {"atari"}))
+    texts = {name.removesuffix(".__main__"): path.read_text("utf-8", "replace") for name, path in SOURCES.items()}
+    found = {name for name, text in texts.items() if re.search(r'^if __name__ == "__main__":', text, re.M)}
+    return tuple(sorted(found - {"atari"}))
 
 
 def draw_words(source: random.Random, long: bool) -> tuple[list[str], int]:

@@ -41,15 +41,9 @@ ENDS = {
         own = memory.make_batch(4)
         memory.sample(4, out=own)
     """,
-    "a vector that plays": """
-        import atari, numpy as np
-        envs = atari.AtariVectorEnv("breakout", 4, num_threads=3)
-        observations, info = envs.reset(seed=0)
-        envs.send(np.zeros(4, int))
-    """,
     "games of all kinds": """
         import atari
-        cores = [atari.cores.NativeCore(game) for game in list(atari.games)[:70]]
+        cores = [atari.cores.NativeCore(game) for game in list(atari.games)[:20]]
         states = [core.clone_state() for core in cores]
         names = [atari.lab.Ram(core) for core in cores if core.game.ram_labels]
         values = [ram[next(iter(ram._labels))] for ram in names]
@@ -61,8 +55,8 @@ ENDS = {
         env.itself, envs.itself, env.reset_again = env, envs, env.reset
         del env, envs
     """,
-    "threads that have ended": """
-        import atari
+    "threads that have ended, and a vector that plays": """
+        import atari, numpy as np
         from concurrent.futures import ThreadPoolExecutor
         def play(seed):
             env = atari.AtariEnv("pong")
@@ -70,6 +64,9 @@ ENDS = {
             return [env.step(0)[1] for _ in range(10)]
         with ThreadPoolExecutor(4) as pool:
             results = list(pool.map(play, range(8)))
+        envs = atari.AtariVectorEnv("breakout", 4, num_threads=3)
+        observations, info = envs.reset(seed=0)
+        envs.send(np.zeros(4, int))
     """,
     "a function that is called at the end": """
         import atari, atexit
@@ -113,28 +110,19 @@ HELD = {
         core = atari.cores.NativeCore("pong")
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(core))
     """,
-    "a daemon thread that plays": """
+    "daemon threads that play an environment and a vector": """
         import atari, threading
-        env, started = atari.AtariEnv("pong"), threading.Event()
-        def play():
-            env.reset(seed=0)
-            while True:
-                env.step(0)
-                started.set()
-        threading.Thread(target=play, daemon=True).start()
-        started.wait()
-    """,
-    "a daemon thread that plays a vector": """
-        import atari, threading
-        started = threading.Event()
-        def play():
-            envs = atari.AtariVectorEnv("pong", 4, num_threads=2)
+        def play(envs, actions, started):
             envs.reset(seed=0)
             while True:
-                envs.step([0] * 4)
+                envs.step(actions)
                 started.set()
-        threading.Thread(target=play, daemon=True).start()
-        started.wait()
+        env, begun = atari.AtariEnv("pong"), [threading.Event(), threading.Event()]
+        threading.Thread(target=play, args=(env, 0, begun[0]), daemon=True).start()
+        made = lambda: play(atari.AtariVectorEnv("pong", 4, num_threads=2), [0] * 4, begun[1])
+        threading.Thread(target=made, daemon=True).start()
+        for started in begun:
+            started.wait()
     """,
 }
 """Programs that hold objects for ever: Python leaves the stack of a daemon thread as it is."""

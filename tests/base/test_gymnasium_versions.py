@@ -32,6 +32,15 @@ def ids() -> Iterator[tuple[str, str]]:
         del gymnasium.registry[env_id]
 
 
+@pytest.fixture(scope="module")
+def vectors(ids: tuple[str, str]) -> list[gymnasium.vector.VectorEnv[Any, Any, Any]]:
+    """A vector of each package. Both play the same in all tests: ale-py would load the game again for a seed of each."""
+    made = [gymnasium.make_vec(env_id, 2, vectorization_mode="vector_entry_point") for env_id in ids]
+    for envs in made:
+        envs.reset(seed=1)
+    return made
+
+
 @pytest.mark.parametrize(
     ("name", "options"),
     [
@@ -73,10 +82,9 @@ def test_wrappers(ids: tuple[str, str], name: str, options: dict[str, Any]) -> N
         ("DictInfoToList", {}),
     ],
 )
-def test_wrappers_of_vectors(ids: tuple[str, str], name: str, options: dict[str, Any]) -> None:
-    made = [gymnasium.make_vec(env_id, 2, vectorization_mode="vector_entry_point") for env_id in ids]
-    envs = [getattr(wrappers.vector, name)(env, **options) for env in made]
-    first, second = (env.reset(seed=1)[0] for env in envs)
+def test_wrappers_of_vectors(vectors: list[Any], name: str, options: dict[str, Any]) -> None:
+    envs = [getattr(wrappers.vector, name)(env, **options) for env in vectors]
+    first, second = (env.reset()[0] for env in envs)
     assert data_equivalence(first, second)
     for action in range(30):
         first, second = (env.step(np.full(2, action % 4))[:4] for env in envs)

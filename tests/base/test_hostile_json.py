@@ -18,7 +18,7 @@ import pytest
 
 import atari
 from atari.base import json_text
-from atari.cores import NativeCore, snapshot, verify
+from atari.cores import AleCore, NativeCore, snapshot, verify
 from atari.cores.writes import write_of
 from atari.lab.causal import files as causal_files
 from atari.lab.causal.explore import causes
@@ -34,7 +34,7 @@ GENERAL: tuple[bytes, ...] = (
     b"NaN", b'{"a": -Infinity}', b'{"a": 1e999}', b"1" + b"0" * 10_000, b'{"a": 1, "a": 1}', b'{"a": "\\ud800"}',
     b'{"a": "\\u001b[2J"}', b"\xff\xfe{\x00", b"[" + b"0," * 40_000_000 + b"0]",
 )  # fmt: skip
-"""Texts that no reader takes."""
+"""Texts that no reader takes; the last is a large one."""
 
 VALUES: tuple[Any, ...] = (
     None, True, -1, 0, 2**63, 10**9, 1e300, 1.5, "", "x", "../x", [], {}, [[]], [None], [{}], {"x": []}, [1, 2, 3]
@@ -48,10 +48,18 @@ class Reader:
     Attributes:
         good: a table that it reads.
         read: reads a text in place of this table, and uses what it has read.
+        check_unchanged: checks that a refused text has changed nothing.
+        values: in place of each part of the table.
+        least: how many tables with such a value are refused at least.
+        texts: that are refused.
     """
 
     good: dict[str, Any]
     read: Callable[[bytes], object]
+    check_unchanged: Callable[[], object] = lambda: None
+    values: tuple[Any, ...] = VALUES
+    least: int = 0
+    texts: tuple[bytes, ...] = GENERAL
 
 
 def of_task(folder: Path) -> Reader:
@@ -64,17 +72,29 @@ def of_task_file(folder: Path) -> Reader:
     return Reader(json.loads(atari.Task("pong").to_json()), lambda text: read_task(written(folder / "task.json", text)))
 
 
-def snapshot_of(played: Any) -> Reader:
-    """A reader of the facts of a snapshot."""
+BLOBS = ([["core", -1]], [["core", 10**30]], [[["core"], 1]], [["core", 1, 2]], {"state": {}}, 2**31, 2**64, 10**300)
+"""More values for the facts of a snapshot, among them those that name the blobs behind them."""
+
+
+def snapshot_of(played: Any, inner: str = "", texts: tuple[bytes, ...] = GENERAL) -> Reader:
+    """A reader of the facts of a snapshot, or of those of a snapshot that is a blob in it."""
     played.reset()
-    data = played.snapshot()
+    whole = played.snapshot()
+    facts, blobs = snapshot.unpack(whole)
+    data = blobs[inner] if inner else whole
     size = int.from_bytes(data[26:30], "little")
 
     def read(text: bytes) -> None:
         body = len(text).to_bytes(4, "little") + text + data[30 + size :]
-        played.restore(data[:10] + snapshot._digest(body) + body)
+        forged = data[:10] + snapshot._digest(body) + body
+        played.restore(snapshot.pack(facts, {**blobs, inner: forged}) if inner else forged)
+        if played.snapshot() != whole:
+            played.restore(whole)
 
-    return Reader(json.loads(data[30 : 30 + size]), read)
+    def check_unchanged() -> None:
+        assert played.snapshot() == whole
+
+    return Reader(json.loads(data[30 : 30 + size]), read, check_unchanged, (*VALUES, *BLOBS), 300, texts)
 
 
 def replay_with(folder: Path, kind: bytes) -> Reader:
@@ -124,7 +144,7 @@ def of_result(folder: Path) -> Reader:
 
     def read(text: bytes) -> None:
         with contextlib.suppress(ValueError, RecursionError):  # a new checksum, as the old one would find every change
-            content = json.loads(text)
+            content = json.loads(text) if len(text) < 1 << 20 else None
             text = json.dumps(json_text.seal(content)).encode() if isinstance(content, dict) else text
         str(Result.load(written(folder / "a.json", text)))
 
@@ -171,8 +191,10 @@ def of_torch_script(folder: Path) -> Reader:
 
 
 READERS: dict[str, Callable[[Path], Reader]] = {
-    "a snapshot": lambda folder: snapshot_of(atari.AtariEnv("breakout", obs_type="ram")),
+    "a snapshot": lambda folder: snapshot_of(atari.AtariEnv("breakout", frameskip=(2, 5))),
+    "the core in a snapshot": lambda folder: snapshot_of(atari.AtariEnv("breakout"), "core", GENERAL[:-1]),
     "a core's snapshot": lambda folder: snapshot_of(NativeCore("breakout", seed=0)),
+    "a snapshot of ale-py's core": lambda folder: snapshot_of(AleCore("breakout", seed=0), "", GENERAL[:-1]),
     "a replay's header": lambda folder: replay_with(folder, b"H"),
     "a replay's end": lambda folder: replay_with(folder, b"E"),
     **{read.__name__: read for read in (of_task, of_task_file, of_write, of_video, of_difference, of_result)},
@@ -185,18 +207,19 @@ def written(file: Path, data: bytes) -> Path:
     return file
 
 
-def changed(value: Any) -> Iterator[Any]:
-    """The value with each part of it missing, or another one, and with another key."""
+def changed(value: Any, values: tuple[Any, ...]) -> Iterator[Any]:
+    """The value with each part of it missing, or another one, and with another key; alone, with one part."""
     if isinstance(value, dict):
         yield {**value, "another": 1}
         for key, one in value.items():
             yield {name: other for name, other in value.items() if name != key}
-            for new in [*VALUES, *changed(one)]:
+            yield {key: one}
+            for new in [*values, *changed(one, values)]:
                 yield {**value, key: new}
     elif isinstance(value, list) and value:
         yield value[1:]
         yield [*value, value[0]]
-        for new in [*VALUES, *changed(value[0])]:
+        for new in [*values, *changed(value[0], values)]:
             yield [new, *value[1:]]
 
 
@@ -206,11 +229,17 @@ def test_hostile_texts(name: str, tmp_path: Path) -> None:
     reader = READERS[name](tmp_path)
     reader.read(json.dumps(reader.good).encode())
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    for text in GENERAL:
+    for text in reader.texts:
         with pytest.raises(ValueError, match=r"(?s)^.{20,600}$"):
             reader.read(text)
-    for value in changed(reader.good):
-        with contextlib.suppress(ValueError):
+        reader.check_unchanged()
+    refused = 0
+    for value in changed(reader.good, reader.values):
+        try:
             reader.read(json.dumps(value).encode())
+        except ValueError:
+            reader.check_unchanged()
+            refused += 1
+    assert refused >= reader.least
     grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
     assert grown < 600 << 10, f"{grown:,} KB"

@@ -4,28 +4,19 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from package_modules import SOURCES
 
-import atari
-import atari.roms
-import atari.wrappers
 from atari.base.variables import VARIABLES
 
 ROOT = Path(__file__).parents[2]
 
 
-def sources() -> Iterator[Path]:
-    for module in (atari, atari.roms, atari.wrappers):
-        yield from Path(str(module.__file__)).parent.rglob("*.py")
-    yield from (ROOT / "atari/emulator").rglob("*.[ch]pp")
-
-
 def test_the_package_reads_no_other_variable() -> None:
     found = set()
-    for path in sources():
+    for path in (*SOURCES.values(), *(ROOT / "atari/emulator").rglob("*.[ch]pp")):
         read = re.findall(r'(?:getenv\(|environ\b.*?)"(ATARI_\w+)"', path.read_text(encoding="utf-8"))
         found |= set(read)
         assert path.suffix == ".cpp" or not read, f"{path} reads {read} past atari/base/variables.py"

@@ -8,6 +8,7 @@ import gymnasium
 import numpy as np
 import pytest
 
+import atari
 import atari.classic as gym
 from atari.classic.adapter import Adapter, adapt
 from atari.classic.utils import seeding
@@ -35,6 +36,17 @@ class Probe(gymnasium.Env[Any, Any]):
     def render(self) -> Any:
         self.calls.append(self.render_mode)
         return np.full((2, 3, 3), 7, np.uint8)
+
+
+def test_steps_are_those_of_the_modern_interface() -> None:
+    env, modern = gym.make("Pong-v4"), atari.make("Pong-v4")  # two to four frames a step, drawn by the seed
+    env.seed(1)
+    np.testing.assert_array_equal(env.reset(), modern.reset(seed=1)[0])
+    for action in range(6):
+        observation, reward, done, _ = env.step(action)
+        expected, modern_reward, terminated, *_ = modern.step(action)
+        np.testing.assert_array_equal(observation, expected)
+        assert (reward, done) == (modern_reward, terminated)
 
 
 def test_done_is_terminated_or_truncated() -> None:
@@ -108,14 +120,14 @@ def test_a_copy_goes_on_where_it_was_made() -> None:
 
 @pytest.mark.parametrize("env_id", ["CartPole-v0", "FrozenLake-v1", "Pong-ram-v0", "ALE/Breakout-v5"])
 def test_a_seed_repeats_its_episodes(env_id: str) -> None:
-    def episodes() -> list[Any]:
+    def episodes() -> list[bytes]:
         env.seed(3)
         env.action_space.seed(3)
         seen = []
         for _ in range(3):
             seen.append(env.reset())
             seen += [env.step(env.action_space.sample())[0] for _ in range(5)]
-        return [np.asarray(observation).tolist() for observation in seen]
+        return [np.asarray(observation).tobytes() for observation in seen]
 
     env = gym.make(env_id)
     first = episodes()

@@ -16,9 +16,8 @@ h5py = pytest.importorskip("h5py", reason="h5py is not installed")
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: Patch) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "mine.py").write_text(
+def policies(folder: Path) -> None:
+    (folder / "mine.py").write_text(
         "class Images:\n    environment = {'preset': 'dopamine'}\n    def __call__(self, o, lanes): return lanes * 0\n"
         "class Sticky(Images):\n    protocol = 'dopamine'\n"
     )
@@ -42,27 +41,27 @@ def test_a_data_set_has_task_policy_and_seeds(capsys: Capture) -> None:
 
 def test_a_parquet_file_has_task_policy_and_seeds(capsys: Capture) -> None:
     parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed")
-    text = read(capsys, "collect", "Pong-ram-v0", "--labels", "", "-o", "a.parquet")
+    text = read(capsys, "collect", "Breakout-ram-v0", "--labels", "", "-o", "a.parquet")
     metadata = parquet.read_schema("a.parquet").metadata
-    assert Task.from_json(metadata[b"task"].decode()) == Task.of("Pong-ram-v0")
+    assert Task.from_json(metadata[b"task"].decode()) == Task.of("Breakout-ram-v0")
     assert (metadata[b"policy"], metadata[b"seeds"]) == (b'"random"', b"[0]")
-    assert text.startswith("pong: Pong, as Pong-ram-v0\n")
+    assert text.startswith("breakout: Breakout, as Breakout-ram-v0\n")
 
 
 def test_a_minari_dataset_has_task_policy_and_seeds(capsys: Capture, tmp_path: Path, monkeypatch: Patch) -> None:
     minari = pytest.importorskip("minari", reason="minari is not installed")
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "datasets"))
-    read(capsys, "collect", "ALE/Pong-v5", "--labels", "", "--frames", "grayscale", "-o", "pong/own-v0")
-    metadata = minari.load_dataset("pong/own-v0").storage.metadata
-    assert Task.from_json(metadata["task"]) == Task.of("ALE/Pong-v5")
+    read(capsys, "collect", "ALE/Breakout-v5", "--labels", "", "--frames", "grayscale", "-o", "breakout/own-v0")
+    metadata = minari.load_dataset("breakout/own-v0").storage.metadata
+    assert Task.from_json(metadata["task"]) == Task.of("ALE/Breakout-v5")
     assert (metadata["policy"], metadata["seeds"]) == ('"random"', "[0]")
 
 
 def test_ids_are_played_as_they_are(capsys: Capture) -> None:
-    played = {name: collected(capsys, name)[1] for name in ("ALE/Pong-v5", "PongNoFrameskip-v4", "pong")}
-    for name in ("ALE/Pong-v5", "PongNoFrameskip-v4"):
+    played = {name: collected(capsys, name)[1] for name in ("ALE/Breakout-v5", "BreakoutNoFrameskip-v4", "breakout")}
+    for name in ("ALE/Breakout-v5", "BreakoutNoFrameskip-v4"):
         assert Task.from_json(json.dumps(played[name]["task"])) == Task.of(name)
-    assert played["PongNoFrameskip-v4"]["task"]["frameskip"] == 1
+    assert played["BreakoutNoFrameskip-v4"]["task"]["frameskip"] == 1
     assert len({json.dumps(facts["actions"]) for facts in played.values()}) == 3
 
 
@@ -116,8 +115,8 @@ def test_what_is_refused(words: list[str], text: str, capsys: Capture) -> None:
 def test_a_replay_says_what_was_played(capsys: Capture) -> None:
     from atari.learning import record_games
 
-    record_games("noop", "pong", "dopamine", [0], "a.a26r")
-    shown, facts = collected(capsys, "pong", "--policy", "a.a26r")
+    record_games("random", "breakout", "dopamine", [0], "a.a26r")
+    shown, facts = collected(capsys, "breakout", "--policy", "a.a26r")
     task = Replay.load("a.a26r").task
     assert Task.from_json(json.dumps(facts["task"])) == Task.from_json(json.dumps(shown["task"])) == task
     assert task.stack_num == 4

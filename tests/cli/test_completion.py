@@ -1,6 +1,8 @@
 """`atari completion`: what the shells complete, in bash, zsh and tcsh themselves."""
 
 import builtins
+import contextlib
+import io
 import shutil
 import subprocess
 import sys
@@ -48,24 +50,25 @@ BEGINNINGS = {
 """Common beginnings of the words of tcsh: its rules have the options of all commands, and files of every suffix."""
 
 
+def written(folder: Path, shell: str, name: str = "atari") -> Path:
+    """The file with what the command prints for a shell."""
+    pytest.importorskip("shtab", reason="completion needs shtab")
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        assert main(["completion", shell]) == 0
+    (folder / name).write_text(printed.getvalue())
+    return folder / name
+
+
+def installed(shell: str, folders: pytest.TempPathFactory) -> Path:
+    """A new folder for the script of a shell, which is installed."""
+    if shutil.which(shell) is None:
+        pytest.skip(f"{shell} is not installed")
+    return folders.mktemp(shell)
+
+
 @pytest.fixture(scope="module")
 def bash(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    pytest.importorskip("shtab", reason="completion needs shtab")
-    if shutil.which("bash") is None:
-        pytest.skip("bash is not installed")
-    return written(tmp_path_factory.mktemp("shell") / "atari", "bash")
-
-
-def written(file: Path, shell: str) -> Path:
-    capture = pytest.MonkeyPatch()
-    lines: list[str] = []
-    capture.setattr(builtins, "print", lambda *words, **options: lines.extend(map(str, words)))
-    try:
-        assert main(["completion", shell]) == 0
-    finally:
-        capture.undo()
-    file.write_text("\n".join(lines))
-    return file
+    return written(installed("bash", tmp_path_factory), "bash")
 
 
 @pytest.mark.parametrize("line", CASES)
@@ -81,12 +84,8 @@ def test_bash_completes(line: str, bash: Path) -> None:
 
 @pytest.fixture(scope="module")
 def zsh(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ZshSession]:
-    pytest.importorskip("shtab", reason="completion needs shtab")
-    if shutil.which("zsh") is None:
-        pytest.skip("zsh is not installed")
-    folder = tmp_path_factory.mktemp("zsh")
-    written(folder / "_atari", "zsh")
-    with ZshSession(folder, CATCH) as session:
+    script = written(installed("zsh", tmp_path_factory), "zsh", "_atari")
+    with ZshSession(script.parent, CATCH) as session:
         yield session
 
 
@@ -97,11 +96,7 @@ def test_zsh_completes(line: str, zsh: ZshSession) -> None:
 
 @pytest.fixture(scope="module")
 def tcsh(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TcshSession]:
-    pytest.importorskip("shtab", reason="completion needs shtab")
-    if shutil.which("tcsh") is None:
-        pytest.skip("tcsh is not installed")
-    script = written(tmp_path_factory.mktemp("tcsh") / "atari", "tcsh")
-    with TcshSession(script, CATCH) as session:
+    with TcshSession(written(installed("tcsh", tmp_path_factory), "tcsh"), CATCH) as session:
         yield session
 
 
@@ -112,8 +107,7 @@ def test_tcsh_completes(line: str, tcsh: TcshSession) -> None:
 
 
 def test_the_script_of_zsh_is_right(tmp_path: Path) -> None:
-    pytest.importorskip("shtab", reason="completion needs shtab")
-    script = written(tmp_path / "_atari", "zsh")
+    script = written(tmp_path, "zsh", "_atari")
     assert script.read_text().startswith("#compdef atari")
     assert '"--preset[' in script.read_text()
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from cli_tools import Capture, Patch, read_json, refused
+from cli_tools import Capture, read, read_json, refused
 
 import atari
 import atari.roms
@@ -33,10 +33,7 @@ COMMANDS = {
 
 @pytest.mark.parametrize("name", NAMES, ids=["game", "v5", "v4", "file", "rom"])
 @pytest.mark.parametrize("command", COMMANDS)
-def test_a_command_takes_every_kind_of_name(
-    command: str, name: str, tmp_path: Path, monkeypatch: Patch, capsys: Capture
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_a_command_takes_every_kind_of_name(command: str, name: str, capsys: Capture) -> None:
     words = [name if word == "GAME" else word for word in COMMANDS[command]]
     if command == "evaluate" and name == "PongNoFrameskip-v4":  # which has no sticky actions
         words += ["--protocol", "baselines"]
@@ -59,14 +56,12 @@ def test_a_training_resolves_names(name: str) -> None:
 
 def test_a_game_of_ones_own_is_explained(capsys: Capture) -> None:
     for words in ([CATCH], [CATCH, "--frameskip", "2"]):
-        assert main(["info", *words]) == 0
-        assert "Catch-v5 and Catch-ram-v5, after atari.register_game(" in capsys.readouterr().out
+        assert "Catch-v5 and Catch-ram-v5, after atari.register_game(" in read(capsys, "info", *words)
         assert read_json(capsys, "info", *words)["ids"] == ["Catch-v5", "Catch-ram-v5"]
 
 
-def test_a_file_is_told_by_its_content(tmp_path: Path, monkeypatch: Patch) -> None:
+def test_a_file_is_told_by_its_content() -> None:
     """The ending .a26 is the usual one of ROMs; a replay of this name opens all the same."""
-    monkeypatch.chdir(tmp_path)
     assert main(["record", "pong", "--policy", "noop", "--seconds", "0.1", "-o", "game.a26r"]) == 0
     Path("game.a26r").rename("game.a26")
     Path("Pong (1977).a26").write_bytes(Path(ROM).read_bytes())
@@ -77,8 +72,7 @@ def test_a_file_is_told_by_its_content(tmp_path: Path, monkeypatch: Patch) -> No
     assert read_game("Pong (1977).a26") == "pong"
 
 
-def test_a_file_that_names_no_game(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_a_file_that_names_no_game(capsys: Capture) -> None:
     Path("mine.a26").write_bytes(bytes(4096))
     refused(capsys, ["info", "mine.a26"], "a game of your own is named by its definition (.toml), with --rom mine.a26")
     Path("game.a26").write_bytes(b"ATARIRPL" + bytes(99))

@@ -6,7 +6,7 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from cli_tools import Capture, Patch, refused
+from cli_tools import Capture, read, read_json, refused
 from replay_tools import record
 from video_reader import video_frames
 
@@ -14,21 +14,24 @@ import atari
 from atari.cli import main
 from atari.play import Session
 from atari.recording import Replay
-from atari.recording.replay.file_format import ReplayFileWriter, read
+from atari.recording.replay import file_format
 from atari.recording.video.overlay import CURVE_ROWS
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: Patch) -> Path:
-    monkeypatch.chdir(tmp_path)
-    record(Path("a.a26r"), "pong", 90, seed=1, max_num_frames_per_episode=200)
-    return tmp_path
+def replay(folder: Path) -> Replay:
+    """A replay of two episodes, in the file a.a26r."""
+    return Replay.load(record(folder / "a.a26r", "pong", 90, seed=1, max_num_frames_per_episode=200))
+
+
+def render(capsys: Capture, *words: str) -> str:
+    return read(capsys, "replay", "render", "a.a26r", *words)
 
 
 def tampered() -> str:
     """A replay with the hashes of another game."""
-    content = read("a.a26r")
-    writer = ReplayFileWriter("b.a26r", content.header)
+    content = file_format.read("a.a26r")
+    writer = file_format.ReplayFileWriter("b.a26r", content.header)
     for play in content.plays:
         short_hashes = bytes(mark ^ (play.first + i >= 250) for i, mark in enumerate(play.short_hashes))
         writer.play(play._replace(short_hashes=short_hashes))
@@ -36,14 +39,13 @@ def tampered() -> str:
     return "b.a26r"
 
 
-def test_show(capsys: Capture) -> None:
-    assert main(["replay", "show", "a.a26r"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+def test_show(replay: Replay, capsys: Capture) -> None:
+    lines = read(capsys, "replay", "show", "a.a26r").splitlines()
     assert lines[0] == "a.a26r: Pong"
     assert lines[1].startswith("  length    360 frames, 0:06.0, ")
     assert lines[2].startswith("  recorded  AtariEnv on core 'native', atari-envs ")
     assert "max_num_frames_per_episode=200" in lines[3]
-    seeds = ", ".join(map(str, Replay.load("a.a26r").seeds))
+    seeds = ", ".join(map(str, replay.seeds))
     assert lines[4] == f"  seeds     {seeds} (of the core, which a reset draws from its own seed)"
     assert lines[-3].split() == ["episode", "frames", "time", "score", "end"]
     assert [line.split()[:3] + line.split()[4:] for line in lines[-2:]] == [
@@ -52,12 +54,10 @@ def test_show(capsys: Capture) -> None:
     ]
 
 
-def test_show_as_json(capsys: Capture) -> None:
-    assert main(["replay", "show", "a.a26r", "--json"]) == 0
-    shown = json.loads(capsys.readouterr().out)
+def test_show_as_json(replay: Replay, capsys: Capture) -> None:
+    shown = read_json(capsys, "replay", "show", "a.a26r")
     assert (shown["game"], shown["complete"], shown["frames"], shown["format"]) == ("pong", True, 360, 1)
     assert [episode["frames"] for episode in shown["episodes"]] == [200, 160]
-    replay = Replay.load("a.a26r")
     assert (shown["steps"], shown["core_seeds"]) == (replay.steps, list(replay.seeds))
     assert shown["task"]["max_num_frames_per_episode"] == 200
 
@@ -65,8 +65,7 @@ def test_show_as_json(capsys: Capture) -> None:
 @pytest.mark.parametrize("core", ["native", "plain", "ale"])
 def test_verify(core: str, capsys: Capture) -> None:
     atari.AtariEnv("pong", core=core).close()  # with an ale-py too old for `core="ale"`, the test ends here
-    assert main(["replay", "verify", "a.a26r", "--core", core]) == 0
-    assert capsys.readouterr().out == f"a.a26r: equal, 360 frames on core '{core}'\n"
+    assert read(capsys, "replay", "verify", "a.a26r", "--core", core) == f"a.a26r: equal, 360 frames on core '{core}'\n"
 
 
 def test_a_difference_is_1_and_names_the_frame(capsys: Capture) -> None:
@@ -82,8 +81,7 @@ def test_a_difference_is_1_and_names_the_frame(capsys: Capture) -> None:
 
 
 def test_render(capsys: Capture) -> None:
-    assert main(["replay", "render", "a.a26r", "--stop", "40"]) == 0
-    assert capsys.readouterr().out == f"40 frames in {Path('a.mp4').resolve()}\n"
+    assert render(capsys, "--stop", "40") == f"40 frames in {Path('a.mp4').resolve()}\n"
     assert main(["replay", "render", "a.a26r", "-o", "b.mkv", "--scale", "1", "--start", "300", "--stop", "999"]) == 0
     for name, size, frames in (("a.mp4", (640, 420), 40), ("b.mkv", (320, 210), 60)):
         with av.open(name) as container:
@@ -125,22 +123,20 @@ def test_rewound_frames_are_counted(capsys: Capture) -> None:
         session.play(session.legal_actions[0])
     assert session.rewind()
     session.close()
-    assert main(["replay", "show", "rewound.a26r", "--json"]) == 0
-    facts = json.loads(capsys.readouterr().out)
+    facts = read_json(capsys, "replay", "show", "rewound.a26r")
     (episode,) = facts["episodes"]
     assert facts["frames"] == 100
     assert episode["frames"] + facts["frames_rewound"] == 100
     assert facts["frames_rewound"] > 0
-    assert main(["replay", "show", "rewound.a26r"]) == 0
-    assert f"{facts['frames_rewound']} frames of it played and then rewound" in capsys.readouterr().out
+    assert f"{facts['frames_rewound']} frames of it played and then rewound" in read(
+        capsys, "replay", "show", "rewound.a26r"
+    )
 
 
-def test_an_episode_alone(capsys: Capture) -> None:
-    replay = Replay.load("a.a26r")
+def test_an_episode_alone(replay: Replay, capsys: Capture) -> None:
     best = replay.best_episode
     assert [episode.frames for episode in replay.episodes] == [200, 160]
-    assert main(["replay", "render", "a.a26r", "-o", "1.mkv", "--episode", "1", "--scale", "1"]) == 0
-    assert capsys.readouterr().out.startswith("160 frames in ")
+    assert render(capsys, "-o", "1.mkv", "--episode", "1", "--scale", "1").startswith("160 frames in ")
     expected = [frame.screen for frame in replay.frames(200)]
     assert all(
         np.array_equal(shown[:, ::2], screen)
@@ -153,15 +149,13 @@ def test_an_episode_alone(capsys: Capture) -> None:
     assert frames[0].shape == (210 + CURVE_ROWS + 8, 320, 3)
 
 
-@pytest.mark.parametrize(("start", "first"), [("best", None), ("30", 30)])
-def test_seconds_from_a_start(capsys: Capture, start: str, first: int | None) -> None:
-    replay = Replay.load("a.a26r")
-    first = replay.best_start(60) if first is None else first
-    assert (
-        main(["replay", "render", "a.a26r", "-o", "part.mkv", "--start", start, "--seconds", "1", "--scale", "1"]) == 0
-    )
-    where = f", from frame {first} on," if start == "best" else ""
-    assert capsys.readouterr().out.startswith(f"60 frames{where} in ")
+@pytest.mark.parametrize("words", ["--start best", "--start 30", "--episode 1 --start best"])
+def test_seconds_from_a_start(replay: Replay, capsys: Capture, words: str) -> None:
+    first = 30 if "30" in words else replay.best_start(60, episode=1 if "1" in words else None)
+    assert first >= (replay.episodes[0].frames if "1" in words else 0)
+    where = f", from frame {first} on," if "best" in words else ""
+    printed = render(capsys, "-o", "part.mkv", *words.split(), "--seconds", "1", "--scale", "1")
+    assert printed.startswith(f"60 frames{where} in ")
     assert np.array_equal(video_frames(Path("part.mkv"))[0][:, ::2], next(replay.frames(first)).screen)
 
 
@@ -169,11 +163,7 @@ def test_seconds_from_a_start(capsys: Capture, start: str, first: int | None) ->
     ("words", "text", "code"),
     [
         (["-o", "a.gif", "--episode", "2"], "--episode must be within 0..1, got 2", 1),
-        (
-            ["--episode", "best", "--stop", "3"],
-            "whole episode, or with --start best --seconds S the best part of it",
-            1,
-        ),
+        (["--episode", "best", "--stop", "3"], "whole episode, or with --start best --seconds S the best part", 1),
         (["--episode", "best", "--seconds", "3"], "--episode shows a whole episode, or with --start best", 1),
         (["--start", "best"], "--start best needs --seconds, the length of the part", 1),
         (["-o", "a.gif", "-o", "b.mp4"], "argument -o/--output: it is given twice; leave one of them out", 2),
@@ -186,13 +176,6 @@ def test_a_wrong_part(capsys: Capture, words: list[str], text: str, code: int) -
     assert [path.name for path in Path().iterdir()] == ["a.a26r"]
 
 
-def test_the_best_part_of_an_episode(capsys: Capture) -> None:
-    replay = Replay.load("a.a26r")
-    first = replay.best_start(60, episode=1)
-    assert first >= replay.episodes[0].frames
-    words = ["--episode", "1", "--start", "best", "--seconds", "1", "--scale", "1"]
-    assert main(["replay", "render", "a.a26r", "-o", "part.mkv", *words]) == 0
-    assert capsys.readouterr().out.startswith(f"60 frames, from frame {first} on, in ")
-    assert np.array_equal(video_frames(Path("part.mkv"))[0][:, ::2], next(replay.frames(first)).screen)
+def test_the_best_part_is_no_longer_than_its_episode(replay: Replay) -> None:
     with pytest.raises(ValueError, match="frames must be within"):
         replay.best_start(replay.episodes[1].frames + 1, episode=1)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from cli_tools import Capture, Patch, refused
+from cli_tools import Capture, Patch, read, read_json, refused
 
 import atari
 from atari.cli import main
@@ -39,22 +39,18 @@ def collection(tmp_path: Path) -> Path:
 
 
 def test_list_shows_a_file_for_every_game(capsys: Capture) -> None:
-    assert main(["roms", "list"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    lines = read(capsys, "roms", "list").splitlines()
     assert [line.split()[0] for line in lines] == list(atari.games)
-    assert main(["roms", "list", "--json"]) == 0
-    files = json.loads(capsys.readouterr().out)
+    files = read_json(capsys, "roms", "list")
     assert files == {game: str(atari.roms.find(game)) for game in atari.games}
 
 
 def test_verify_finds_all_right(capsys: Capture) -> None:
-    assert main(["roms", "verify"]) == 0
-    assert capsys.readouterr().out.endswith("108 of 108 ROM files are right\n")
+    assert read(capsys, "roms", "verify").endswith("108 of 108 ROM files are right\n")
 
 
 def test_verify_of_some_games_as_json(capsys: Capture) -> None:
-    assert main(["roms", "verify", "pong", "qbert", "--json"]) == 0
-    checks = json.loads(capsys.readouterr().out)
+    checks = read_json(capsys, "roms", "verify", "pong", "qbert")
     assert list(checks) == ["pong", "qbert"]
     assert checks["pong"]["status"] == "ok"
     assert checks["pong"]["md5"] == atari.games["pong"].rom.md5
@@ -69,12 +65,10 @@ def test_missing_and_wrong_files_fail(collection: Path, monkeypatch: Patch, caps
     assert [check["status"] for check in checks.values()] == ["ok", "wrong", "missing"]
     assert main(["roms", "verify", "pong", "seaquest"]) == 1
     assert capsys.readouterr().out.endswith("1 of 2 ROM files are right\n")
-    assert main(["roms", "list", "--json"]) == 0
-    files = json.loads(capsys.readouterr().out)
+    files = read_json(capsys, "roms", "list")
     assert files["pong"] == str(collection / "Pong (1977).a26")
     assert files["seaquest"] is None
-    assert main(["roms", "list"]) == 0
-    assert "missing" in next(line for line in capsys.readouterr().out.splitlines() if line.startswith("seaquest"))
+    assert "missing" in next(line for line in read(capsys, "roms", "list").splitlines() if line.startswith("seaquest"))
 
 
 def test_verify_of_an_unknown_game_suggests_the_nearest(capsys: Capture) -> None:
@@ -82,8 +76,7 @@ def test_verify_of_an_unknown_game_suggests_the_nearest(capsys: Capture) -> None
 
 
 def test_identify_names_the_game(collection: Path, capsys: Capture) -> None:
-    assert main(["roms", "identify", str(collection / "b.rom")]) == 0
-    assert capsys.readouterr().out == f"{collection / 'b.rom'} is Breakout\n"
+    assert read(capsys, "roms", "identify", str(collection / "b.rom")) == f"{collection / 'b.rom'} is Breakout\n"
 
 
 def test_identify_of_a_damaged_file_says_what_it_is_and_fails(collection: Path, capsys: Capture) -> None:
@@ -105,15 +98,13 @@ def test_identify_goes_on_after_a_file_that_cannot_be_read(collection: Path, cap
 
 
 def test_import_copies_what_it_knows(own: Path, collection: Path, capsys: Capture) -> None:
-    assert main(["roms", "import", str(collection)]) == 0
-    out = capsys.readouterr().out
+    out = read(capsys, "roms", "import", str(collection))
     assert "imported: 2 games" in out
     assert "not taken: 2 files" in out
     assert "cut.bin is Breakout cut short" in out
     assert out.endswith(f"your folder: {own}\n")
     assert sorted(file.name for file in own.iterdir()) == ["breakout.bin", "pong.bin"]
-    assert main(["roms", "import", str(collection), "--json"]) == 0
-    report = json.loads(capsys.readouterr().out)
+    report = read_json(capsys, "roms", "import", str(collection))
     assert report["imported"] == {}
     assert report["present"] == {game: str(own / f"{game}.bin") for game in ("pong", "breakout")}
     assert len(report["rejected"]) == 2

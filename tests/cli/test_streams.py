@@ -32,14 +32,14 @@ def test_a_closed_stdout_is_refused_with_a_sentence(words: str) -> None:
 
 
 def test_other_closed_streams_do_not_matter() -> None:
-    assert run("<&-", "atari", "info").stdout.startswith("game ")
+    assert run("<&-", "atari", "info", "pong").stdout.startswith("pong: Pong\n")
     assert run("2>&-", "atari", "info", "nothing").returncode == 1
-    assert run("<&- 2>&-", "atari", "info").stdout.startswith("game ")
+    assert run("<&- 2>&-", "atari", "info", "pong").stdout.startswith("pong: Pong\n")
     assert run("<&- 2>&-", "atari", "record").returncode == 2
 
 
 FORKS = """
-import os, sys
+import gc, os, sys
 from atari.cli import main
 
 def run(stream, file, *commands):
@@ -50,6 +50,10 @@ def run(stream, file, *commands):
             sys.exit(main(words.split()))
         os.write(2, f"{os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])}\\n".encode())
 
+for words in ("info", "info pong --json", "roms list", "record --help", "--help"):  # what these read is read once, for all forks
+    main(words.split())
+print(flush=True)
+gc.freeze()  # the ends of the forks need not look at what all have
 reader, broken = os.pipe()
 os.close(reader)
 full = os.open("/dev/full", os.O_WRONLY)
@@ -65,7 +69,7 @@ def test_full_and_broken_streams() -> None:
     done = subprocess.run([sys.executable, "-c", FORKS], capture_output=True, text=True, timeout=120, check=True)
     full = ["atari: error: No space left on device: stdout", "1"]
     assert done.stderr.splitlines() == [*full * 4, *["0"] * 3, "0", "1", "2"]
-    assert done.stdout.startswith("game ")
+    assert "\n\ngame " in done.stdout
 
 
 @pytest.mark.parametrize("words", [["atari", "info"], ["atari.classic", "x.py"], ["atari.cli.sweep", "list"]])

@@ -5,7 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from cli_tools import Capture, Patch, refused
+from cli_tools import Capture, read, refused
 from replay_tools import record
 from video_reader import NTSC, frame_times
 
@@ -13,17 +13,11 @@ from atari.cli import main
 from atari.recording import Replay
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: Patch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
 def test_the_best_frame_and_part_are_named(capsys: Capture) -> None:
     record(Path("b.a26r"), "breakout", 200)
     rewards = [frame.reward for frame in Replay.load("b.a26r").frames()]
     best = rewards.index(max(rewards))
-    assert main(["replay", "render", "b.a26r", "-o", "a.png", "--frame", "best"]) == 0
-    assert capsys.readouterr().out.startswith(f"frame {best} in ")
+    assert read(capsys, "replay", "render", "b.a26r", "-o", "a.png", "--frame", "best").startswith(f"frame {best} in ")
     assert main(["replay", "render", "b.a26r", "-o", "a.gif", "--start", "best", "--seconds", "0.5"]) == 0
     start = Replay.load("b.a26r").best_start(30)
     assert capsys.readouterr().out.startswith(f"30 frames of the game, from frame {start} on, in ")
@@ -36,8 +30,9 @@ def test_slow_motion_and_a_picture(words: list[str], capsys: Capture) -> None:
     if words[0] == "replay":
         record(Path("b.a26r"), "breakout", 12)
         assert main([*words, "-o", "a.mkv", "--speed", "0.25", "--scale", "1"]) == 0
-        assert main([*words, "-o", "a.png", "--frame", "20", "--scale", "1"]) == 0
-        assert capsys.readouterr().out.endswith(f"frame 20 in {Path('a.png').resolve()}\n")
+        assert read(capsys, *words, "-o", "a.png", "--frame", "20", "--scale", "1").endswith(
+            f"frame 20 in {Path('a.png').resolve()}\n"
+        )
     else:
         outputs = ["-o", "a.mkv", "-o", "a.png", "-o", "b.a26r", "-o", "%03d.png"]
         assert main([*words, *outputs, "--speed", "0.25", "--frame", "20", "--scale", "1"]) == 0

@@ -3,7 +3,7 @@
 Each function of `SCRIPTS` plays a game by one side, "ale" or "native", and returns the check sums of all results. The
 tests compare the native side with the file; `test_ale_goldens.py` plays the other side again in some games.
 
-`python tests/conformance/ale_goldens.py` writes the file anew, from ale-py alone.
+`PYTHONPATH=tests:tests/support python tests/conformance/ale_goldens.py` writes the file anew, from ale-py alone.
 """
 
 import copy
@@ -15,9 +15,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import ale_py
 import ale_py.env
 import numpy as np
+from conformance import ale_facts
 
 import atari
 from atari import AtariEnv
@@ -31,7 +31,9 @@ CORE_NUMBERS = ("lives", "game_over", "truncated", "frame_number", "episode_fram
 
 
 class CheckSum:
-    """The CRC-32 of a sequence of results."""
+    """The CRC-32 of a sequence of results. `trace` notes each number, text and check sum of an array, if it is a list."""
+
+    trace: list[str] | None = None
 
     def __init__(self) -> None:
         self.crc = 0
@@ -40,14 +42,20 @@ class CheckSum:
         """Add an array with its type and shape, a collection item by item, or another value by its text."""
         if isinstance(result, np.ndarray):
             self.add(f"{result.dtype}{result.shape}")
-            self.crc = zlib.crc32(result.tobytes(), self.crc)
+            self._add(result.tobytes(), f"an array of check sum {zlib.crc32(result.tobytes()):08x}")
         elif isinstance(result, dict):
             self.add([item for key in result for item in (key, result[key])])
         elif isinstance(result, tuple | list):
             for item in result:
                 self.add(item)
         else:
-            self.crc = zlib.crc32(f"{type(result).__name__} {result!r}".encode(), self.crc)
+            text = f"{type(result).__name__} {result!r}"
+            self._add(text.encode(), text)
+
+    def _add(self, data: bytes, text: str) -> None:
+        self.crc = zlib.crc32(data, self.crc)
+        if CheckSum.trace is not None:
+            CheckSum.trace.append(text)
 
     def __str__(self) -> str:
         return f"{self.crc:08x}"
@@ -130,11 +138,7 @@ def lives_of_unused_rules(game: str, side: str) -> list[int | bool]:
                 core.act(0)
         lives, truncated = core.lives, core.lives < rules.lives_initial
     else:
-        ale = ale_py.ALEInterface()
-        ale.setInt("random_seed", 1)
-        ale.setFloat("repeat_action_probability", 0.0)
-        ale.setBool("truncate_on_loss_of_life", True)
-        ale.loadROM(Path(ale_py.__file__).parent / "roms" / f"{game}.bin")
+        ale = ale_facts.loaded(game, truncate_on_loss_of_life=True)
         for _ in range(150):
             ale.act(0)
         lives, truncated = ale.lives(), ale.game_truncated()
@@ -288,6 +292,8 @@ def _play_setting(env: Any, seed: int | None) -> str:
 
 
 SCRIPTS: dict[str, Callable[[str, str], Any]] = {
+    "facts": ale_facts.facts,
+    "rules": ale_facts.rules,
     "modes": lambda game, side: [check_sum(run, side) for run in mode_runs(game)],
     "sticky": lambda game, side: check_sum(sticky_run(game), side),
     "pokes": lambda game, side: check_sum(poke_run(game), side),
@@ -300,6 +306,22 @@ SCRIPTS: dict[str, Callable[[str, str], Any]] = {
     "settings": play_settings,
 }
 """By name, what is played by one side ("ale" or "native") in a game."""
+
+
+def difference(game: str, name: str) -> str:
+    """The first result of a script in which our side differs from ale-py, with the result before it."""
+    traces: list[list[str]] = []
+    answers = []
+    for side in ("native", "ale"):
+        traces.append([])
+        CheckSum.trace = traces[-1]
+        answers.append(SCRIPTS[name](game, side))
+    CheckSum.trace = None
+    for number, (ours, theirs) in enumerate(zip(*traces, strict=False)):
+        if ours != theirs:
+            return f"{name}, result {number} after {traces[0][number - 1]!r}: {ours} differs from ale-py's {theirs}"
+    return f"{name}: {answers[0]}, and ale-py's {answers[1]}; `atari verify` names differences of cores"
+
 
 if __name__ == "__main__":
     lines = []

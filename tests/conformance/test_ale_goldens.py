@@ -1,16 +1,16 @@
-"""The native core and `AtariEnv` on it give the check sums of ale-py and of its environment in every game.
+"""The game files, the native core and `AtariEnv` on it give what ale-py and its environment give in every game.
 
-`ale_goldens.py` says what is played. `test_native_equals_ale_py.py` and `test_env_equals_ale_py.py` compare each game
-with ale-py itself, and name what differs.
+`ale_goldens.py` says what is played. Where a check sum differs, ale-py plays, too, and the error names what differs.
 """
 
+import hashlib
 import json
 
 import pytest
-from conformance import ale_goldens
+from conformance import ale_facts, ale_goldens
 from conformance.ale_goldens import GAMES, SCRIPTS, Play
 
-from atari.cores import NativeCore
+import atari
 from atari.cores.verify import verify
 
 GOLDENS = json.loads(ale_goldens.FILE.read_text())
@@ -26,9 +26,9 @@ def test_all_games_have_check_sums_of_all_scripts() -> None:
 @pytest.mark.filterwarnings("ignore:.*after the episode had ended")  # three modes of Demon Attack are over at once
 @pytest.mark.parametrize("game", GAMES)
 def test_check_sums(game: str) -> None:
-    assert {name: play(game, "native") for name, play in SCRIPTS.items() if name != "modes"} == {
-        name: golden for name, golden in GOLDENS[game].items() if name != "modes"
-    }
+    found = {name: play(game, "native") for name, play in SCRIPTS.items() if name != "modes"}
+    wrong = [name for name in found if found[name] != GOLDENS[game][name]]
+    assert not wrong, "; ".join(ale_goldens.difference(game, name) for name in wrong)
 
 
 @pytest.mark.parametrize("game", GAMES)
@@ -37,12 +37,22 @@ def test_every_mode_and_difficulty(game: str) -> None:
         assert ale_goldens.check_sum(run, "native") == golden, f"{verify(run) or run}"
 
 
-@pytest.mark.parametrize("game", GAMES)
-def test_a_core_restored_in_mid_episode(game: str) -> None:
-    core, actions = ale_goldens.cores_of_middle(game, "native")
-    restored = NativeCore(game, seed=9, repeat_action_probability=0.25, sound=True)
+@pytest.mark.parametrize(
+    ("game", "side"), [*((game, "native") for game in GAMES), *((game, "ale") for game in PLAYED_AGAIN)]
+)
+def test_a_core_restored_in_mid_episode(game: str, side: str) -> None:
+    core, actions = ale_goldens.cores_of_middle(game, side)
+    restored = type(core)(game, seed=9, repeat_action_probability=0.25, sound=True)
     restored.restore(core.snapshot())
     assert ale_goldens.check_sum_of_middle(restored, actions) == GOLDENS[game]["middle"]
+
+
+@pytest.mark.parametrize("game", list(atari.games))
+def test_rom_hashes(game: str) -> None:
+    rom = atari.games[game].rom
+    image = (ale_facts.ROMS / f"{game}.bin").read_bytes()
+    assert (len(image), hashlib.md5(image).hexdigest()) == (rom.size, rom.md5)
+    assert hashlib.sha256(image).hexdigest() == rom.sha256
 
 
 @pytest.mark.parametrize("game", PLAYED_AGAIN)

@@ -2,7 +2,7 @@
 
 `atari.cores.verify` is the test itself, which users can run too (`atari verify`); here it runs over some games with sticky
 actions. `test_ale_goldens.py` compares all games with check sums of ale-py: the same run, all modes and difficulties,
-fractional paddle movement, RAM overwritten at random, and snapshots, which are compared live in some games.
+fractional paddle movement, RAM overwritten at random, and snapshots.
 """
 
 import numpy as np
@@ -14,33 +14,11 @@ from atari.cores import AleCore, NativeCore
 from atari.cores.verify import verify
 
 GAMES = [game.id for game in atari.games.playable()]
-ARRAYS = ("ram", "screen", "screen_rgb", "screen_grayscale", "audio")
 
 
-@pytest.mark.parametrize("game", GAMES[::13])
+@pytest.mark.parametrize("game", GAMES[::26])
 def test_six_hundred_frames_with_sticky_actions(game: str) -> None:
     assert verify(sticky_run(game)) is None
-
-
-@pytest.mark.parametrize("game", GAMES[::8])
-def test_snapshots_in_mid_episode_continue_on_both_cores(game: str) -> None:
-    """New cores restored from snapshots continue like the saved cores, and like each other."""
-    options = {"seed": 5, "repeat_action_probability": 0.25, "sound": True}
-    native, ale = NativeCore(game, **options), AleCore(game, **options)
-    actions = [int(action) for action in np.random.default_rng(4).choice(native.game.minimal_actions, 160)]
-    for core in (native, ale):
-        core.reset()
-        for action in actions[:100]:
-            core.act(action)
-    restored_native, restored_ale = NativeCore(game, **{**options, "seed": 9}), AleCore(game, **{**options, "seed": 9})
-    restored_native.restore(native.snapshot())
-    restored_ale.restore(ale.snapshot())
-    cores = (native, restored_native, ale, restored_ale)
-    for action in actions[100:]:
-        rewards = {core.act(action) for core in cores}
-        assert len(rewards) == 1
-        for name in ARRAYS:
-            assert len({getattr(core, name)().tobytes() for core in cores}) == 1, name
 
 
 @pytest.mark.parametrize("game", ["pong", "adventure", "ms_pacman", "seaquest"])

@@ -81,7 +81,7 @@ def test_a_game_begins_as_on_the_plain_core(game: str) -> None:
     rng = np.random.default_rng(0)
     cores = [core(game, sound=True) for core in (NativeCore, PlainCore)]
     facts = cores[0].game
-    for round_ in range(4):
+    for round_ in range(3):
         mode, difficulty = int(rng.choice(facts.modes)), int(rng.choice(facts.difficulties))
         frames, place, value = rng.integers((40, 128, 256))
         for core in cores:

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from doors import DOORS, STABLE_BASELINES, TRAIN, Door
 from env_tools import needs_gymnasium_1
+from package_modules import SOURCES
 
-import atari
 from atari.games.catalog import Games
 from atari.games.game import Game
 from atari.lab import causes
@@ -80,59 +80,54 @@ def test_a_function_looks_a_game_up_once(name: str, form: str, looked_up: list[o
 
 
 DOORS_WITH_GAME = {
-    "cores/ale.py": {"AleCore.__init__"},
-    "cores/native.py": {"NativeCore.__init__"},
-    "env/env.py": {"AtariEnv.__init__"},
-    "env/episode_env.py": {"EpisodeEnv.__init__"},
-    "games/catalog.py": {"Games.resolve", "Games.find"},
-    "games/interventions/file.py": {"load"},
-    "integrations/envpool/pool.py": {"make", "make_dm", "make_gym", "make_gymnasium", "_made"},
-    "integrations/envpool/spec.py": {"make_spec", "_look_up"},
-    "integrations/ray/collection.py": {"collect"},
-    "integrations/ray/rllib.py": {"config"},
-    "integrations/ray/rollout_actors.py": {"RolloutActors.__init__"},
-    "integrations/sb3.py": {"AtariVecEnv.__init__"},
-    "lab/causal/explore.py": {"causes"},
-    "lab/causal/files.py": {"shipped_causes"},
-    "lab/interventions/check.py": {"check"},
-    "lab/probes/data.py": {"play_episodes"},
-    "learning/evaluation/evaluate.py": {"evaluate", "record_games"},
-    "learning/evaluation/played.py": {"resolve_games"},
-    "learning/options.py": {"TrainingOptions.of"},
-    "multiplayer/__init__.py": {"raw_env", "env", "parallel_env"},
-    "multiplayer/core.py": {"MultiplayerCore.__init__"},
-    "multiplayer/parallel.py": {"MultiplayerEnv.__init__"},
-    "multiplayer/resolution.py": {"resolve_several", "_environment"},
-    "play/multiplayer_session.py": {"MultiplayerSession.__init__"},
-    "play/session.py": {"Session.__new__", "Session.__init__", "_task"},
-    "recording/replay/header.py": {"game_of_header"},
-    "recording/replay/replay.py": {"Replay.load"},
-    "registry/making.py": {"make", "make_AtariEnv"},
-    "roms/search.py": {"verify", "find"},
-    "task/resolution.py": {"catalogue_name"},
-    "task/task.py": {"Task.of", "look_up", "resolve_frames"},
-    "testing/game_file.py": {"check_game_file"},
-    "testing/policy.py": {"check_policy"},
-    "vector/env.py": {"AtariVectorEnv.__init__"},
-    "vector/options.py": {"resolve_lanes", "_listed"},
+    "atari.cores.ale": {"AleCore.__init__"},
+    "atari.cores.native": {"NativeCore.__init__"},
+    "atari.env.env": {"AtariEnv.__init__"},
+    "atari.env.episode_env": {"EpisodeEnv.__init__"},
+    "atari.games.catalog": {"Games.resolve", "Games.find"},
+    "atari.games.interventions.file": {"load"},
+    "atari.integrations.envpool.pool": {"make", "make_dm", "make_gym", "make_gymnasium", "_made"},
+    "atari.integrations.envpool.spec": {"make_spec", "_look_up"},
+    "atari.integrations.ray.collection": {"collect"},
+    "atari.integrations.ray.rllib": {"config"},
+    "atari.integrations.ray.rollout_actors": {"RolloutActors.__init__"},
+    "atari.integrations.sb3": {"AtariVecEnv.__init__"},
+    "atari.lab.causal.explore": {"causes"},
+    "atari.lab.causal.files": {"shipped_causes"},
+    "atari.lab.interventions.check": {"check"},
+    "atari.lab.probes.data": {"play_episodes"},
+    "atari.learning.evaluation.evaluate": {"evaluate", "record_games"},
+    "atari.learning.evaluation.played": {"resolve_games"},
+    "atari.learning.options": {"TrainingOptions.of"},
+    "atari.multiplayer": {"raw_env", "env", "parallel_env"},
+    "atari.multiplayer.core": {"MultiplayerCore.__init__"},
+    "atari.multiplayer.parallel": {"MultiplayerEnv.__init__"},
+    "atari.multiplayer.resolution": {"resolve_several", "_environment"},
+    "atari.play.multiplayer_session": {"MultiplayerSession.__init__"},
+    "atari.play.session": {"Session.__new__", "Session.__init__", "_task"},
+    "atari.recording.replay.header": {"game_of_header"},
+    "atari.recording.replay.replay": {"Replay.load"},
+    "atari.registry.making": {"make", "make_AtariEnv"},
+    "atari.roms.search": {"verify", "find"},
+    "atari.task.resolution": {"catalogue_name"},
+    "atari.task.task": {"Task.of", "look_up", "resolve_frames"},
+    "atari.testing.game_file": {"check_game_file"},
+    "atari.testing.policy": {"check_policy"},
+    "atari.vector.env": {"AtariVectorEnv.__init__"},
+    "atari.vector.options": {"resolve_lanes", "_listed"},
 }
 """The functions that take a game by its name or an ID: those that users call, and the first that these call.
 
 Each other function takes a `Task`, a `Game`, or what `look_up` returns.
 """
 
-PARTS = {"": atari, "roms/": atari.roms, "wrappers/": atari.wrappers}  # in the sources, two are beside the first
-FILES = {
-    prefix + str(file.relative_to(folder)): file
-    for prefix, part in PARTS.items()
-    for folder in [Path(str(part.__file__)).parent]
-    for file in sorted(folder.rglob("*.py"))
-}
-
 
 def _takes_game(parameter: ast.arg) -> bool:
     """Whether a parameter may be a game's name: by its type, or by its name if its type says nothing."""
-    types = set(re.findall(r"\w+", "" if parameter.annotation is None else ast.unparse(parameter.annotation)))
+    parts = ast.walk(parameter.annotation) if parameter.annotation else ()
+    types = {
+        word for part in parts for word in re.findall(r"\w+", str(getattr(part, "id", getattr(part, "value", ""))))
+    }
     named = parameter.arg in ("game", "games", "game_or_id", "task_id") and types <= {"Any", "object"}
     return named or "GameLike" in types or bool({"Game", "Task"} & types and {"str", "PathLike"} & types)
 
@@ -157,7 +152,7 @@ def functions_with_game(source: str) -> set[str]:
 
 
 def test_the_functions_behind_the_doors_take_no_name_of_a_game() -> None:
-    found = {name: functions_with_game(file.read_text(encoding="utf-8")) for name, file in FILES.items()}
+    found = {name: functions_with_game(file.read_text(encoding="utf-8")) for name, file in SOURCES.items()}
     assert {file: functions for file, functions in found.items() if functions} == DOORS_WITH_GAME
 
 

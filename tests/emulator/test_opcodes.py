@@ -105,16 +105,6 @@ def test_runs_as_model(cartridge: str) -> None:
                 pair.prepare(pair.console.ram, 0, random_registers(rng, rng.randrange(0x10000)))
 
 
-def test_lengths() -> None:
-    """An instruction that does not jump continues after its operand."""
-    for opcode in OPCODES:
-        if opcode.mnemonic in ("BRK", "JMP", "JSR", "RTI", "RTS") or opcode.mode == "rel":
-            continue
-        machine = console([opcode.code, 0x80, 0x00])
-        machine.step()
-        assert machine.registers["pc"] == 0xF000 + opcode.length, opcode
-
-
 def test_jam_stops_the_processor_until_reset() -> None:
     machine = console([NOP, JAM, NOP])
     run(machine, 2)

@@ -13,7 +13,7 @@ def test_palettes_are_the_emulators(game: str) -> None:
     env.reset(seed=0)
     env.action_space.seed(0)
     palette, seen = _emulator.palette(games[game].screen.format), set()
-    for _ in range(300):
+    for _ in range(100):
         env.step(env.action_space.sample())
         screen = env.core.screen()
         seen.update(np.unique(screen).tolist())

@@ -6,6 +6,8 @@ deferred TIA could get wrong are frequent here, and rare in games.
 
 import random
 from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
 
 from emulator.machines import R, W
 from emulator.programs import JAMS, LENGTHS, START, Code
@@ -41,11 +43,27 @@ def noise(rng: random.Random, kind: str) -> bytes:
 
 
 def soup(rng: random.Random, kind: str) -> bytes:
-    """Instructions in random order, and between them sequences that are common in games."""
-    image = bytearray()
+    """Instructions in random order, and between them sequences that are common in games.
+
+    After 8 KiB, pages of 256 bytes are those of the beginning, in random order: a program runs through few of them.
+    """
+    code, state = _mixed(rng.getstate(), min(SIZES[kind], 8192))
+    rng.setstate(state)
+    image = bytearray(code[:8192])
     while len(image) < SIZES[kind]:
-        image += rng.choices(INGREDIENTS, AMOUNTS)[0](rng)
+        page = 256 * rng.randrange(32)
+        image += image[page : page + 256]
     return with_vectors(image[: SIZES[kind]], rng)
+
+
+@lru_cache(maxsize=64)
+def _mixed(state: tuple[Any, ...], size: int) -> tuple[bytes, tuple[Any, ...]]:
+    """Instructions from a generator in this state, and its next one: images of all types begin with the same ones."""
+    rng, image = random.Random(), bytearray()
+    rng.setstate(state)
+    while len(image) < size:
+        image += rng.choices(INGREDIENTS, AMOUNTS)[0](rng)
+    return bytes(image), rng.getstate()
 
 
 def with_vectors(image: bytearray, rng: random.Random) -> bytes:

@@ -1,18 +1,16 @@
 """`Driver`: frames without observations, for wrappers."""
 
+from functools import partial
+
 import gymnasium
 import numpy as np
 import pytest
-from env_tools import needs_gymnasium_1
+from env_tools import needs_gymnasium_1, started
 
 from atari import Action, AtariEnv
 from atari.cores.ale_random import AleRandom
 
-
-def made(game: str = "breakout", **options: object) -> AtariEnv:
-    env = AtariEnv(game, frameskip=1, repeat_action_probability=0.0, **options)  # type: ignore[arg-type]
-    env.reset(seed=0)
-    return env
+made = partial(started, frameskip=1, repeat_action_probability=0.0)
 
 
 def test_frames_before_a_reset_are_refused() -> None:

@@ -240,11 +240,7 @@ def test_there_are_no_keys_for_continuous_actions() -> None:
         ([1], TypeError, "an action is an integer within 0..3, got [1]"),
         (np.array([1]), TypeError, "an action is an integer within 0..3"),
         (float("nan"), TypeError, "an action is an integer within 0..3, got nan"),
-        (
-            Action.RIGHT,
-            TypeError,
-            "Action.RIGHT is an ALE action; pass env.unwrapped.get_action_meanings().index('RIGHT')",
-        ),
+        (Action.RIGHT, TypeError, "an ALE action; pass env.unwrapped.get_action_meanings().index('RIGHT')"),
         ([0.5, 0.0, float("nan")], ValueError, "radius 0..1, angle -pi..pi, fire 0..1, got (0.5, 0.0, nan)"),
         ([1.5, 0.0, 0.0], ValueError, "got (1.5, 0.0, 0.0)"),
         ([-0.5, 0.0, 0.0], ValueError, "got (-0.5, 0.0, 0.0)"),

@@ -9,7 +9,7 @@ from unittest import mock
 import ale_py.env
 import numpy as np
 import pytest
-from env_tools import data_equivalence, needs_new_ale_py
+from env_tools import AroundAle, data_equivalence, needs_new_ale_py
 from gymnasium.wrappers import AtariPreprocessing
 
 import atari
@@ -20,54 +20,48 @@ from atari.recording import RecordReplay, Replay
 pytestmark = needs_new_ale_py
 
 
-class Painted:
+class Painted(AroundAle):
     """An `ale` in the form of HackAtari's: some methods are its own, and the interface in it has the others."""
 
-    def __init__(self, ale: Any) -> None:
-        self._ale = ale
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._ale, name)
-
     def getScreenRGB(self, *buffer: Any) -> Any:
-        screen = self._ale.getScreenRGB(*buffer)
+        screen = self.inner.getScreenRGB(*buffer)
         screen[:50] = 255
         return screen
 
     def getScreenGrayscale(self, *buffer: Any) -> Any:
-        screen = self._ale.getScreenGrayscale(*buffer)
+        screen = self.inner.getScreenGrayscale(*buffer)
         (buffer[0] if buffer else screen)[:50] = 255
         return screen
 
     def getRAM(self) -> Any:
-        return self._ale.getRAM()[::-1]
+        return self.inner.getRAM()[::-1]
 
     def getAudio(self) -> Any:
-        return self._ale.getAudio() // 2
+        return self.inner.getAudio() // 2
 
     def act(self, action: Any, strength: float = 1.0) -> int:
-        return 10 * self._ale.act(action, strength)
+        return 10 * self.inner.act(action, strength)
 
     def lives(self) -> int:
         return 7
 
     def game_over(self, **arguments: Any) -> bool:
-        return self._ale.getEpisodeFrameNumber() > 90 or self._ale.game_over(**arguments)
+        return self.inner.getEpisodeFrameNumber() > 90 or self.inner.game_over(**arguments)
 
     def getFrameNumber(self) -> int:
-        return 1_000 + self._ale.getFrameNumber()
+        return 1_000 + self.inner.getFrameNumber()
 
 
-class Calls:
+class Calls(AroundAle):
     """An `ale` that notes which methods are called."""
 
     def __init__(self, ale: Any) -> None:
-        self._ale = ale
+        super().__init__(ale)
         self.names: list[str] = []
 
     def __getattr__(self, name: str) -> Any:
         self.names.append(name)
-        return getattr(self._ale, name)
+        return super().__getattr__(name)
 
 
 OPTIONS: list[dict[str, Any]] = [
@@ -203,11 +197,11 @@ def test_snapshots_are_those_of_the_emulator() -> None:
     assert saved == plain.core.snapshot()
     env.step(3)
     env.core.restore(saved)
-    assert np.array_equal(env.ale._ale.getRAM(), plain.core.ram())
+    assert np.array_equal(env.ale.inner.getRAM(), plain.core.ram())
     state = env.clone_state()
     env.step(3)
     env.restore_state(state)
-    assert np.array_equal(env.ale._ale.getRAM(), plain.core.ram())
+    assert np.array_equal(env.ale.inner.getRAM(), plain.core.ram())
 
 
 @pytest.mark.parametrize("first", ["assigned", "recorded"])

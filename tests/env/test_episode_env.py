@@ -8,7 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from env_tools import Observer
+from env_tools import AroundAle, Observer
 from gymnasium.wrappers import RecordEpisodeStatistics
 from tasks import nested
 
@@ -174,17 +174,11 @@ def test_interventions_and_memory() -> None:
 
 
 def test_the_settings_of_ale_and_an_assigned_ale() -> None:
-    class Silent:
-        """An object of ALE's methods that replaces every action by FIRE."""
-
-        def __init__(self, ale: Any) -> None:
-            self.inner = ale
+    class Silent(AroundAle):
+        """Replaces every action by FIRE."""
 
         def act(self, action: Any, strength: float = 1.0) -> int:
             return int(self.inner.act(Action.FIRE, strength))
-
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self.inner, name)
 
     def change(env: Any, step: int) -> Any:
         atari_env = env.unwrapped

@@ -97,7 +97,6 @@ def test_any_value_of_a_game_file_is_good_or_a_value_error(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("old", "new", "fault"),
     [
-        ("height = 210", "height = 199", "[screen] height 199 is not within 200..256"),
         ("height = 210", "height = 210\nwidth = 320", "[screen] width is always 160, got 320"),
         ("first_line = 34", "first_line = 91", "[screen] first_line 91 is not within 0..90"),
         ("first_line = 34", "first_line = 99999999999", "screen.first_line is not an integer of 32 bits"),
@@ -111,7 +110,6 @@ def test_any_value_of_a_game_file_is_good_or_a_value_error(tmp_path: Path) -> No
         ),
         ("[rules]", "[rules]\nmode_select = 3", "[rules]: 'mode_select' must be a list of tables, got 3"),
         ("[screen]", "x = " + "[" * 100_000 + "\n[screen]", "its tables or lists are nested too deeply"),
-        ("[screen]", "[" + "a." * 60 + "a]\n[screen]", "line 6 has a key of 61 parts between dots"),
         ("[screen]", "[x]\na = " + "[" * 60 + "]" * 60 + "\n[screen]", f"x.a{'[0]' * 39} is nested too deeply"),
         ("[screen]", "#" * 300_000 + "\n[screen]", "a game definition has at most 262,144 bytes"),
         ("bcd(0x80)", "-" * 1900 + "1", "is nested too deeply"),
@@ -119,9 +117,6 @@ def test_any_value_of_a_game_file_is_good_or_a_value_error(tmp_path: Path) -> No
         ('["NOOP", "RIGHT", "LEFT"]', "[]", "[actions] minimal needs an action"),
         (TEXT, "title = 3", "the file needs the key"),
         (TEXT, "not toml at all", "Expected '='"),
-        ("bcd(0x80)", "bcd(0x80, ", "is not an expression"),
-        ("bcd(0x80)", "__import__('os')", "not one of the helpers"),
-        ("reward   =", "rewards  =", "never assigns 'reward'"),
     ],
 )
 def test_the_fault_is_named(tmp_path: Path, old: str, new: str, fault: str) -> None:

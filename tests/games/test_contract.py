@@ -16,7 +16,7 @@ GAMES = "pong breakout adventure double_dunk klax ms_pacman pitfall2 skiing sola
 
 @pytest.mark.parametrize("game", GAMES)
 def test_games_of_this_package(game: str) -> None:
-    check_game_file(atari.games[game], steps=500)
+    check_game_file(atari.games[game], steps=300)
 
 
 def test_the_example() -> None:

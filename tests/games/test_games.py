@@ -213,7 +213,7 @@ def test_the_rules_may_be_absent(tmp_path: Path) -> None:
         ('sha256 = "01', 'sha256 = "', "[rom] sha256 must be 64 hexadecimal digits in lower case"),
         # [screen]
         ('format = "NTSC"', 'format = "VGA"', "[screen]: 'format' must be one of NTSC, PAL, SECAM, got 'VGA'"),
-        ("height = 210", "height = 0", "[screen] height 0 is not within 200..256"),
+        ("height = 210", "height = 199", "[screen] height 199 is not within 200..256"),
         ("height = 210", "height = true", "[screen]: 'height' must be a whole number, got True"),
         ("first_line = 34", "", "[screen] needs the key 'first_line'"),
         # [controllers]

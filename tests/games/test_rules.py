@@ -129,6 +129,7 @@ def test_labels_count_addresses_from_zero() -> None:
         ({"step": 3}, "[rules]: 'step' must be a text, got 3"),
         ({"step": "reward = 1\nterminal = 0"}, "[rules] step never assigns 'lives'"),
         ({"step": "reward = 1\nlives = 1"}, "[rules] step never assigns 'terminal'"),
+        ({"step": "terminal = 0\nlives = 1"}, "[rules] step never assigns 'reward'"),
         ({"step": "reward"}, "[rules] step, line 1: expected 'name = expression', got 'reward'"),
         ({"step": "lives = 1\n2x = 1"}, "[rules] step, line 2: expected 'name = expression', got '2x = 1'"),
         ({"step": "ram = 1"}, "[rules] step, line 1: 'ram' has a meaning in the language and cannot be assigned"),

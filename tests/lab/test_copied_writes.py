@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from env_tools import playing
 
 import atari
 from atari.lab import Freeze, Poke
@@ -15,14 +16,6 @@ RIGHT, BALL_X, PLAYER_Y = 2, 49, 51
 
 Copier = Callable[[Any], Any]
 COPIERS = pytest.mark.parametrize("duplicate", [copy.deepcopy, lambda value: pickle.loads(pickle.dumps(value))])
-
-
-def playing(**options: Any) -> atari.AtariEnv:
-    env = atari.AtariEnv("pong", **options)
-    env.reset(seed=0)
-    for _ in range(30):
-        env.step(RIGHT)
-    return env
 
 
 def vector(**options: Any) -> atari.AtariVectorEnv:

@@ -65,10 +65,7 @@ async def test_frames_and_commands(inspector: Inspector, client: Any) -> None:
             ('{"do": "import os"}', "whose `do` is one of"),
             ('{"do": ["play"]}', "whose `do` is one of"),
             ('{"do": "play", "do": "pause"}', "the key 'do' is there twice"),
-            (
-                '{"do": "poke", "index": "57", "value": 1}',
-                "the command poke: 'index' must be a whole number, got '57'",
-            ),
+            ('{"do": "poke", "index": "57", "value": 1}', "poke: 'index' must be a whole number, got '57'"),
             ('{"do": "poke", "index": true, "value": 1}', "'index' must be a whole number, got True"),
             ('{"do": "poke", "index": 57}', "the command poke needs the key 'value'"),
             ('{"do": "poke", "index": 57, "value": 256}', "256"),

@@ -1,9 +1,10 @@
 """`Poke` writes bytes once: at a frame, at a condition, or at the next frame."""
 
-from typing import Any
+from functools import partial
 
 import numpy as np
 import pytest
+from env_tools import started
 
 import atari
 from atari.lab import Poke
@@ -11,10 +12,7 @@ from atari.lab import Poke
 UNUSED, BALL_X, SCORE = 100, 49, 14
 
 
-def playing(game: str = "pong", **options: Any) -> atari.AtariEnv:
-    env = atari.AtariEnv(game, frameskip=1, **options)
-    env.reset(seed=0)
-    return env
+playing = partial(started, "pong", frameskip=1)
 
 
 def ram_after(env: atari.AtariEnv, frames: int, index: int) -> list[int]:

@@ -186,11 +186,7 @@ def test_what_load_policy_loads_plays() -> None:
             "the labels are of breakout, and the episodes of frostbite",
         ),
         (lambda: play_episodes("pong", 8, "random"), TypeError, "policy must be a function"),
-        (
-            lambda: play_episodes("pong", 32, obs_type="ram"),
-            ValueError,
-            "images and RAM, 'dict' or 'rgb_dict', not 'ra",
-        ),
+        (lambda: play_episodes("pong", 32, obs_type="ram"), ValueError, "'dict' or 'rgb_dict', not 'ram'"),
         (lambda: majority(made_up()), TypeError, "data must be a ProbeData"),
         (lambda: probe(lambda seen: seen, made_up()), TypeError, "data must be a ProbeData"),
     ],

@@ -19,7 +19,7 @@ torch = pytest.importorskip("torch")
 from crash_trainings import outcome  # noqa: E402
 from small_trainings import SUPPORT, make_options  # noqa: E402
 
-from atari.learning import Replicas  # noqa: E402
+from atari.learning import Replicas, TrainingOptions  # noqa: E402
 from atari.learning.agents import AGENTS, find_agent, ppo, pqn  # noqa: E402
 from atari.learning.run_folder import RunFolder  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
@@ -31,10 +31,12 @@ def equal(one: Any, other: Any) -> bool:
     return all(torch.equal(one[name], other[name]) for name in one)
 
 
-@pytest.mark.parametrize("agent", AGENTS)
-def test_every_option_is_described(agent: str) -> None:
-    options = find_agent(agent).options_class
-    assert set(descriptions(options)) == {field.name for field in fields(options)}
+@pytest.mark.parametrize("options", [TrainingOptions, *(find_agent(agent).options_class for agent in AGENTS)])
+def test_every_option_is_described(options: Any) -> None:
+    texts = descriptions(options)
+    assert set(texts) == {field.name for field in fields(options)}
+    assert all(len(text) > 10 and "  " not in text for text in texts.values())
+    assert ppo.PPOOptions.of("pong").clip == 0.1
 
 
 STEPS = {"ppo": 256, "pqn": 256, "dqn": 800}
@@ -246,11 +248,3 @@ def test_a_loss_that_is_no_number_stops_the_training(tmp_path: Path) -> None:
     assert resumed.agent.steps == 64
     assert np.isfinite(resumed.agent.update()["loss"])
     resumed.close()
-
-
-def test_progress_is_that_of_the_whole_training(tmp_path: Path) -> None:
-    shown: list[int] = []
-    with closing(Training.begin("ppo", make_options("ppo", total_steps=256), tmp_path / "run")) as training:
-        training.run(progress=lambda steps, score: shown.append(steps))
-    assert shown == [row["step"] for row in RunFolder.open(tmp_path / "run").rows()]
-    assert shown[-1] == training.agent.steps

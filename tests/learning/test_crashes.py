@@ -2,6 +2,7 @@
 
 import random
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,6 +13,19 @@ from crash_trainings import TINY, Outcome, assert_ends_or_says_so, assert_goes_o
 
 IMAGES = 8
 """Images of each agent and kind; the attacker `crashes` makes as many as its time allows."""
+
+
+class Album(Disk):
+    """The disk of a training that goes on, with an image before each of some operations, as if it had stopped there."""
+
+    def __init__(self, folder: Path, images: dict[int, Path], generator: random.Random | None) -> None:
+        super().__init__(folder, stop_at=-1, generator=generator)
+        self.images = images
+
+    def before(self, name: str, arguments: tuple[Any, ...]) -> None:
+        if self.count in self.images:
+            self._make_image(self.images[self.count])
+        super().before(name, arguments)
 
 
 @pytest.fixture(scope="module", params=TINY)
@@ -30,9 +44,10 @@ def test_a_crash_loses_nothing(whole: tuple[str, Disk, Outcome], tmp_path: Path,
     needed = {"write", "sync", "replace", "sync_folder"} | ({"sync_map"} if agent == "dqn" else set())
     assert needed <= set(disk.names)
     generator = random.Random(f"{agent} {power}")
-    for number in sorted(generator.sample(range(disk.count), IMAGES)):
-        path, image = tmp_path / f"run-{number}", tmp_path / f"image-{number}"
-        assert not train(agent, path, Disk(path, number, image, generator if power else None))
+    images = {number: tmp_path / f"image-{number}" for number in generator.sample(range(disk.count), IMAGES)}
+    assert train(agent, tmp_path / "run", Album(tmp_path / "run", images, generator if power else None))
+    assert all(image.is_dir() for image in images.values())
+    for number, image in sorted(images.items()):
         has_config = disk.first_config is not None and number >= disk.first_config
         assert_goes_on(image, expected, has_config, f"{agent} before operation {number}, {disk.names[number]}")
 

@@ -1,4 +1,4 @@
-"""`import atari` imports nothing of `atari.learning`, which imports neither PyTorch nor Matplotlib."""
+"""`import atari` imports nothing of `atari.learning`; this and `atari.recording` import neither PyTorch nor PyAV."""
 
 from own_process import run_program
 
@@ -10,7 +10,7 @@ def test_what_is_imported():
         import sys
         import atari
         print(sum(name.startswith("atari.learning") for name in sys.modules))
-        import atari.learning
+        import atari.learning, atari.recording
         print({heavy} & set(sys.modules))
         """
     )

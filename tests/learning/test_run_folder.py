@@ -9,8 +9,7 @@ import subprocess
 import sys
 import time
 import warnings
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -20,11 +19,11 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
+from replay_tools import full_disk  # noqa: E402
 from small_trainings import make_options  # noqa: E402
 
 import atari  # noqa: E402
 from atari.base import durable  # noqa: E402
-from atari.cli import main  # noqa: E402
 from atari.learning import ReplayMemory, TrainingEnvironments, evaluate, load_policy, record_games  # noqa: E402
 from atari.learning.agent import read_options  # noqa: E402
 from atari.learning.command import Lines  # noqa: E402
@@ -69,13 +68,13 @@ def test_the_log_has_a_row_for_each_update(run: RunFolder) -> None:
 
 
 def test_a_training_stops_and_goes_on(tmp_path: Path) -> None:
-    stop = Event()
+    stop, shown = Event(), []
     with closing(Training.begin("ppo", make_options("ppo", total_steps=256), tmp_path / "run")) as training:
-        assert training.run(stop, lambda steps, score: stop.set()) == "stop"
+        assert training.run(stop, lambda steps, score: shown.append(steps) or stop.set()) == "stop"
     assert training.agent.steps == 64
     with closing(Training.resume(tmp_path / "run")) as resumed:
-        assert resumed.run() == "steps"
-    assert [row["step"] for row in resumed.folder.rows()] == [64, 128, 192, 256]
+        assert resumed.run(progress=lambda steps, score: shown.append(steps)) == "steps"
+    assert [row["step"] for row in resumed.folder.rows()] == shown == [64, 128, 192, 256]  # of the whole training
 
 
 def test_the_policy_plays_the_same_games_whatever_the_lanes(breakout: RunFolder, tmp_path: Path) -> None:
@@ -200,19 +199,6 @@ def test_a_folder_that_is_not_empty_is_left_alone(tmp_path: Path) -> None:
     assert [file.name for file in tmp_path.iterdir()] == ["mine.txt"]
 
 
-@contextmanager
-def largest_file(size: int) -> Iterator[None]:
-    """The operating system refuses to write more bytes into a file."""
-    import resource
-
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, limits[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limit of a file's size")
 def test_a_full_disk_ends_a_training_at_its_end_alone(tmp_path: Path) -> None:
     options = make_options("ppo", total_steps=256, checkpoint_minutes=0.0)
@@ -221,7 +207,7 @@ def test_a_full_disk_ends_a_training_at_its_end_alone(tmp_path: Path) -> None:
         with (
             warnings.catch_warnings(record=True) as caught,
             pytest.raises(OSError, match="too large"),
-            largest_file(200),
+            full_disk(200),
         ):
             training.run()
     assert training.agent.steps == 256
@@ -369,13 +355,6 @@ def test_a_line_a_minute_without_a_terminal(capsys: pytest.CaptureFixture[str]) 
     assert not capsys.readouterr().err
 
 
-def test_a_complete_run_is_not_trained_again(run: RunFolder, capsys: pytest.CaptureFixture[str]) -> None:
-    before = (run.path / "checkpoint.pt").read_bytes()
-    assert main(["train", "--resume", str(run.path), "--games", "0"]) == 0
-    assert "is complete (all steps are done)" in capsys.readouterr().out
-    assert (run.path / "checkpoint.pt").read_bytes() == before
-
-
 def test_the_memory_is_as_large_as_the_training_and_goes_with_it(tmp_path: Path) -> None:
     options = make_options("dqn", total_steps=1200, memory=1_000_000, learning_starts=1000)
     memory = tmp_path / "run" / "memory.replay"
@@ -385,6 +364,9 @@ def test_the_memory_is_as_large_as_the_training_and_goes_with_it(tmp_path: Path)
     assert not memory.exists()
     with pytest.raises(ValueError, match=r"is complete, and its memory was removed, .* or --keep-memory, keeps"):
         RunFolder.resume(tmp_path / "run")
+    with RunFolder.open(tmp_path / "run", lock=True) as run, pytest.raises(ValueError, match="memory was removed"):
+        run.extend(2400)
+    assert RunFolder.open(tmp_path / "run").config["ended"] == "steps"
     kept = make_run(tmp_path / "kept", "dqn", steps=200, keep_memory=True)
     with RunFolder.resume(kept.path) as folder:
         assert folder.memory is not None

@@ -13,7 +13,6 @@ from atari import AtariEnv
 from atari.cores import snapshot
 from atari.multiplayer import ENVIRONMENTS, env, parallel_env
 from atari.multiplayer.parallel import MultiplayerEnv
-from atari.testing.contract import difference
 
 NAMES = [environment.id for environment in ENVIRONMENTS.values()]
 
@@ -92,19 +91,6 @@ def test_a_snapshot_with_a_forged_episode_is_played_without_a_crash(fill: int) -
         game.restore(snapshot.pack(facts, blobs))
         assert list(game.step({})[0]) == game.possible_agents
     assert list(game.reset()[0]) == game.agents == game.possible_agents
-
-
-@pytest.mark.parametrize("options", [{"obs_type": "ram"}, {"preset": "multiplayer_dqn", "frameskip": (2, 5)}])
-def test_a_snapshot_continues_the_game(options: dict[str, Any]) -> None:
-    game = MultiplayerEnv("joust", **options)
-    game.reset(seed=1)
-    for _ in range(100):
-        game.step({"first_0": 1, "second_0": 2})
-    state = game.snapshot()
-    after = [game.step({"first_0": 2, "second_0": 1}) for _ in range(20)]
-    game.restore(state)
-    assert difference(after, [game.step({"first_0": 2, "second_0": 1}) for _ in range(20)], "results") is None
-    assert game.frame == 120
 
 
 def test_games_without_an_environment_of_pettingzoos_have_one_here() -> None:

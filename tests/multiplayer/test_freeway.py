@@ -7,15 +7,15 @@ from atari.multiplayer import MultiplayerCore
 UP, FRAMES = 2, 8190
 
 
-def scores(actions: list[int], mode: int = 0, difficulty: int = 0) -> list[int]:
-    """The sums of the rewards of a whole game, in which each player holds an action."""
+def scores(actions: list[int], mode: int = 0, difficulty: int = 0, most: int = 10_000) -> list[int]:
+    """The sums of the rewards of a game, or of its first frames, in which each player holds an action."""
     core = MultiplayerCore("freeway", mode=mode, difficulty=difficulty)
     core.reset()
     totals, frames = [0, 0], 0
-    while not core.game_over and frames < 10_000:
+    while not core.game_over and frames < most:
         totals = [total + reward for total, reward in zip(totals, core.act_players(actions), strict=True)]
         frames += 1
-    assert frames == FRAMES
+    assert frames == min(FRAMES, most)
     # The digits of the screen, in binary-coded decimal, are what was paid.
     assert totals == [10 * (byte >> 4) + (byte & 15) for byte in core.ram()[[0x67, 0x68]].tolist()]
     return totals
@@ -23,9 +23,10 @@ def scores(actions: list[int], mode: int = 0, difficulty: int = 0) -> list[int]:
 
 @pytest.mark.parametrize("mode", range(8))
 def test_only_the_own_sticks_up_raises_a_score(mode: int) -> None:
-    first, second = scores([UP, UP], mode)
-    assert scores([UP, 0], mode) == [first, 0]
-    assert scores([0, UP], mode) == [0, second]
+    assert min(scores([UP, UP], mode)) > 0
+    first, second = scores([UP, UP], mode, most=4000)
+    assert scores([UP, 0], mode, most=4000) == [first, 0]
+    assert scores([0, UP], mode, most=4000) == [0, second]
     assert first > 0 < second
 
 

@@ -1,4 +1,4 @@
-"""`multiplayer_dqn` gives what a reference in NumPy and OpenCV makes of all frames; the forms of GAME and old names."""
+"""The preset `multiplayer_dqn` in environments; the forms of GAME and old names."""
 
 from pathlib import Path
 from typing import Any
@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 pytest.importorskip("pettingzoo")
-from multiplayer.reference import Reference
 from pettingzoo.test import api_test, parallel_api_test
 
 import atari
@@ -18,30 +17,6 @@ from atari.multiplayer import MultiplayerCore, env, parallel_env, raw_env
 from atari.multiplayer.parallel import MultiplayerEnv
 
 DQN = "multiplayer_dqn"
-
-
-@pytest.mark.parametrize("name", ["joust", "warlords", "pong", "maze_craze"])
-def test_observations_rewards_and_ends_are_those_of_the_reference(name: str) -> None:
-    source = np.random.default_rng(3)
-    game = MultiplayerEnv(name, preset=DQN, agent_indicator=True)
-    reference = Reference(name, game.core.players, fill=True)
-    observations, _ = game.reset(seed=5)
-    reference.reset(5)
-    for _ in range(250):
-        agents = game.possible_agents
-        for agent, observation in observations.items():
-            indicator = [np.full((84, 84), 255 * (agent == other), np.uint8) for other in agents]
-            assert np.array_equal(observation, np.stack([*reference.stack, *indicator], axis=-1))
-        living, moves = list(game.agents), [int(source.integers(game.action_spaces[agent].n)) for agent in agents]
-        observations, rewards, over, truncated, _ = game.step(dict(zip(agents, moves, strict=True)))
-        reference.step(moves)
-        expected = [dict(zip(agents, part.tolist(), strict=True)) for part in reference.signals]
-        assert list(observations) == living
-        for agent in living:
-            assert (rewards[agent], over[agent], truncated[agent]) == tuple(part[agent] for part in expected)
-        if reference.ended:
-            observations, _ = game.reset()
-            reference.reset()
 
 
 def test_without_an_indicator_all_agents_see_the_stack() -> None:

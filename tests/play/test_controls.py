@@ -1,7 +1,5 @@
 """Keys and gamepads become actions and commands."""
 
-from typing import Any
-
 import pygame
 import pytest
 
@@ -9,14 +7,12 @@ import atari
 from atari.games.actions import PLAYER_ACTIONS, Action
 from atari.play.controls import HELP, Command, Controls
 
+event = pygame.event.Event
+
 
 @pytest.fixture
 def controls() -> Controls:
     return Controls(pygame)
-
-
-def event(kind: int, **facts: Any) -> Any:
-    return pygame.event.Event(kind, **facts)
 
 
 def press(controls: Controls, *keys: int) -> Command | None:

@@ -37,6 +37,7 @@ def fails(observations):
     raise ValueError("no idea")
 """
 
+event = pygame.event.Event
 
 pytestmark = pytest.mark.usefixtures("display")
 
@@ -44,10 +45,6 @@ pytestmark = pytest.mark.usefixtures("display")
 @pytest.fixture(autouse=True)
 def policies(display: None) -> None:
     Path("policies_of_two.py").write_text(POLICY)
-
-
-def event(kind: int, **facts: Any) -> Any:
-    return pygame.event.Event(kind, **facts)
 
 
 def test_a_session_is_the_core_with_each_players_actions() -> None:
@@ -142,9 +139,7 @@ def test_a_policy_that_is_no_player(attributes: dict[str, Any], text: str) -> No
 @pytest.mark.parametrize("answer", [[18], [-1], ["JUMP"], None, [True], [1.5], [], 1])
 def test_an_answer_that_is_no_action_is_named(answer: Any) -> None:
     session = MultiplayerSession("pong", policies={1: lambda observations: answer})
-    with pytest.raises(
-        RuntimeError, match=r"the policy of player 2 failed: ValueError: policy .* (must return|returned)"
-    ):
+    with pytest.raises(RuntimeError, match=r"the policy of player 2 failed: ValueError: policy .* (must )?return"):
         session.play(Action.NOOP)
     assert session.frames == 0
 
@@ -325,17 +320,11 @@ def test_the_mode_says_how_many_players_there_are(end_after: Any, capsys: Captur
         (["combat", "--players", "3"], "combat is for 2 players, got players=3"),
         (["pong_v3", "--players", "3"], "pong is for 2 or 4 players, got players=3"),
         (["boxing_v2", "--players", "4"], "boxing is for 2 players, got players=4"),
-        (
-            ["combat"],
-            "without single-player rules, so there is no environment of one player; players=2, or --players 2",
-        ),
+        (["combat"], "without single-player rules, so there is no environment of one player; players=2, or --pl"),
         (["combat", "--players", "2", "--mode", "99"], "mode of combat for 2 players must be one of 1, 2, "),
         (["combat", "--players", "2", "--difficulty", "9"], "difficulty must be within 0..3, got 9"),
         (["pong", "--players", "2", "--replay", "a.mp4"], "the name of a replay must end in"),
-        (
-            ["pong", "--opponent", "policies_of_two.py"],
-            "policies_of_two.py is no policy: give a run folder, an SB3 zip",
-        ),
+        (["pong", "--opponent", "policies_of_two.py"], "policies_of_two.py is no policy: give a run folder"),
         (["pong", "--opponent", "best"], "there is no file best"),
         (["pong", "--opponent", "policies_of_two:none"], "cannot be imported"),
         (["pong", "--opponent", "noop", "--opponent", "noop"], "give --opponent at most 1 times, got 2"),

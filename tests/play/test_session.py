@@ -26,18 +26,20 @@ def play(session: Session, frames: int, *actions: Action) -> None:
         session.play((actions or (Action.FIRE, Action.LEFT))[frame // 30 % len(actions or "ab")])
 
 
+def closed(session: Session, folder: Path) -> Replay:
+    """The replay of a session, which ends."""
+    session.close()
+    return Replay.load(folder / "a.a26r")
+
+
 def test_it_plays_each_frame_and_writes_a_replay(tmp_path: Path) -> None:
     session = make(tmp_path, seed=1, mode=4, difficulty=1)
     play(session, 150)
     screen = session.screen
-    session.close()
-    replay = Replay.load(tmp_path / "a.a26r")
+    replay = closed(session, tmp_path)
     assert replay.frames_total == session.frames == 150
-    assert {name: replay.options[name] for name in ("frameskip", "repeat_action_probability", "mode")} == {
-        "frameskip": 1,
-        "repeat_action_probability": 0.0,
-        "mode": 4,
-    }
+    played = {"frameskip": 1, "repeat_action_probability": 0.0, "mode": 4}
+    assert {name: replay.options[name] for name in played} == played
     frames = list(replay.frames(core="ale"))
     assert [frame.action for frame in frames[:60:30]] == [Action.FIRE, Action.LEFT]
     assert np.array_equal(frames[-1].screen, screen)
@@ -59,8 +61,7 @@ def test_rewinding_and_playing_on(tmp_path: Path) -> None:
         session.rewind()
     assert not session.rewind()
     play(session, 30, Action.RIGHT)
-    session.close()
-    replay = Replay.load(tmp_path / "a.a26r")
+    replay = closed(session, tmp_path)
     assert replay.frames_total == 160
     assert replay.verify("ale")
 
@@ -88,8 +89,7 @@ def test_a_state_is_saved_for_this_game_and_the_next(tmp_path: Path) -> None:
     session.load()
     assert (np.array_equal(session.screen, saved), session.score) == (True, score)
     play(session, 20)
-    session.close()
-    assert Replay.load(tmp_path / "a.a26r").verify("ale")
+    assert closed(session, tmp_path).verify("ale")
     another = make(tmp_path, "b.a26r", game="ms_pacman")
     another.load()
     assert (np.array_equal(another.screen, saved), another.score) == (True, score)
@@ -133,9 +133,7 @@ def test_the_end_of_a_game(tmp_path: Path) -> None:
     session.new_game()
     assert not session.over
     play(session, 5)
-    session.close()
-    ends = [episode.end for episode in Replay.load(tmp_path / "a.a26r").episodes]
-    assert ends == ["game over", "open"]
+    assert [episode.end for episode in closed(session, tmp_path).episodes] == ["game over", "open"]
 
 
 def test_videos(tmp_path: Path) -> None:
@@ -168,8 +166,7 @@ def test_a_video_that_cannot_be_written_ends_alone(tmp_path: Path, monkeypatch: 
         play(session, 1)
     assert not session.recording
     play(session, 5)
-    session.close()
-    assert Replay.load(tmp_path / "a.a26r").frames_total == 6
+    assert closed(session, tmp_path).frames_total == 6
 
 
 def test_without_a_replay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -246,8 +243,7 @@ def test_a_step_is_held_and_shown_frame_by_frame(tmp_path: Path) -> None:
     for frame in range(5 + 40):
         session.play(Action.FIRE if frame % 4 == 1 else Action.LEFT)  # FIRE is pressed in the first frame of each step
         screens.append(session.screen)
-    session.close()
-    replay = Replay.load(tmp_path / "a.a26r")
+    replay = closed(session, tmp_path)
     frames = list(replay.frames())
     assert (len(frames), session.frames) == (45, 45)
     assert [frame.action for frame in frames] == [Action.NOOP] * 5 + [Action.FIRE] * 40
@@ -272,8 +268,7 @@ def test_a_game_goes_on_after_a_lost_life(preset: str, tmp_path: Path) -> None:
     session.play(Action.NOOP)
     assert not session.over
     assert session._atari.core.lives == 5
-    session.close()
-    assert Replay.load(tmp_path / "a.a26r").verify()
+    assert closed(session, tmp_path).verify()
 
 
 def test_states_and_rewinding_within_a_skip(tmp_path: Path) -> None:
@@ -287,8 +282,7 @@ def test_states_and_rewinding_within_a_skip(tmp_path: Path) -> None:
     play(session, 61, Action.LEFT)
     assert session.rewind()
     play(session, 30, Action.LEFT)
-    session.close()
-    replay = Replay.load(tmp_path / "a.a26r")
+    replay = closed(session, tmp_path)
     assert replay.verify()
     assert replay.episodes[0].score >= score > 0
 

@@ -2,6 +2,7 @@ import doctest
 import importlib
 
 import gymnasium
+import pytest
 
 # Public functions without an example: they need a display, a notebook, the network or a package that few have.
 WITHOUT_EXAMPLE = {
@@ -17,12 +18,13 @@ WITHOUT_EXAMPLE = {
 }
 
 
-def documented(public):
-    return [found for module in public.MODULES for found in public.definitions(module) if found.page == module]
+@pytest.fixture
+def documented(definitions):
+    return [found for module, found in definitions if found.page == module]
 
 
-def test_every_public_class_and_function_has_an_example(site_module):
-    found = [found for found in documented(site_module("public")) if found.kind in ("class", "function")]
+def test_every_public_class_and_function_has_an_example(documented):
+    found = [found for found in documented if found.kind in ("class", "function")]
     assert {each.path for each in found if ">>>" not in each.docstring} == WITHOUT_EXAMPLE
 
 
@@ -45,11 +47,11 @@ def run(found):
     return "" if any(error in printed for error in lacking) else printed
 
 
-def test_examples_run(site_module, tmp_path, monkeypatch):
+def test_examples_run(documented, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     monkeypatch.setattr("atari.integrations.envpool.spec._REGISTERED", {})  # an example adds a task
     failed = []
-    for found in documented(site_module("public")):
+    for found in documented:
         if ">>>" in found.docstring:
             (tmp_path / found.path).mkdir()
             monkeypatch.chdir(tmp_path / found.path)

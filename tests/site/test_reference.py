@@ -1,8 +1,6 @@
 import re
 from pathlib import Path
 
-import pytest
-
 # Modules whose `__all__` another module re-exports, or that hold names for other parts of the package only.
 NOT_PAGES = {
     "atari.base.gymnasium_versions",
@@ -15,17 +13,6 @@ NOT_PAGES = {
     "atari.task",
     "atari.vector",
 }
-
-
-@pytest.fixture(scope="module")
-def public(site_module):
-    return site_module("public")
-
-
-@pytest.fixture(scope="module")
-def definitions(public):
-    """The module and the definition of every public name."""
-    return [(module, found) for module in public.MODULES for found in public.definitions(module)]
 
 
 def test_every_module_with_public_names_has_a_page(public):

@@ -1,11 +1,11 @@
 """The common behaviour of our cores beyond `atari.testing.check_core`: the words of errors, and facts of some games.
 
+`check_core` tries more wrong values, and asks that an error changes nothing.
+
 A core's own test file subclasses `CoreContract` and names its class in `core_type`; pytest then runs the tests below
 and in `snapshot_contract.py` on it. `tests/cores/test_contract.py` runs `check_core`.
 """
 
-from collections.abc import Callable
-from operator import attrgetter, methodcaller
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from core_tools import ARRAYS, play, some_actions, unchanged, visible
 from snapshot_contract import SnapshotContract
 
 import atari
-from atari.cores import Core
 
 FIRE, RIGHT, LEFT = 1, 3, 4
 OUT = "out must be a writable C-contiguous uint8 array of shape"
@@ -44,15 +43,10 @@ class CoreContract(SnapshotContract):
             ("game", "brekout", ValueError, "there is no game 'brekout'; did you mean 'breakout'?"),
             ("game", 7, TypeError, "a game is named by a string such as 'breakout', got 7"),
             ("seed", -1, ValueError, "seed must be within 0..4294967295, got -1"),
-            ("seed", 2**32, ValueError, "seed must be within 0..4294967295"),
             ("seed", 1.5, TypeError, "seed must be an integer within 0..4294967295, got 1.5"),
-            ("seed", None, TypeError, "seed must be an integer"),
-            ("seed", True, TypeError, "seed must be an integer"),
             ("repeat_action_probability", -0.1, ValueError, "repeat_action_probability must be within 0..1, got -0.1"),
-            ("repeat_action_probability", 1.01, ValueError, "must be within 0..1, got 1.01"),
             ("repeat_action_probability", float("nan"), TypeError, "must be a number within 0..1, got nan"),
             ("repeat_action_probability", "0.5", TypeError, "must be a number within 0..1, got '0.5'"),
-            ("repeat_action_probability", None, TypeError, "must be a number within 0..1, got None"),
             ("mode", 1, ValueError, "breakout has no mode 1; it has 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44"),
             ("mode", "0", TypeError, "mode must be an integer or None, got '0'"),
             ("difficulty", 2, ValueError, "breakout has no difficulty 2; it has 0, 1"),
@@ -95,14 +89,11 @@ class CoreContract(SnapshotContract):
 
     # Screens, RAM and sound.
 
-    def test_the_three_screens_show_the_same(self) -> None:
-        """Each palette index has one colour and one luminance, and the luminance belongs to the colour."""
+    def test_the_gray_screen_has_the_luminance_of_the_colours(self) -> None:
         core = self.make("seaquest")
         core.act(0)
-        index, gray = core.screen().ravel(), core.screen_grayscale().ravel()
-        rgb = core.screen_rgb().reshape(-1, 3)
-        everything = np.column_stack([index, gray, rgb])
-        assert len(np.unique(everything, axis=0)) == len(np.unique(index)) > 5
+        rgb, gray = core.screen_rgb(), core.screen_grayscale()
+        assert len(np.unique(gray)) > 5
         assert np.array_equal(gray, np.floor(rgb @ [0.2989, 0.587, 0.114] + 0.5).astype(np.uint8))
 
     def test_sound_moves_around_128(self) -> None:
@@ -123,17 +114,6 @@ class CoreContract(SnapshotContract):
             one.reset()
         actions = some_actions(core, 40)
         assert play(loud, actions) == play(ears, actions)
-        play(core, actions)
-        assert loud.with_sound() is loud
-        later = core.with_sound()
-        assert later.frame_number == core.frame_number
-        assert np.array_equal(later.screen(), core.screen())
-        rewards = [core.act(action) for action in actions]
-        assert [later.act(action) for action in actions] == rewards
-        assert np.array_equal(later.ram(), core.ram())
-        assert np.array_equal(later.screen(), core.screen())
-        assert not core.audio().any()
-        assert later.audio().min() >= 128
 
     # Playing.
 
@@ -182,15 +162,6 @@ class CoreContract(SnapshotContract):
 
     # Random numbers.
 
-    @pytest.mark.parametrize("seed", [0, 2**31, 2**32 - 1])
-    def test_seeding_starts_over_as_if_made_with_that_seed(self, seed: int) -> None:
-        used, new = self.make(seed=5, mode=4, difficulty=1), self.make(seed=seed, mode=4, difficulty=1)
-        play(used, some_actions(used, 30))
-        used.seed(seed)
-        used.reset()
-        actions = some_actions(used, 60)
-        assert play(used, actions) == play(new, actions)
-
     def test_without_stickiness_every_action_counts(self) -> None:
         first, second = (self.make("seaquest", seed=seed, repeat_action_probability=0.0) for seed in (1, 2))
         actions = some_actions(first, 60)
@@ -229,38 +200,26 @@ class CoreContract(SnapshotContract):
     @pytest.mark.parametrize(
         ("method", "arguments", "error", "text"),
         [
-            *(("act", (wrong,), ValueError, "0..17") for wrong in (-1, 18, 40, 2**70)),
-            *(("act", (wrong,), TypeError, "0..17") for wrong in (1.0, float("nan"), "1", None, [1], np.float32(1))),
+            ("act", (18,), ValueError, "0..17"),
+            ("act", (1.0,), TypeError, "0..17"),
             (
                 "act",
                 (RIGHT, float("nan")),
                 ValueError,
                 "strength must be finite and at most 1000 in magnitude, got nan",
             ),
-            ("act", (RIGHT, float("inf")), ValueError, "strength must be finite"),
             ("act", (RIGHT, 1e9), ValueError, "strength must be finite"),
             ("act", (RIGHT, "1"), TypeError, "strength must be a number, got '1'"),
-            ("act", (RIGHT, None), TypeError, "strength must be a number, got None"),
-            ("act", (RIGHT, [1.0]), TypeError, "strength must be a number"),
             ("act", (RIGHT, np.ones(2)), TypeError, "strength must be a number"),
-            ("set_ram", (-1, 0), ValueError, "index must be within 0..127, got -1"),
             ("set_ram", (128, 0), ValueError, "index must be within 0..127, got 128; the address $80 has the index 0"),
-            ("set_ram", (256, 0), ValueError, "index must be within 0..127, got 256"),
             ("set_ram", (0.0, 0), TypeError, "index must be an integer within 0..127, got 0.0"),
             ("set_ram", (0, 256), ValueError, "value must be within 0..255, got 256"),
-            ("set_ram", (0, -1), ValueError, "value must be within 0..255, got -1"),
             ("set_ram", (0, None), TypeError, "value must be an integer within 0..255, got None"),
-            *(("seed", (wrong,), ValueError, "seed must be") for wrong in (-1, 2**32)),
-            *(("seed", (wrong,), TypeError, "seed must be") for wrong in (0.5, "1", None)),
-            *(
-                ("restore_state", (wrong,), TypeError, "restore_state takes what clone_state returned")
-                for wrong in (None, b"", "state", object())
-            ),
+            ("seed", (2**32,), ValueError, "seed must be"),
+            ("seed", (0.5,), TypeError, "seed must be"),
+            ("restore_state", (b"",), TypeError, "restore_state takes what clone_state returned"),
             *((array, (np.zeros(3, np.uint8),), ValueError, OUT) for array in ARRAYS),
-            *(
-                ("restore", (wrong,), TypeError, "a snapshot is bytes as snapshot() returned them")
-                for wrong in ("text", bytearray(b"ATARISNP"), memoryview(b"ATARISNP"), None, 3)
-            ),
+            ("restore", (bytearray(b"ATARISNP"),), TypeError, "a snapshot is bytes as snapshot() returned them"),
         ],
     )
     def test_a_wrong_call_is_refused(
@@ -276,19 +235,8 @@ class CoreContract(SnapshotContract):
         with unchanged(core), pytest.raises(ValueError, match="the state is of another game than"):
             core.restore_state(other.clone_state())
 
-    @pytest.mark.parametrize(
-        "use",
-        [
-            lambda core: core.seed(1),
-            lambda core: core.act(0),
-            lambda core: core.set_ram(0, 0),
-            *map(methodcaller, ("reset", "snapshot", "clone_state", *ARRAYS)),
-            *map(attrgetter, ("lives", "game_over", "truncated", "frame_number", "episode_frame_number")),
-        ],
-    )
-    def test_a_closed_core_refuses_everything(self, use: Callable[[Core], Any]) -> None:
+    def test_a_closed_core_says_so(self) -> None:
         core = self.make()
-        for _ in range(2):
-            core.close()
-            with pytest.raises(RuntimeError, match="this core is closed; make a new one"):
-                use(core)
+        core.close()
+        with pytest.raises(RuntimeError, match="this core is closed; make a new one"):
+            core.act(0)

@@ -1,13 +1,14 @@
 """Helpers of the contracts of cores: make a core, play it, and read its visible state."""
 
+import hashlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from atari.cores import AleCore, Core, NativeCore
+from atari.cores import CORES, AleCore, Core, NativeCore
 from atari.testing.core_play import ARRAYS, some_actions
 
-__all__ = ["ARRAYS", "Maker", "play", "some_actions", "unchanged", "visible"]
+__all__ = ["ARRAYS", "Maker", "play", "rest_of_a_game", "some_actions", "unchanged", "visible"]
 
 
 class Maker:
@@ -31,6 +32,18 @@ def visible(core: Core) -> tuple[Any, ...]:
 def play(core: Core, actions: Iterable[int]) -> list[tuple[Any, ...]]:
     """The visible state of a core after each action, with the reward."""
     return [(core.act(action), *visible(core)) for action in actions]
+
+
+def rest_of_a_game(name: str, saved: bytes | None = None) -> tuple[bytes, str]:
+    """A snapshot of a core of this name, or `saved`, which it restores; and the digest of what it plays from there."""
+    core: Any = CORES[name]("space_invaders", seed=8, sound=True, mode=2, frame_skip=2)
+    if saved is None:
+        core.reset()
+        play(core, some_actions(core, 50))
+        saved = core.snapshot()
+    else:
+        core.restore(saved)
+    return saved, hashlib.sha256(repr(play(core, some_actions(core, 40, seed=1))).encode()).hexdigest()
 
 
 @contextmanager

@@ -7,6 +7,7 @@ import contextlib
 import io
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, Literal
 
 import gymnasium
@@ -49,52 +50,29 @@ class Door:
     takes_options: bool = True
 
 
-def _closed(env: Any) -> Task:
-    """The task of an environment, which this function closes."""
-    found = env.task if hasattr(env, "task") else env.unwrapped.whole_task
-    env.close()
-    assert isinstance(found, Task)
-    return found
+def _made(make: Callable[..., Any], *arguments: Any) -> Callable[..., Task]:
+    """A door for a function or a class that makes an environment, which this door closes."""
+
+    def task(game: Any, **options: Any) -> Task:
+        env = make(game, *arguments, **options)
+        found = env.task if hasattr(env, "task") else env.unwrapped.whole_task
+        env.close()
+        assert isinstance(found, Task)
+        return found
+
+    return task
 
 
-def _make(game: Any, **options: Any) -> Task:
-    return _closed(atari.make(game, **options))
-
-
-def _single(game: Any, **options: Any) -> Task:
-    return _closed(atari.AtariEnv(game, **options))
-
-
-def _gymnasium(game: Any, **options: Any) -> Task:
-    return _closed(gymnasium.make(game, **options))
-
-
-def _gymnasium_vector(game: Any, **options: Any) -> Task:
+def _gymnasium_vector(game: Any, **options: Any) -> Any:
     if gymnasium.__version__ < "1":
         pytest.skip("Gymnasium before 1.0 makes its own vector of this ID")
-    return _closed(gymnasium.make_vec(game, num_envs=1, **options).unwrapped)
+    return gymnasium.make_vec(game, num_envs=1, **options).unwrapped
 
 
-def _vector(game: Any, **options: Any) -> Task:
-    return _closed(atari.AtariVectorEnv(game, 1, **options))
-
-
-def _stable_baselines(game: Any, **options: Any) -> Task:
+def _stable_baselines(game: Any, **options: Any) -> Any:
     from atari.integrations.sb3 import AtariVecEnv
 
-    return _closed(AtariVecEnv(game, 1, **options))
-
-
-def _envpool(game: Any, **options: Any) -> Task:
-    return _closed(envpool.make(game, "gymnasium", num_envs=1, **options))
-
-
-def _core_of_several(game: Any, **options: Any) -> Task:
-    return _closed(MultiplayerCore(game, **options))
-
-
-def _parallel(game: Any, **options: Any) -> Task:
-    return _closed(parallel_env(game, **options).unwrapped)
+    return AtariVecEnv(game, 1, **options)
 
 
 def _evaluation(game: Any) -> Task:
@@ -168,20 +146,30 @@ _OF_RECORD = {**of_fields(("agent_indicator", "zero_sum"), _SEEN_BY_A_PERSON), *
 
 DOORS: tuple[Door, ...] = (
     Door("Task.of", Task.of),
-    Door("atari.make", _make, _SINGLE),
+    Door("atari.make", _made(atari.make), _SINGLE),
     Door(
         "gymnasium.make",
-        _gymnasium,
+        _made(gymnasium.make),
         _SINGLE,
         outside={"max_episode_steps": "Gymnasium puts its TimeLimit around"},
         games="ids",
     ),
-    Door("gymnasium.make_vec", _gymnasium_vector, _NO_SOUND, _OF_LIMITS, games="ids"),
-    Door("atari.AtariEnv", _single, {**_SINGLE, **of_fields(_OF_WRAPPERS, _NO_WRAPPERS)}),
-    Door("atari.AtariVectorEnv", _vector, _NO_SOUND, _OF_LIMITS),
-    Door("envpool.make", _envpool, {**_SINGLE, **_NO_SOUND, **_OF_ENVPOOL}, takes_options=False),
-    Door("MultiplayerCore", _core_of_several, {**_OF_STEPS, **_OF_SEVERAL}, games="several"),
-    Door("parallel_env", _parallel, _OF_SEVERAL, games="several"),
+    Door("gymnasium.make_vec", _made(_gymnasium_vector), _NO_SOUND, _OF_LIMITS, games="ids"),
+    Door("atari.AtariEnv", _made(atari.AtariEnv), {**_SINGLE, **of_fields(_OF_WRAPPERS, _NO_WRAPPERS)}),
+    Door("atari.AtariVectorEnv", _made(atari.AtariVectorEnv, 1), _NO_SOUND, _OF_LIMITS),
+    Door(
+        "envpool.make",
+        _made(partial(envpool.make, env_type="gymnasium", num_envs=1)),
+        {**_SINGLE, **_NO_SOUND, **_OF_ENVPOOL},
+        takes_options=False,
+    ),
+    Door("MultiplayerCore", _made(MultiplayerCore), {**_OF_STEPS, **_OF_SEVERAL}, games="several"),
+    Door(
+        "parallel_env",
+        _made(lambda game, **options: parallel_env(game, **options).unwrapped),
+        _OF_SEVERAL,
+        games="several",
+    ),
     Door(
         "evaluate",
         _evaluation,
@@ -215,7 +203,7 @@ TRAIN = Door(
 )
 """The door that needs PyTorch."""
 
-STABLE_BASELINES = Door("atari.sb3.AtariVecEnv", _stable_baselines, _NO_SOUND, _OF_LIMITS)
+STABLE_BASELINES = Door("atari.sb3.AtariVecEnv", _made(_stable_baselines), _NO_SOUND, _OF_LIMITS)
 """The door that needs Stable-Baselines3."""
 
 GAMES = ("pong", "ALE/Pong-v5", "PongNoFrameskip-v4", "Pong-ram-v4")

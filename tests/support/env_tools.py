@@ -38,6 +38,16 @@ def unchanged(env: AtariEnv) -> Iterator[None]:
     assert env.snapshot() == before
 
 
+class AroundAle:
+    """An object that users put around `env.ale`: it has the methods of the one inside."""
+
+    def __init__(self, ale: Any) -> None:
+        self.inner = ale
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.inner, name)
+
+
 class Observer:
     """Keeps a value of each frame that the console plays, and of each game that begins if `begun` makes one."""
 
@@ -62,6 +72,14 @@ class Observer:
 def started(game: str = "breakout", *, seed: int = 0, **options: Any) -> AtariEnv:
     env = AtariEnv(game, **options)
     env.reset(seed=seed)
+    return env
+
+
+def playing(**options: Any) -> AtariEnv:
+    """A game of Pong whose ball is in play."""
+    env = started("pong", **options)
+    for _ in range(30):
+        env.step(2)  # RIGHT
     return env
 
 

@@ -1,8 +1,12 @@
 """Trainings of about a second."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import pytest
+
+from atari.cli import main
 from atari.learning.agents import find_agent
 from atari.learning.options import FAST_RAM
 
@@ -28,3 +32,18 @@ def make_options(agent: str, game: Any = "pong", **given: Any) -> Any:
     if agent == "dqn":  # it must learn before it ends
         options["learning_starts"] = min(options["learning_starts"], options["total_steps"] // 2)
     return found.options_class.of(game, **options)
+
+
+class _Here:
+    """In the place of a process of a sweep: its command runs in this one, which has imported PyTorch already."""
+
+    def __init__(self, words: list[str], **_: object) -> None:
+        self.stdin, self.returncode = None, main(words[3:])  # after `python -m atari.cli.sweep`
+
+    def poll(self) -> int:
+        return self.returncode
+
+
+def sweep_in_this_process(patch: pytest.MonkeyPatch) -> None:
+    """Let sweeps start no processes."""
+    patch.setattr("atari.learning.sweep.processes.subprocess", SimpleNamespace(Popen=_Here, PIPE=None))

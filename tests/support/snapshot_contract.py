@@ -1,57 +1,19 @@
 """The part of `CoreContract` that concerns snapshots."""
 
-import hashlib
-import inspect
-import json
-import subprocess
-import sys
-from pathlib import Path
 from typing import Any
 
 import pytest
-from core_tools import ARRAYS, Maker, play, some_actions, unchanged, visible
+from core_tools import Maker, play, some_actions, unchanged, visible
 
 from atari.cores import snapshot
-
-FIRE, RIGHT = 1, 3
 
 
 class SnapshotContract(Maker):
     """A snapshot taken at any time continues exactly. Any other value raises and changes nothing."""
 
-    def test_a_snapshot_continues_exactly_in_another_process(self, tmp_path: Path) -> None:
-        options: dict[str, Any] = {"sound": True, "mode": 2, "frame_skip": 2}
-        core = self.make("space_invaders", seed=8, **options)
-        play(core, some_actions(core, 50))
-        (tmp_path / "saved").write_bytes(core.snapshot())
-        actions = some_actions(core, 40, seed=1)
-        program = "\n".join(
-            [
-                inspect.getsource(visible),
-                inspect.getsource(play),
-                "core = CORES[sys.argv[1]]('space_invaders', **json.loads(sys.argv[2]))",
-                "core.restore(Path('saved').read_bytes())",
-                "print(hashlib.sha256(repr(play(core, json.loads(sys.argv[3]))).encode()).hexdigest())",
-            ]
-        )
-        header = (
-            "import hashlib, json, sys\nfrom collections.abc import Iterable\nfrom pathlib import Path\n"
-            f"from typing import Any\nfrom atari.cores import CORES, Core\nARRAYS = {ARRAYS}\n"
-        )
-        command = [sys.executable, "-c", header + program, core.name, json.dumps(options), json.dumps(actions)]
-        result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-        assert result.stdout.strip() == hashlib.sha256(repr(play(core, actions)).encode()).hexdigest()
-
-    @pytest.mark.parametrize("phase", ["made", "reset", "poked", "paddle", "truncated", "over"])
-    def test_a_snapshot_of_any_phase_continues_exactly(self, phase: str) -> None:
-        core = self.make(reset=False, max_num_frames_per_episode=60, seed=1)
-        if phase != "made":
-            core.reset()
-        if phase == "poked":
-            core.set_ram(0x39, 3)
-        if phase == "paddle":
-            for _ in range(10):
-                core.act(RIGHT, 0.3)
+    @pytest.mark.parametrize("phase", ["truncated", "over"])
+    def test_a_snapshot_of_an_ended_game_continues_exactly(self, phase: str) -> None:
+        core = self.make(max_num_frames_per_episode=60, seed=1)
         if phase == "truncated":
             play(core, [0] * 70)
         if phase == "over":
@@ -73,25 +35,6 @@ class SnapshotContract(Maker):
         core.reset()
         other.reset()
         assert visible(core)[:4] == visible(other)[:4]
-
-    def test_a_snapshot_cut_anywhere_is_refused(self) -> None:
-        core = self.make(reset=False)
-        good = core.snapshot()
-        with unchanged(core):
-            for length in range(len(good)):
-                with pytest.raises(ValueError, match="snapshot"):
-                    core.restore(good[:length])
-
-    def test_a_snapshot_with_any_one_bit_flipped_is_refused(self) -> None:
-        core = self.make(reset=False)
-        core.act(FIRE)
-        good = core.snapshot()
-        with unchanged(core):
-            for place in range(len(good)):
-                bad = bytearray(good)
-                bad[place] ^= 1 << place % 8
-                with pytest.raises(ValueError, match="snapshot"):
-                    core.restore(bytes(bad))
 
     @pytest.mark.parametrize(
         ("game", "options", "text"),

@@ -11,6 +11,13 @@ def make(game: Any = "breakout", num_envs: int | None = 3, **options: Any) -> at
     return atari.AtariVectorEnv(game, num_envs, **{"num_threads": 2, **options})
 
 
+def begun(game: Any = "breakout", num_envs: int | None = 3, seed: Any = None, **options: Any) -> atari.AtariVectorEnv:
+    """One that has been reset."""
+    envs = make(game, num_envs, **options)
+    envs.reset(seed=seed)
+    return envs
+
+
 def as_bytes(observation: Any) -> bytes:
     """An observation, an array or a dict of arrays, as bytes."""
     parts = observation.values() if isinstance(observation, dict) else [observation]

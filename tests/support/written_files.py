@@ -10,6 +10,7 @@ import json
 import os
 import struct
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -76,62 +77,49 @@ def data_set(steps: int) -> Write:
     return lambda path: write_dataset(replay, path, frames=("rgb", "grayscale")[steps % 2])
 
 
-def minari(write: Callable[[Path, str], object]) -> Callable[[int], Write]:
+def minari(write: Callable[[Path, str], object], steps: int) -> Write:
     """A dataset of Minari in a folder of all datasets, which is `path`."""
+    replay = replay_of(steps)
 
-    def prepare(steps: int) -> Write:
-        replay = replay_of(steps)
+    def to(path: Path) -> None:
+        os.environ["MINARI_DATASETS_PATH"] = str(path)
+        write(replay, "pong/mine-v0")
 
-        def to(path: Path) -> None:
-            os.environ["MINARI_DATASETS_PATH"] = str(path)
-            write(replay, "pong/mine-v0")
-
-        return to
-
-    return prepare
+    return to
 
 
-def video(scale: int = 1) -> Callable[[int], Write]:
-    def prepare(frames: int) -> Write:
-        source = np.random.default_rng(frames)
+def video(frames: int, scale: int = 1) -> Write:
+    source = np.random.default_rng(frames)
 
-        def to(path: Path) -> None:
-            with VideoWriter(path, (32, 32), 60, scale=scale, sound=path.suffix in (".mp4", ".mkv", ".webm")) as writer:
-                for _ in range(1 if path.name == "picture.png" else max(1, frames)):
-                    writer.write(source.integers(0, 255, (32, 32, 3), np.uint8))
+    def to(path: Path) -> None:
+        with VideoWriter(path, (32, 32), 60, scale=scale, sound=path.suffix in (".mp4", ".mkv", ".webm")) as writer:
+            for _ in range(1 if path.name == "picture.png" else max(1, frames)):
+                writer.write(source.integers(0, 255, (32, 32, 3), np.uint8))
 
-        return to
-
-    return prepare
+    return to
 
 
-def steps_of(wrap: Callable[[Any, Path], Any]) -> Callable[[int], Write]:
+def steps_of(wrap: Callable[[Any, Path], Any], steps: int) -> Write:
     """A wrapper that records some steps."""
 
-    def prepare(steps: int) -> Write:
-        def to(path: Path) -> None:
-            with wrap(atari.AtariEnv("pong"), path) as env:
-                env.reset(seed=0)
-                for _ in range(max(1, steps)):
-                    env.step(env.action_space.sample())
+    def to(path: Path) -> None:
+        with wrap(atari.AtariEnv("pong"), path) as env:
+            env.reset(seed=0)
+            for _ in range(max(1, steps)):
+                env.step(env.action_space.sample())
 
-        return to
-
-    return prepare
+    return to
 
 
-def session(do: Callable[[Session, int], object], **files: str) -> Callable[[int], Write]:
-    def prepare(frames: int) -> Write:
-        def to(path: Path) -> None:
-            playing = Session("pong", **{name: path / file if file else path for name, file in files.items()})
-            try:
-                do(playing, max(1, frames))
-            finally:
-                playing.close()
+def session(do: Callable[[Session, int], object], frames: int, **files: str) -> Write:
+    def to(path: Path) -> None:
+        playing = Session("pong", **{name: path / file if file else path for name, file in files.items()})
+        try:
+            do(playing, max(1, frames))
+        finally:
+            playing.close()
 
-        return to
-
-    return prepare
+    return to
 
 
 def play_on(playing: Session, frames: int) -> None:
@@ -145,15 +133,12 @@ def film(playing: Session, frames: int) -> None:
     playing.toggle_video()
 
 
-def exported(name: str) -> Callable[[int], Write]:
-    def prepare(frames: int) -> Write:
-        lab = new_inspection()
-        play_session(lab, max(2, frames))
-        lab.freeze(57)
-        lab.name(3, "mine")
-        return lambda path: export.write(lab, name, path)
-
-    return prepare
+def exported(name: str, frames: int) -> Write:
+    lab = new_inspection()
+    play_session(lab, max(2, frames))
+    lab.freeze(57)
+    lab.name(3, "mine")
+    return lambda path: export.write(lab, name, path)
 
 
 def clip(frames: int) -> Write:
@@ -168,12 +153,9 @@ def screen(_: int) -> Write:
     return lambda path: env.ale.saveScreenPNG(path)
 
 
-def causal(write: Callable[[Any, Path], object]) -> Callable[[int], Write]:
-    def prepare(_: int) -> Write:
-        found = causes("breakout", 1, 1, 1, threads=1)
-        return lambda path: write(found, path)
-
-    return prepare
+def causal(write: Callable[[Any, Path], object], _: int) -> Write:
+    found = causes("breakout", 1, 1, 1, threads=1)
+    return lambda path: write(found, path)
 
 
 def result(runs: int) -> Any:
@@ -188,13 +170,10 @@ def result(runs: int) -> Any:
     return Result("mine", PROTOCOLS["dopamine"], 0, tuple(games))
 
 
-def comparison(do: str) -> Callable[[int], Write]:
-    def prepare(runs: int) -> Write:
-        from atari.learning import compare
+def comparison(do: str, runs: int) -> Write:
+    from atari.learning import compare
 
-        return getattr(compare(result(runs)), do)  # type: ignore[no-any-return]
-
-    return prepare
+    return getattr(compare(result(runs)), do)  # type: ignore[no-any-return]
 
 
 def monitor(steps: int) -> Write:
@@ -291,33 +270,33 @@ AV, PLOT, LEARN = ("av",), ("matplotlib",), ("torch", "tensorboard")
 WRITTEN: dict[str, Written] = {
     "HDF5": Written("data.h5", data_set, ("h5py",), replaces=False),
     "Parquet": Written("data.parquet", data_set, ("pyarrow",), replaces=False),
-    "Minari": Written("sets", minari(write_dataset), ("minari", "h5py"), replaces=False),
-    "to_minari": Written("sets", minari(to_minari), ("minari", "h5py"), replaces=False),
-    "MP4": Written("a.mp4", video(), AV, keeps=True),
-    "MKV": Written("a.mkv", video(), AV, keeps=True),
-    "WebM": Written("a.webm", video(), AV, keeps=True),
-    "GIF": Written("a.gif", video(), AV, keeps=True),
-    "large video": Written("a.mp4", video(8), AV, keeps=True),
-    "picture": Written("picture.png", video()),
-    "numbered pictures": Written("%06d.png", video(), keeps=True),
-    "RecordVideo": Written("videos", steps_of(lambda env, path: RecordVideo(env, str(path))), AV, keeps=True),
-    "RecordReplay": Written(f"a{SUFFIX}", steps_of(RecordReplay), keeps=True),
+    "Minari": Written("sets", partial(minari, write_dataset), ("minari", "h5py"), replaces=False),
+    "to_minari": Written("sets", partial(minari, to_minari), ("minari", "h5py"), replaces=False),
+    "MP4": Written("a.mp4", video, AV, keeps=True),
+    "MKV": Written("a.mkv", video, AV, keeps=True),
+    "WebM": Written("a.webm", video, AV, keeps=True),
+    "GIF": Written("a.gif", video, AV, keeps=True),
+    "large video": Written("a.mp4", partial(video, scale=8), AV, keeps=True),
+    "picture": Written("picture.png", video),
+    "numbered pictures": Written("%06d.png", video, keeps=True),
+    "RecordVideo": Written("videos", partial(steps_of, lambda env, path: RecordVideo(env, str(path))), AV, keeps=True),
+    "RecordReplay": Written(f"a{SUFFIX}", partial(steps_of, RecordReplay), keeps=True),
     "state of a play session": Written(
-        "a.state", session(lambda one, _: one.save(), state=""), command=("play", "--state")
+        "a.state", partial(session, lambda one, _: one.save(), state=""), command=("play", "--state")
     ),
     "replay of a play session": Written(
-        f"a{SUFFIX}", session(play_on, replay=""), keeps=True, command=("play", "--replay")
+        f"a{SUFFIX}", partial(session, play_on, replay=""), keeps=True, command=("play", "--replay")
     ),
-    "video of a play session": Written("videos", session(film, videos=""), AV, keeps=True),
-    "labels of the lab": Written("labels.toml", exported("labels.toml")),
-    "interventions of the lab": Written("interventions.toml", exported("interventions.toml")),
+    "video of a play session": Written("videos", partial(session, film, videos=""), AV, keeps=True),
+    "labels of the lab": Written("labels.toml", partial(exported, "labels.toml")),
+    "interventions of the lab": Written("interventions.toml", partial(exported, "interventions.toml")),
     "replay of the lab": Written(
-        f"a{SUFFIX}", exported(next(n for n in export.NAMES if n.startswith("replay"))), keeps=True
+        f"a{SUFFIX}", partial(exported, next(n for n in export.NAMES if n.startswith("replay"))), keeps=True
     ),
     "clip of the lab": Written("clip.mp4", clip, AV, keeps=True),
     "screen": Written("screen.png", screen),
-    "causal map": Written("map.npz", causal(causal_files.save)),
-    "picture of a causal map": Written("map.png", causal(write_png)),
+    "causal map": Written("map.npz", partial(causal, causal_files.save)),
+    "picture of a causal map": Written("map.png", partial(causal, write_png)),
     "difference": Written(
         "differences",
         lambda _: verify.Difference(verify.VerificationRun("pong"), 3).write,
@@ -325,9 +304,9 @@ WRITTEN: dict[str, Written] = {
         command=("verify", "-o"),
     ),
     "result": Written("result.json", lambda runs: result(runs).save),
-    "comparison": Written("comparison.json", comparison("save")),
-    "plot": Written("comparison.svg", comparison("plot"), PLOT, command=("evaluate", "--plot")),
-    "plot in PDF": Written("comparison.pdf", comparison("plot"), PLOT),
+    "comparison": Written("comparison.json", partial(comparison, "save")),
+    "plot": Written("comparison.svg", partial(comparison, "plot"), PLOT, command=("evaluate", "--plot")),
+    "plot in PDF": Written("comparison.pdf", partial(comparison, "plot"), PLOT),
     "classic Monitor": Written("monitor", monitor, AV, keeps=True),
     "imported ROM": Written("own", imported, keeps=True),
     "trusted programs": Written("own", trusted, keeps=True),

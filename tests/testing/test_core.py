@@ -56,6 +56,11 @@ DoublesRewards = faulty(act=lambda core, own, *arguments: own(*arguments) + int(
 LosesSound = faulty(with_sound=lambda core, own: core if core.sound else NativeCore(core.game, sound=True))
 ClonesWithoutGenerator = faulty(clone_state=lambda core, own, include_rng=False: own())
 StaysOpen = faulty(close=lambda core, own: None)
+RaisesAtClose = faulty(close=lambda core, own: (core.ram(), own()))
+NoFrameSkip = faulty(__init__=lambda core, own, game, frame_skip=1, **options: own(game, **options))
+NoSeed = faulty(__init__=lambda core, own, game, seed=0, **options: own(game, **options))
+WritesTwice = faulty(set_ram=lambda core, own, index, value: (own(index, value), own((index + 1) % 128, 1)))
+PlaysToRedraw = faulty(redraw=lambda core, own, out=None: (core.act(0), own(out))[1])
 
 
 class WidensOut(NativeCore):
@@ -73,28 +78,12 @@ class Noisy(NativeCore):
         return gray
 
 
-class NoFrameSkip(NativeCore):
-    def __init__(self, game: str, *, frame_skip: int = 1, **options: Any) -> None:
-        super().__init__(game, **options)
-
-
-class NoSeed(NativeCore):
-    def __init__(self, game: str, *, seed: int = 0, **options: Any) -> None:
-        super().__init__(game, **options)
-
-
 class OwnSeed(NativeCore):
     made = 0
 
     def __init__(self, game: str, *, seed: int = 0, **options: Any) -> None:
         OwnSeed.made += 1
         super().__init__(game, seed=OwnSeed.made, **options)
-
-
-class WritesTwice(NativeCore):
-    def set_ram(self, index: int, value: int) -> None:
-        super().set_ram(index, value)
-        super().set_ram((index + 1) % 128, 1)
 
 
 class PlaysBeforeItChecks(NativeCore):
@@ -104,12 +93,6 @@ class PlaysBeforeItChecks(NativeCore):
         except (TypeError, ValueError):
             super().act(0)
             raise
-
-
-class PlaysToRedraw(NativeCore):
-    def redraw(self, out: Any = None) -> Any:
-        super().act(0)
-        return super().redraw(out)
 
 
 class FixedMode(NativeCore):
@@ -142,12 +125,6 @@ class TakesLongSnapshots(NativeCore):
         except ValueError:
             return False
         return True
-
-
-class RaisesAtClose(NativeCore):
-    def close(self) -> None:
-        self.ram()
-        super().close()
 
 
 FAULTS: dict[type[NativeCore], str] = {

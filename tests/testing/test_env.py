@@ -47,9 +47,14 @@ class KeepsCounting(Faulty):
         return (*result, {**info, "count": self.count})  # type: ignore[return-value]
 
 
+def stepping(step: Callable[..., Any]) -> type[Faulty]:
+    """The class of wrappers with another `step`, a function of the wrapper and the action."""
+    return type("Stepping", (Faulty,), {"step": step})
+
+
 def changed(change: Callable[..., Any]) -> type[Faulty]:
     """The class of wrappers whose `step` returns what a function makes of the environment's results."""
-    return type("Changed", (Faulty,), {"step": lambda self, action: change(*self.env.step(action))})
+    return stepping(lambda self, action: change(*self.env.step(action)))
 
 
 OtherShape = changed(lambda seen, *rest: (seen[:127], *rest))
@@ -57,6 +62,7 @@ OtherFinalDtype = changed(lambda seen, *rest: (seen.astype(np.int64) if rest[2] 
 ArrayOfReward = changed(lambda seen, reward, *rest: (seen, np.array([reward]), *rest))
 InfiniteReward = changed(lambda seen, reward, *rest: (seen, float("inf"), *rest))
 HidesTheEnd = changed(lambda seen, reward, terminated, truncated, info: (seen, reward, False, False, info))
+TakesAnyAction = stepping(lambda self, action: self.env.step(action if action in self.action_space else 0))
 OldLives = changed(lambda *results: (*results[:4], {**results[4], "lives": 7}))
 
 
@@ -79,11 +85,6 @@ class ReusesArray(Faulty):
             return (observation, *rest)  # type: ignore[return-value]
         self.kept[:] = observation
         return (self.kept, *rest)  # type: ignore[return-value]
-
-
-class TakesAnyAction(Faulty):
-    def step(self, action: Any) -> Step:
-        return self.env.step(action if action in self.action_space else 0)
 
 
 class PlaysBeforeItChecks(atari.AtariEnv):
@@ -110,21 +111,12 @@ class HasLambda(Faulty):
         self.function = lambda: 0
 
 
-class ForgetsCount(Faulty):
-    """Its copies begin to count again."""
-
-    def __init__(self, env: gymnasium.Env[Any, Any]) -> None:
-        super().__init__(env)
-        self.count = 0
+class ForgetsCount(KeepsCounting):
+    """Its copies begin to count again, as resets do."""
 
     def reset(self, *, seed: int | None = None, options: Any = None) -> Any:
         self.count = 0
         return self.env.reset(seed=seed, options=options)
-
-    def step(self, action: Any) -> Step:
-        self.count += 1
-        *result, info = self.env.step(action)
-        return (*result, {**info, "count": self.count})  # type: ignore[return-value]
 
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "count": 0}
@@ -204,9 +196,7 @@ def test_spec_false_leaves_the_spec_out() -> None:
 
 
 def test_only_a_function_that_makes_environments_is_taken() -> None:
-    with pytest.raises(
-        TypeError, match=r"check_env takes a function that makes MyEnv\(\), got .*; write lambda: MyEnv"
-    ):
+    with pytest.raises(TypeError, match=r"takes a function that makes MyEnv\(\), got .*; write lambda: MyEnv"):
         check_env(pong())  # type: ignore[arg-type]
     with pytest.raises(ContractError, match=r"^make\(\) must return a gymnasium.Env, got 3"):
         check_env(lambda: 3)  # type: ignore[arg-type, return-value]

@@ -17,10 +17,7 @@ FAULTS: dict[str, tuple[tuple[str, str], str]] = {
     "no TOML": (("[rules]", "[rules"), "catch.toml:"),
     "an unknown key": (("lives_initial", "lives_at_start"), "[rules] has no key 'lives_at_start'"),
     "an unknown name": (("points - score", "points - scores"), "the name 'scores' is not defined before this line"),
-    "over at once": (
-        ("ram[0x81] == 0", "ram[0x81] == 3"),
-        "[rules] terminal must be 0 when a game begins, but the game",
-    ),
+    "over at once": (("ram[0x81] == 0", "ram[0x81] == 3"), "[rules] terminal must be 0 when a game begins, but"),
     "negative lives": (("lives    = ram[0x81]", "lives    = ram[0x81] - 4"), "[rules] lives must be 0 or more, got -1"),
     "a reward that is never paid": (
         ("reward   = points - score", "reward   = 0"),
@@ -28,7 +25,7 @@ FAULTS: dict[str, tuple[tuple[str, str], str]] = {
     ),
     "a position beside the screen": (
         ('"v - 16"', '"v + 160"'),
-        "[ram] ball_x is a position_x and must be within 0..159 at times, got ",
+        "[ram] ball_x is a position_x and must be within 0..159",
     ),
     "a mode that cannot be selected": (
         (
@@ -37,10 +34,7 @@ FAULTS: dict[str, tuple[tuple[str, str], str]] = {
         ),
         "a reset of catch raised RuntimeError: the mode cannot be selected",
     ),
-    "modes that nothing selects": (
-        ("modes = [0]", "modes = [0, 1]"),
-        "[settings] has 2 modes, and [rules] needs mode_select",
-    ),
+    "modes that nothing selects": (("modes = [0]", "modes = [0, 1]"), "has 2 modes, and [rules] needs mode_select"),
     "actions that do not matter": (
         ('["NOOP", "RIGHT", "LEFT"]', '["NOOP", "UP", "DOWN"]'),
         "[actions] minimal: NOOP, UP, DOWN lead to the same RAM after 600 frames; no action matters",

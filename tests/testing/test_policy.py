@@ -37,6 +37,19 @@ class Drawing:
         self.generators = state
 
 
+def drawing(**attributes: Any) -> type[Drawing]:
+    """The class of such policies with other attributes and methods."""
+    return type("Faulty", (Drawing,), attributes)
+
+
+ForgetsState = drawing(restore=lambda self, state: None)
+StateOfLambdas = drawing(state=lambda self: lambda: self.generators)
+HalfState = drawing(restore=property())
+OtherGame = drawing(game="pnog")
+FramesAsText = drawing(training_frames="10M")
+OtherEnvironment = drawing(environment={"obs_typ": "ram"})
+
+
 class IgnoresSeeds(Drawing):
     def begin(self, game: str, actions: Any, lanes: Any, seeds: Any) -> None:
         super().begin(game, actions, lanes, np.frombuffer(os.urandom(8 * len(lanes)), np.uint64))
@@ -48,20 +61,6 @@ class OneGenerator(Drawing):
         self.generators = {int(lane): generator for lane in range(3)}
 
 
-class ForgetsState(Drawing):
-    def restore(self, state: Any) -> None:
-        pass
-
-
-class StateOfLambdas(Drawing):
-    def state(self) -> Any:
-        return lambda: self.generators
-
-
-class HalfState(Drawing):
-    restore = property()  # type: ignore[assignment]
-
-
 class RaisesInBegin(Drawing):
     def begin(self, game: str, actions: Any, lanes: Any, seeds: Any) -> None:
         raise RuntimeError("no memory")
@@ -70,18 +69,6 @@ class RaisesInBegin(Drawing):
 class ThreeArguments:
     def __call__(self, observations: Any, lanes: Any, infos: Any) -> Any:
         return [0] * len(lanes)
-
-
-class OtherGame(Drawing):
-    game = "pnog"
-
-
-class FramesAsText(Drawing):
-    training_frames = "10M"
-
-
-class OtherEnvironment(Drawing):
-    environment = {"obs_typ": "ram"}  # noqa: RUF012
 
 
 def blank(observations: Any) -> Any:
@@ -98,24 +85,15 @@ def three_scores(observations: Any) -> Any:
 
 
 FAULTS: dict[str, tuple[Any, str]] = {
-    "3 scores in a game of 6 actions": (
-        ScoresPolicy(three_scores, name="three"),
-        "raised ValueError: three gives scores of 3 actions, and in pong it has 6 (NOOP, FIRE, RIGHT, LEFT",
-    ),
+    "3 scores in a game of 6 actions": (ScoresPolicy(three_scores), "scores of 3 actions, and in pong it has 6 (NOOP"),
     "scores as actions": (three_scores, "must return integers of shape (3,), one for each observation, got float32"),
-    "an action that the game lacks": (
-        lambda o: [6] * len(o),
-        "returned action 6; in pong it has 6 actions, 0..5 (NOOP",
-    ),
+    "an action that the game lacks": (lambda o: [6] * len(o), "returned action 6; in pong it has 6 actions, 0..5"),
     "one action for all": (
         lambda o: [0],
         "must return integers of shape (3,), one for each observation, got int64 (1,)",
     ),
     "nothing": (lambda o: None, "must return integers of shape (3,), one for each observation, got array(None"),
-    "actions by row": (
-        lambda o: np.arange(len(o)),
-        "for lane 1 alone as in a batch of 3, got 0 alone and 1 in the batch",
-    ),
+    "actions by row": (lambda o: np.arange(len(o)), "for lane 1 alone as in a batch of 3, got 0 alone and 1 in the"),
     "writes": (blank, "must not write to the observations; the observation is 0 at"),
     "extras": (extras, "must return a row of 'values' for each lane, got (1,)"),
     "an error": (lambda o: o["image"], "policy(uint8 (3, 128), [0, 1, 2]) raised IndexError: only integers"),
@@ -128,10 +106,7 @@ FAULTS: dict[str, tuple[Any, str]] = {
     "arguments": (ThreeArguments, "a policy takes (observations, lanes) or (observations), got"),
     "game": (OtherGame, "game must be the id of a game, got 'pnog'"),
     "frames": (FramesAsText, "training_frames must be an integer within 0..1000000000000000, got '10M'"),
-    "environment": (
-        OtherEnvironment,
-        "the environment of the policy: it has no option 'obs_typ'; did you mean 'obs_type'?",
-    ),
+    "environment": (OtherEnvironment, "the environment of the policy: it has no option 'obs_typ'; did you mean 'obs_t"),
 }
 
 
@@ -160,9 +135,7 @@ def test_policies_that_say_what_they_see_pass(sample: bool) -> None:
     check_policy(ScoresPolicy(bright, sample=sample, environment={"preset": "dqn2015"}, game="pong"))
     check_policy(ScoresPolicy(bright, sample=sample, task=atari.Task.of("pong", preset="dqn2015")))
     check_policy(ScoresPolicy(bright, sample=sample, task=atari.Task.of("pong", preset="dqn2015")), "space_invaders")
-    with pytest.raises(
-        ContractError, match="the policy has the actions RIGHTFIRE, LEFTFIRE, and breakout has NOOP, FIRE, RIGHT"
-    ):
+    with pytest.raises(ContractError, match="policy has the actions RIGHTFIRE, LEFTFIRE, and breakout has NOOP, FIRE"):
         check_policy(ScoresPolicy(bright, sample=sample, task=atari.Task.of("pong", preset="dqn2015")), "breakout")
     names = ["NOOP", "RIGHT", "LEFT"]
     check_policy(ScoresPolicy(three_scores, sample=sample, environment={"actions": names}, game="pong"))
@@ -183,9 +156,7 @@ def test_what_cannot_be_checked_is_refused() -> None:
     with pytest.raises(TypeError, match="check_policy needs a game, for a policy without the attributes game and task"):
         check_policy(Drawing)
     policy = ScoresPolicy(bright, task=atari.Task.of("pong", preset="dqn2015"))
-    with pytest.raises(
-        ValueError, match="the policy says what it sees, by its task or environment; leave out obs_type"
-    ):
+    with pytest.raises(ValueError, match="says what it sees, by its task or environment; leave out obs_type"):
         check_policy(policy, "pong", **RAM)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="did you mean 'pong'"):
         check_policy(Drawing, "pnog")

@@ -28,9 +28,14 @@ class Faulty(VectorWrapper):
     """The base of wrappers of vectors with a fault; without one it passes."""
 
 
+def faulty(**methods: Callable[..., Any]) -> type[Faulty]:
+    """The class of wrappers with other methods, functions of the wrapper and of the arguments."""
+    return type("WithFault", (Faulty,), methods)
+
+
 def changed(change: Callable[..., Any]) -> type[Faulty]:
     """The class of wrappers whose `step` returns what a function makes of the vector's results."""
-    return type("Changed", (Faulty,), {"step": lambda self, actions: change(*self.env.step(actions))})
+    return faulty(step=lambda self, actions: change(*self.env.step(actions)))
 
 
 def with_info(change: Callable[[Any, dict[str, Any]], dict[str, Any]]) -> type[Faulty]:
@@ -46,6 +51,15 @@ ListOfRewards = changed(lambda seen, reward, *rest: (seen, reward.tolist(), *res
 NumbersForEnds = changed(lambda seen, reward, ends, *rest: (seen, reward, ends.astype(np.uint8), *rest))
 NoMask = changed(lambda *each: (*each[:4], {name: part for name, part in each[4].items() if name != "_lives"}))
 OtherDtype = changed(lambda seen, *rest: (seen.astype(np.int32), *rest))
+ResetsEverything = faulty(reset=lambda self, *, seed=None, options=None: self.env.reset(seed=seed))
+NoSeed = faulty(reset=lambda self, *, seed=None, options=None: self.env.reset(options=options))
+IgnoresOut = faulty(step=lambda self, actions, out=None: self.env.step(actions))
+TakesTooFewActions = faulty(
+    step=lambda self, actions: self.env.step(actions if isinstance(actions, str) else np.resize(actions, N))
+)
+SwapsLanes = faulty(
+    step=lambda self, actions: self.env.step(actions[::-1] if isinstance(actions, np.ndarray) else actions)
+)
 
 
 class ShowsResetTwice(Faulty):
@@ -73,21 +87,11 @@ class PaysForResets(Faulty):
         return observation, reward, terminated, truncated, info
 
 
-class ResetsEverything(Faulty):
-    def reset(self, *, seed: Any = None, options: Any = None) -> Any:
-        return self.env.reset(seed=seed)
-
-
 class OneSeed(Faulty):
     def reset(self, *, seed: Any = None, options: Any = None) -> Any:
         if isinstance(seed, int):
             seed = [seed] * N
         return self.env.reset(seed=seed, options=options)
-
-
-class NoSeed(Faulty):
-    def reset(self, *, seed: Any = None, options: Any = None) -> Any:
-        return self.env.reset(options=options)
 
 
 class ReusesArray(Faulty):
@@ -101,23 +105,11 @@ class ReusesArray(Faulty):
         return (self.kept, *rest)
 
 
-class TakesTooFewActions(Faulty):
-    def step(self, actions: Any) -> Any:
-        return self.env.step(np.resize(actions, N) if isinstance(actions, np.ndarray) and len(actions) < N else actions)
-
-
 class PlaysBeforeItChecks(Faulty):
     def step(self, actions: Any) -> Any:
         if isinstance(actions, str):
             self.env.step(np.zeros(N, int))
         return self.env.step(actions)
-
-
-class SwapsLanes(Faulty):
-    """Actions go to the other environment."""
-
-    def step(self, actions: Any) -> Any:
-        return self.env.step(actions[::-1] if isinstance(actions, np.ndarray) else actions)
 
 
 class NoPlace(Faulty):
@@ -131,11 +123,6 @@ def _begun(mode: str) -> Any:
     envs = NoPlace(vector(mode))
     envs.reset(seed=1)
     return envs
-
-
-class IgnoresOut(Faulty):
-    def step(self, actions: Any, out: Any = None) -> Any:
-        return self.env.step(actions)
 
 
 class WrongSpace(Faulty):
@@ -157,10 +144,7 @@ class AnyRecv(atari.AtariVectorEnv):
 
 
 FAULTS: dict[Any, tuple[str, str]] = {
-    ShowsResetsObservation: (
-        "SameStep",
-        "info['final_obs'] must be the last one of the episode, but it is that of the",
-    ),
+    ShowsResetsObservation: ("SameStep", "info['final_obs'] must be the last one of the episode, but it is that of"),
     ShowsResetTwice: ("NextStep", "the observation of the step that ended it must be the last one of the episode, but"),
     NoFinalObservation: ("SameStep", "ended an episode and must return info['final_obs'], got ['_env_id'"),
     HidesFinalMask: ("SameStep", "ended the episodes of [0, 1], and '_final_obs' is False there"),
@@ -213,9 +197,7 @@ def test_a_wrapper_without_a_fault_passes(mode: str) -> None:
 
 
 def test_a_vector_that_cannot_be_checked_is_refused() -> None:
-    with pytest.raises(
-        ValueError, match="no episode ended within 10 steps, so check_vector cannot check the ends; make"
-    ):
+    with pytest.raises(ValueError, match="no episode ended within 10 steps, so check_vector cannot check the ends"):
         check_vector(vector, steps=10)
     with pytest.raises(ValueError, match="check_vector needs batches of all 2 environments, got batch_size=1"):
         check_vector(lambda: vector(batch_size=1))

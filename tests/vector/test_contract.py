@@ -13,7 +13,7 @@ from atari.lab import RamLabels
 from atari.testing import check_vector
 
 SHORT: dict[str, Any] = {"max_episode_steps": 10}
-check = partial(check_vector, steps=32)
+check = partial(check_vector, steps=24)
 
 KINDS: dict[str, tuple[Any, dict[str, Any]]] = {
     "RGB, drawn skips, sticky": (
@@ -37,6 +37,10 @@ KINDS: dict[str, tuple[Any, dict[str, Any]]] = {
     "two players": ("pong", {"players": 2}),
     "a preset of players": ("pong", {"preset": "multiplayer_dqn", "players": 2}),
     "one thread": ("pong", {"num_threads": 1}),
+    "a reward of its own": (
+        "breakout",
+        {"reward": "reward - 5 * lives_lost + 0.1 * player_x", "reward_clipping": False},
+    ),
 }
 
 

@@ -100,27 +100,6 @@ def test_misuses_are_refused_and_the_environment_goes_on() -> None:
     assert run_program(SETUP + calls).splitlines() == [f"{name}: {error}" for name, (_, error) in MISUSES.items()]
 
 
-def test_environment_numbers_that_another_thread_writes_are_not_read() -> None:
-    run_program("""
-        import threading, numpy as np, atari
-        envs = atari.AtariVectorEnv("pong", 1024, obs_type="ram", autoreset_mode="Disabled", max_num_frames_per_episode=1)
-        envs.reset(seed=0)
-        envs.step(np.zeros(1024, int))  # All episodes end, so a step takes no time.
-        arrays = [array for results in envs._buffers for array in results.batch.arrays.values()]
-        numbers, done = [array for array in arrays if array.dtype == np.int32], False
-        def write():
-            while not done:
-                for array in numbers:
-                    array[:] = 1 << 30
-        writer = threading.Thread(target=write)
-        writer.start()
-        for _ in range(3000):
-            envs.step(np.zeros(1024, int))
-        done = True
-        writer.join()
-    """)
-
-
 def test_memory_that_is_being_written_is_not_resized() -> None:
     run_program(
         SETUP

@@ -1,6 +1,5 @@
 """`info` of presets has the whole games' returns, lengths and ends: vector, single and Gymnasium's recorder agree."""
 
-import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -41,7 +40,7 @@ def test_single_is_what_the_recorder_records_beneath(name: str, game: str) -> No
     games: list[Game] = []
     score = 0.0
     _, info = env.reset(seed=1)
-    for _ in range(700):
+    for _ in range(500):
         assert ("episode" in info) <= (info["terminated"] or info["episode_frame_number"] >= 1800)
         *_, terminated, truncated, info = env.step(int(rng.integers(env.action_space.n)))
         score += info["reward"]
@@ -202,23 +201,6 @@ def test_modes_that_begin_with_the_end_of_a_game_say_so() -> None:
     terminated = envs.step(np.zeros(1, int))[2]
     assert terminated[0]
     assert envs.step(np.zeros(1, int))[4]["terminated"].tolist() == [True]  # the reset of the next step
-
-
-def test_counts_are_part_of_the_state() -> None:
-    def rest(envs: atari.AtariVectorEnv) -> list[Game]:
-        while True:
-            *_, info = envs.step(np.full(1, 2))
-            if "episode" in info:
-                return [(info["episode"]["r"][0], info["episode"]["l"][0]), info["elapsed_step"].tolist()]
-
-    envs = atari.AtariVectorEnv("breakout", 1, preset="baselines", num_threads=1)
-    envs.reset(seed=3)
-    for action in [1, 2, 3] * 20:
-        envs.step(np.full(1, action))
-    state, copied = envs.snapshot(), pickle.loads(pickle.dumps(envs))
-    expected = rest(envs)
-    envs.restore(None, pickle.loads(pickle.dumps(state)))
-    assert rest(envs) == rest(copied) == expected
 
 
 def test_an_observed_end_is_not_counted_again() -> None:

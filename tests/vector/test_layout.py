@@ -1,9 +1,8 @@
-"""Images of every size, and with other axes or as float32: a vector's equal those of OpenCV and of the usual form."""
+"""Images with other axes or as float32: a vector's equal those of the usual form."""
 
 from functools import partial
 from typing import Any
 
-import cv2
 import numpy as np
 import pytest
 import vector_tools
@@ -80,23 +79,6 @@ def test_out_is_filled_as_the_engine_writes() -> None:
     with pytest.raises(ValueError, match="channels_last"):
         envs.step(np.zeros(2, int), out=np.empty((2, 84, 84, 4), np.uint8))
     envs.step(np.zeros(2, int))
-
-
-@pytest.mark.parametrize("obs_type", ["grayscale", "rgb"])
-@pytest.mark.parametrize("size", [(12, 11), (5, 11), (7, 3), (1, 1), (2, 80), (210, 2), (3, 159)])
-def test_a_vector_plays_every_size(size: tuple[int, int], obs_type: str) -> None:
-    height, width = size
-    whole = {"obs_type": obs_type, "stack_num": 1, "maxpool": True}
-    task = atari.Task.of("kaboom", **whole, img_height=height, img_width=width)
-    envs, screens = (atari.AtariVectorEnv(each, 3) for each in (task, atari.Task.of("kaboom", **whole)))
-    single = atari.make(task)
-    observations = envs.reset(seed=5)[0], screens.reset(seed=5)[0], single.reset(seed=6)[0]
-    for number in range(20):
-        images = [cv2.resize(screen, (width, height), interpolation=cv2.INTER_AREA) for (screen,) in observations[1]]
-        np.testing.assert_array_equal(observations[0], np.reshape(images, observations[0].shape))
-        np.testing.assert_array_equal(observations[0][1], observations[2])
-        actions = np.full(3, number % 4)
-        observations = envs.step(actions)[0], screens.step(actions)[0], single.step(number % 4)[0]
 
 
 def test_the_widths_are_those_of_the_field() -> None:

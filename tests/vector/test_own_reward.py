@@ -1,14 +1,14 @@
 """A reward of the task's own: the same numbers from the vector, from single environments and from plain Python."""
 
-import copy
-import pickle
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 import reward_reference as reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from lane_oracle import Lanes
 from reward_strategies import expressions
 
 import atari
@@ -36,55 +36,61 @@ def task(name: str, game: str = "breakout", reward: str = REWARD) -> atari.Task:
     return atari.Task.of(game, reward=reward, **TASKS[name])
 
 
-class Twins:
-    """A single environment and a lane of a vector, with plain Python's reward beside them."""
+class PaidByPython(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """A single environment whose rewards are those of plain Python."""
 
-    def __init__(self, played: atari.Task, seed: int = 3) -> None:
-        self.task = played
-        self.env = atari.make(played)
-        self.envs = atari.AtariVectorEnv(played, 1, num_threads=1, autoreset_mode="NextStep")
-        self.env.reset(seed=seed)
-        self.envs.reset(seed=seed)
-        self.source = np.random.default_rng(seed)
-        self.before = self.now()
-        self.ended = False
+    def __init__(self, played: atari.Task) -> None:
+        super().__init__(atari.make(played))
+        self.played = played
 
     def now(self) -> reference.Moment:
         core = self.env.unwrapped.core  # type: ignore[attr-defined]
         return reference.Moment(core.ram(), core.lives)
 
-    def step(self) -> float:
-        action = int(self.source.integers(self.env.action_space.n))  # type: ignore[attr-defined]
-        if self.ended:
-            self.env.reset()
-            _, rewards, *_ = self.envs.step(np.array([action]))
-            self.ended, self.before = False, self.now()
-            assert rewards[0] == 0
-            return 0.0
-        _, reward, terminated, truncated, info = self.env.step(action)
-        _, rewards, terminations, truncations, infos = self.envs.step(np.array([action]))
+    def reset(self, **arguments: Any) -> Any:
+        result = self.env.reset(**arguments)
+        self.before = self.now()
+        return result
+
+    def step(self, action: Any) -> Any:
+        observation, reward, *ends, info = self.env.step(action)
         now = self.now()
         now = reference.after(self.before, now.ram, now.lives, float(info["reward"]))
-        expected = reference.value(self.task.game, str(self.task.reward), now, self.before)
-        if self.task.reward_clipping:
-            expected = min(max(expected, -1.0), 1.0)
-        assert (rewards.dtype, rewards.shape) == (np.float64, (1,))
+        expected = reference.value(self.played.game, str(self.played.reward), now, self.before)
         assert type(reward) is float
-        assert reward == rewards[0] == expected
-        assert info["reward"] == infos["reward"][0]
-        assert (terminated, truncated) == (terminations[0], truncations[0])
-        self.ended = truncated or (terminated and (not self.task.life_loss_info or info["terminated"]))
+        assert reward == (min(max(expected, -1.0), 1.0) if self.played.reward_clipping else expected)
         self.before = now
-        return float(reward)
+        return observation, reward, *ends, info
+
+    def snapshot(self) -> Any:
+        return self.env.snapshot(), self.before  # type: ignore[attr-defined]
+
+    def restore(self, saved: Any) -> None:
+        self.env.restore(saved[0])  # type: ignore[attr-defined]
+        self.before = saved[1]
+
+
+def paid(played: atari.Task, seed: int, steps: int) -> set[float]:
+    """The rewards of random steps of a lane of a vector beside a single environment; halfway both return to a snapshot."""
+    lanes, generator, seen = Lanes([played], "NextStep", [PaidByPython(played)]), np.random.default_rng(seed), set()
+    lanes.reset(seed)
+    for step in range(steps):
+        lanes.step(lanes.sample(generator))
+        seen.add(lanes.lanes[0].reward)
+        if step == steps // 3:
+            lanes.save()
+        if step == steps // 2:
+            lanes.restore([0])
+    lanes.close()
+    return seen
 
 
 @pytest.mark.parametrize("name", TASKS)
 def test_single_environments_vectors_and_plain_python_are_equal(name: str) -> None:
-    twins = Twins(task(name))
-    paid = {twins.step() for _ in range(250)}
-    assert len(paid) > 5
+    rewards = paid(task(name), 3, 250)
+    assert len(rewards) > 5
     if "lives" in name:
-        assert min(paid) <= -4
+        assert min(rewards) <= -4
 
 
 @settings(max_examples=12, deadline=None)
@@ -92,52 +98,7 @@ def test_single_environments_vectors_and_plain_python_are_equal(name: str) -> No
 def test_random_expressions(data: st.DataObject) -> None:
     game = data.draw(st.sampled_from(["pong", "montezuma_revenge", "seaquest"]))
     played = atari.Task.of(game, obs_type="ram", reward=data.draw(expressions(game)), noops=(0, 9))
-    twins = Twins(played, data.draw(st.integers(0, 99)))
-    for step in range(60):
-        if step == 30:
-            saved = twins.env.snapshot(), twins.envs.snapshot(), copy.deepcopy(twins.source), twins.before  # type: ignore[attr-defined]
-            ended, expected = twins.ended, [twins.step() for _ in range(20)]
-            twins.env.restore(saved[0])  # type: ignore[attr-defined]
-            twins.envs.restore(None, saved[1])
-            twins.source, twins.before, twins.ended = *saved[2:], ended
-            assert [twins.step() for _ in range(20)] == expected
-        twins.step()
-
-
-@pytest.mark.parametrize("autoreset_mode", ["NextStep", "SameStep", "Disabled"])
-@pytest.mark.parametrize("batch_size", [0, 2])
-def test_modes_and_batches_pay_the_same(autoreset_mode: str, batch_size: int) -> None:
-    played = task("reported lives")
-    envs = atari.AtariVectorEnv(played, 3, autoreset_mode=autoreset_mode, batch_size=batch_size)
-    twins = [Twins(played, seed) for seed in range(3)]
-    envs.reset_async(seed=0)
-    _, rewards, *_, info = envs.recv()
-    assert not rewards.any()
-    for step in range(39):
-        actions = np.full(len(rewards), step % 4)
-        _, rewards, *_, info = envs.step(actions)
-        for row, lane in enumerate(info["env_id"]):
-            env = twins[lane].env
-            assert env.step(step % 4)[1] == rewards[row] or batch_size
-    assert rewards.dtype == np.float64
-
-
-def test_the_copies_continue() -> None:
-    envs, single = atari.AtariVectorEnv(task("lives go on"), 2, num_threads=1), atari.make(task("lives go on"))
-    for env, actions in ((envs, np.array([1, 2])), (single, 1)):
-        env.reset(seed=1)
-        for _ in range(40):
-            env.step(actions)
-    copies = [pickle.loads(pickle.dumps(envs)), pickle.loads(pickle.dumps(single)), copy.deepcopy(single)]
-    for _ in range(60):
-        assert copies[0].step(np.array([3, 1]))[1].tolist() == envs.step(np.array([3, 1]))[1].tolist()
-        assert {one.step(1)[1] for one in copies[1:]} == {single.step(1)[1]}
-    envs.close()
-    for one in (envs, copies[0]):
-        one.reset()
-    paid = [[one.step(np.array([1, 3]))[1].tolist() for _ in range(60)] for one in (envs, copies[0])]
-    assert paid[0] == paid[1]
-    assert len({*map(tuple, paid[0])}) > 2
+    paid(played, data.draw(st.integers(0, 99)), 80)
 
 
 def test_a_snapshot_of_another_reward_is_refused() -> None:

@@ -102,10 +102,3 @@ class TestChoice:
             assert np.array_equal(observation[0], expected)
             observation, *_ = envs.step(np.array([action]))
             expected, *_ = single.step(action)
-
-    def test_of_several_games(self) -> None:
-        envs = atari.AtariVectorEnv(["pong", "pacman"], preset="dqn2015")
-        observation, _ = envs.reset(seed=6)
-        single = wrappers.preset(atari.AtariEnv("pacman", **wrappers.preset_options("dqn2015")), "dqn2015")
-        expected, _ = single.reset(seed=7)
-        assert np.array_equal(observation[1], expected)

@@ -47,31 +47,6 @@ def test_a_preset_decides_over_the_id() -> None:
     assert envs.unwrapped.task == atari.AtariVectorEnv("pong", 2, preset="baselines").task
 
 
-@pytest.mark.parametrize(
-    ("env_id", "shape"),
-    [
-        ("MsPacmanNoFrameskip-v4", (210, 160, 3)),
-        ("Breakout-v0", (210, 160, 3)),
-        ("Breakout-ramNoFrameskip-v4", (128,)),
-        ("ALE/MsPacman-ram-v5", (128,)),
-    ],
-)
-def test_a_vector_is_gymnasiums_of_single_environments(env_id: str, shape: tuple[int, ...]) -> None:
-    ours = gymnasium.make_vec(env_id, num_envs=2)
-    wrappers = [gymnasium.wrappers.RecordEpisodeStatistics]
-    theirs = gymnasium.make_vec(env_id, num_envs=2, vectorization_mode="sync", wrappers=wrappers)
-    assert ours.observation_space == theirs.observation_space
-    observation = ours.reset(seed=3)[0]
-    assert observation.shape == (2, *shape)
-    assert np.array_equal(observation, theirs.reset(seed=3)[0])
-    highest = 0.0
-    for step in range(300):
-        mine, other = (envs.step(np.full(2, 2 + step // 50 % 2))[:4] for envs in (ours, theirs))
-        assert all(np.array_equal(*pair) for pair in zip(mine, other, strict=True))
-        highest = max(highest, *mine[1])
-    assert highest >= 10 or "Breakout" in env_id  # pellets are worth 10, not 1
-
-
 def test_wrappers_need_single_environments() -> None:
     with pytest.raises(gymnasium.error.Error, match=r"Cannot use `vector_entry_point` .* with the wrappers argument"):
         gymnasium.make_vec("ALE/Pong-v5", num_envs=2, wrappers=[gymnasium.wrappers.RecordEpisodeStatistics])

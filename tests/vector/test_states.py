@@ -14,6 +14,7 @@ from vector_tools import play
 import atari
 
 make = partial(vector_tools.make, repeat_action_probability=0.25)
+begun = partial(vector_tools.begun, repeat_action_probability=0.25)
 
 OPTIONS: list[dict[str, Any]] = [
     {},
@@ -75,8 +76,7 @@ def test_a_snapshot_of_an_ended_episode_has_how_it_ended(options: dict[str, Any]
 
 
 def test_a_snapshot_of_one_continues_in_another() -> None:
-    envs = make("seaquest", 3)
-    envs.reset(seed=5)
+    envs = begun("seaquest", 3, seed=5)
     play(envs, 20, seed=1)
     (snapshot,) = envs.snapshot([1])
     envs.restore([0, 2], [snapshot, snapshot])
@@ -110,8 +110,7 @@ def test_a_restored_environment_can_keep_its_own_generators(options: dict[str, A
 
 
 def test_fork() -> None:
-    envs = make("seaquest", 40)
-    envs.reset(seed=5)
+    envs = begun("seaquest", 40, seed=5)
     envs.fork(7, range(40))
     shown, info = envs.observe()
     assert (shown == shown[7]).all()
@@ -138,8 +137,7 @@ def test_a_fork_has_the_state_at_its_call_however_late_it_is_read() -> None:
 
 
 def test_what_is_done_to_one_after_a_fork_is_done_to_the_fork() -> None:
-    envs = make("breakout", 3)
-    envs.reset(seed=5)
+    envs = begun("breakout", 3, seed=5)
     play(envs, 10, seed=1)
     envs.fork(0, [1, 2])
     envs.lanes[1].set_ram(5, 77)
@@ -167,8 +165,7 @@ def test_a_forked_environment_can_be_reset_and_pickled() -> None:
 
 
 def test_a_pickled_snapshot_is_checked_too() -> None:
-    envs = make(["pong", "breakout"], None)
-    envs.reset(seed=0)
+    envs = begun(["pong", "breakout"], None, seed=0)
     pong, breakout = pickle.loads(pickle.dumps(envs.snapshot()))
     state, image = pong.state.__getstate__()
     before, _ = envs.observe()
@@ -204,9 +201,7 @@ def damaged(state: bytes, image: int) -> Any:
     ],
 )
 def test_a_snapshot_of_another_task_is_refused(options: dict[str, Any], text: str) -> None:
-    envs, other = make(), make(**options)
-    envs.reset(seed=1)
-    other.reset(seed=1)
+    envs, other = begun(seed=1), begun(seed=1, **options)
     expected = play(copy.deepcopy(other), 10, seed=2)
     with pytest.raises(ValueError, match=f"environment 2 cannot continue from it: the snapshot was taken with {text}"):
         other.restore([2], envs.snapshot([0]))
@@ -215,8 +210,7 @@ def test_a_snapshot_of_another_task_is_refused(options: dict[str, Any], text: st
 
 def test_environments_of_other_tasks_in_one_vector() -> None:
     plain, changed = (atari.Task.of("breakout", interventions=names) for names in ((), ("guided_paddle",)))
-    envs = make([plain, plain, changed], None, repeat_action_probability=None)
-    envs.reset(seed=1)
+    envs = begun([plain, plain, changed], None, repeat_action_probability=None, seed=1)
     envs.fork(0, [1])
     with pytest.raises(
         ValueError, match=r"environment 2 cannot .* with interventions = None, .* 'guided_paddle \(.*\)'"
@@ -291,8 +285,7 @@ def test_pickling_of_one_that_is_new_or_asynchronous() -> None:
 
 
 def test_pickling_while_stepping_is_refused() -> None:
-    envs = make()
-    envs.reset()
+    envs = begun()
     envs.send(np.zeros(3, int))
     with pytest.raises(RuntimeError, match="before pickling"):
         pickle.dumps(envs)
@@ -320,8 +313,7 @@ class TestMembers:
             envs.lanes[0].set_ram(128, 0)
 
     def test_modes_and_difficulties(self) -> None:
-        envs = make("breakout", 2)
-        envs.reset(seed=3)
+        envs = begun("breakout", 2, seed=3)
         envs.set_attr("mode", [0, 20])
         envs.set_attr("difficulty", 1)
         assert envs.get_attr("mode") == (0, 20)
@@ -341,8 +333,7 @@ class TestMembers:
         assert np.array_equal(copied.reset()[0], envs.reset()[0])
 
     def test_render(self) -> None:
-        envs = make(["pong", "pacman", "breakout"], None, render_mode="rgb_array")
-        envs.reset(seed=0)
+        envs = begun(["pong", "pacman", "breakout"], None, render_mode="rgb_array", seed=0)
         screens = envs.render()
         assert screens is not None
         assert [screen.shape for screen in screens] == [(210, 160, 3), (250, 160, 3), (210, 160, 3)]
@@ -357,8 +348,7 @@ class TestMembers:
 
 @OF_OPTIONS
 def test_a_core_takes_over_from_a_lane(options: dict[str, Any]) -> None:
-    envs = make("seaquest", 2, **options)
-    envs.reset(seed=4)
+    envs = begun("seaquest", 2, seed=4, **options)
     play(envs, 10, seed=1)
     lane = envs.lanes[1]
     chances = envs.task
@@ -383,8 +373,7 @@ def test_a_core_takes_over_from_a_lane(options: dict[str, Any]) -> None:
 
 
 def test_a_core_of_another_game_is_refused() -> None:
-    envs = make("seaquest", 2)
-    envs.reset(seed=4)
+    envs = begun("seaquest", 2, seed=4)
     core = atari.cores.NativeCore("pong")
     with pytest.raises(ValueError, match="this environment plays seaquest, but the core pong"):
         envs.lanes[0].copy_to(core)
@@ -392,8 +381,7 @@ def test_a_core_of_another_game_is_refused() -> None:
 
 def ready(**options: Any) -> atari.AtariVectorEnv:
     """Batches of two of five environments, of which the others are played or wait to be received."""
-    envs = make("breakout", 5, batch_size=2, render_mode="rgb_array", **options)
-    envs.reset(seed=1)
+    envs = begun("breakout", 5, batch_size=2, render_mode="rgb_array", seed=1, **options)
     for _ in range(7):
         envs.step(np.ones(2, int))
     return envs
@@ -443,8 +431,7 @@ def test_between_send_and_receive_the_error_says_what_to_do(name: str) -> None:
 
 
 def test_a_lane_has_the_methods_of_ale_pys_interface_for_reading() -> None:
-    envs = make(num_envs=2)
-    envs.reset(seed=0)
+    envs = begun(num_envs=2, seed=0)
     lane = envs.lanes[1]
     ale = lane.ale
     assert (ale.lives(), ale.getFrameNumber(), ale.getRAMSize()) == (5, lane.frame_number, 128)

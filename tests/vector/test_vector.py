@@ -5,7 +5,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from vector_tools import make, play
+from vector_tools import begun, make, play
 
 import atari
 from atari.base.gymnasium_versions import AutoresetMode
@@ -18,35 +18,6 @@ def test_the_number_of_threads_does_not_show() -> None:
         envs = make(num_envs=5, num_threads=threads, episodic_life=True)
         runs.append([envs.reset(seed=5)[0].tobytes(), *play(envs, 150, seed=5)])
     assert all(run == runs[0] for run in runs)
-
-
-def test_an_environment_does_not_depend_on_its_neighbours() -> None:
-    together, alone = make("seaquest", 3), make("seaquest", 1)
-    observations, _ = together.reset(seed=8)
-    observation, _ = alone.reset(seed=9)
-    for step in range(30):
-        assert np.array_equal(observations[1], observation[0])
-        observations, *_ = together.step(np.array([0, step % 18, 3]))
-        observation, *_ = alone.step(np.array([step % 18]))
-
-
-class TestSpaces:
-    @pytest.mark.parametrize(
-        ("options", "shape"),
-        [
-            ({}, (3, 4, 84, 84)),
-            ({"obs_type": "rgb", "stack_num": 1, "img_height": 210, "img_width": 160}, (3, 1, 210, 160, 3)),
-            ({"obs_type": "ram"}, (3, 128)),
-            ({"grayscale": False, "img_height": 30, "img_width": 20}, (3, 4, 30, 20, 3)),
-        ],
-    )
-    def test_observations_are_in_their_space(self, options: dict[str, Any], shape: tuple[int, ...]) -> None:
-        envs = make(**options)
-        observation, _ = envs.reset(seed=0)
-        assert observation.shape == shape
-        assert observation in envs.observation_space
-        assert observation[0] in envs.single_observation_space
-        assert observation.any()
 
 
 class TestGames:
@@ -114,8 +85,7 @@ class TestBuffers:
         assert not np.array_equal(copies[0], copies[-1])
 
     def test_final_observations_that_are_held_stay(self) -> None:
-        envs = make("pong", 2, obs_type="dict", autoreset_mode="SameStep", max_num_frames_per_episode=4)
-        envs.reset(seed=0)
+        envs = begun("pong", 2, obs_type="dict", autoreset_mode="SameStep", max_num_frames_per_episode=4, seed=0)
         held = [envs.step(np.array([2, 3]))[4]["final_obs"] for _ in range(5)]
         assert len({final["image"].ctypes.data for final in held}) == 5
         assert len({final["ram"].ctypes.data for final in held}) == 5
@@ -130,14 +100,6 @@ class TestBuffers:
             observation, reward, *_ = mine.step(np.array([2, 3]))
             reward[:] = 9
             assert np.array_equal(observation, untouched.step(np.array([2, 3]))[0])
-
-    def test_out(self) -> None:
-        envs, other = make("pong", 2), make("pong", 2)
-        for one in (envs, other):
-            one.reset(seed=0)
-        for out in np.zeros((5, 2, 4, 84, 84), np.uint8):
-            assert envs.step(np.array([1, 2]), out=out)[0] is out
-            assert np.array_equal(out, other.step(np.array([1, 2]))[0])
 
     @pytest.mark.parametrize(
         "out",
@@ -166,8 +128,7 @@ class TestBuffers:
             assert np.array_equal(good, other.step(np.array([2, 3]))[0])
 
     def test_out_of_a_dict(self) -> None:
-        envs = make("pong", 2, obs_type="dict")
-        envs.reset(seed=0)
+        envs = begun("pong", 2, obs_type="dict", seed=0)
         out = {"image": np.zeros((2, 4, 84, 84), np.uint8), "ram": np.zeros((2, 128), np.uint8)}
         observation, *_ = envs.step(np.array([0, 0]), out=out)
         assert observation["ram"] is out["ram"]
@@ -179,8 +140,7 @@ class TestBuffers:
 
 class TestAutoreset:
     def test_disabled_waits_for_a_reset(self) -> None:
-        envs = make("breakout", 3, autoreset_mode=AutoresetMode.DISABLED, max_num_frames_per_episode=8)
-        envs.reset(seed=0)
+        envs = begun("breakout", 3, autoreset_mode=AutoresetMode.DISABLED, max_num_frames_per_episode=8, seed=0)
         envs.step(np.zeros(3, int))
         observation, _, _, truncated, _ = envs.step(np.zeros(3, int))
         assert truncated.tolist() == [True, True, True]
@@ -212,8 +172,7 @@ class TestAutoreset:
         ],
     )
     def test_masks_are_checked(self, mask: Any, error: type[Exception], text: str) -> None:
-        envs = make()
-        envs.reset(seed=0)
+        envs = begun(seed=0)
         with pytest.raises(error, match=text):
             envs.reset(options={"reset_mask": mask})
 
@@ -237,9 +196,7 @@ class TestSeeds:
         assert np.array_equal(envs.reset(seed=np.array([10, 11, 12], np.int32))[0], first)
 
     def test_negative_ones_and_none_keep_the_generators(self) -> None:
-        envs, other = make("alien", 2), make("alien", 2)
-        envs.reset(seed=1)
-        other.reset(seed=1)
+        envs, other = begun("alien", 2, seed=1), begun("alien", 2, seed=1)
         assert np.array_equal(envs.reset(seed=[-1, 5])[0][0], other.reset()[0][0])
         assert np.array_equal(envs.reset(seed=[None, 5])[0][0], other.reset()[0][0])
 
@@ -290,8 +247,7 @@ class TestBadInput:
         ],
     )
     def test_actions(self, actions: Any, error: type[Exception], text: str) -> None:
-        envs = make()
-        envs.reset(seed=0)
+        envs = begun(seed=0)
         with pytest.raises(error, match=text):
             envs.step(actions)
         *_, info = envs.step([0, 1, 2])
@@ -307,8 +263,7 @@ class TestBadInput:
         ],
     )
     def test_continuous_actions(self, motion: Any, error: type[Exception]) -> None:
-        envs = make("pong", 1, continuous=True)
-        envs.reset(seed=0)
+        envs = begun("pong", 1, continuous=True, seed=0)
         with pytest.raises(error, match="action"):
             envs.step(np.array([motion]))
         envs.step(np.zeros((1, 3), np.float32))
@@ -323,18 +278,11 @@ class TestBadInput:
             ({"thread_affinity_offset": -2}, ValueError, "thread_affinity_offset must be within -1..10000, got -2"),
             ({"batch_size": 4}, ValueError, "batch_size must be within 0..3, got 4"),
             ({"frameskip": 0}, ValueError, "frameskip"),
-            ({"frameskip": True}, TypeError, "frameskip"),
-            ({"frameskip": (3, 3)}, ValueError, "low < high"),
-            ({"stack_num": 0}, ValueError, "stack_num"),
             ({"img_height": 0}, ValueError, "img_height"),
             ({"img_height": 211}, ValueError, "img_height must be at most 210"),
-            ({"img_width": 161}, ValueError, "img_width must be within 1..160, got 161"),
             ({"noop_max": -1}, ValueError, "noop_max"),
-            ({"repeat_action_probability": 1.5}, ValueError, "repeat_action_probability"),
-            ({"repeat_action_probability": float("nan")}, TypeError, "repeat_action_probability"),
             ({"max_num_frames_per_episode": 0}, ValueError, "max_num_frames_per_episode"),
             ({"autoreset_mode": "Never"}, ValueError, "'NextStep', 'SameStep', 'Disabled', got 'Never'"),
-            ({"obs_type": "pixels"}, ValueError, "obs_type must be one of"),
             ({"render_mode": "human"}, ValueError, "render_mode must be 'rgb_array' or None"),
             ({"mode": "1"}, TypeError, "mode must be an integer, None, or a sequence"),
             ({"num_threads": 1.5}, TypeError, "num_threads"),
@@ -393,9 +341,7 @@ class TestAsync:
 
     def test_final_observations(self) -> None:
         options = {"autoreset_mode": "SameStep", "max_num_frames_per_episode": 4, "num_threads": 1}
-        envs, whole = make("pong", 4, batch_size=2, **options), make("pong", 4, **options)
-        envs.reset(seed=0)
-        whole.reset(seed=0)
+        envs, whole = begun("pong", 4, batch_size=2, seed=0, **options), begun("pong", 4, seed=0, **options)
         expected = whole.step(np.zeros(4, int))
         for _ in range(2):
             envs.send(np.zeros(2, int))
@@ -405,15 +351,13 @@ class TestAsync:
         assert np.array_equal(info["final_obs"], expected[4]["final_obs"][2:])
 
     def test_a_reset_forgets_what_is_in_flight(self) -> None:
-        envs = make("pong", 4, batch_size=1)
-        envs.reset(seed=0)
+        envs = begun("pong", 4, batch_size=1, seed=0)
         envs.send(np.array([0]))
         for _ in range(3):
             _, info = envs.reset(seed=0)
             assert info["episode_frame_number"][0] <= 30
 
     def test_no_partial_resets(self) -> None:
-        envs = make("pong", 4, batch_size=2)
-        envs.reset()
+        envs = begun("pong", 4, batch_size=2)
         with pytest.raises(ValueError, match="batch_size=0"):
             envs.reset(options={"reset_mask": np.array([True, False, True, True])})

@@ -9,7 +9,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from own_process import run_program
+from own_process import LIMIT, ended, run_program
 
 import atari
 
@@ -113,39 +113,6 @@ def test_a_send_of_a_second_thread_is_refused_until_the_first_has_received() -> 
     envs.recv()
 
 
-def test_a_vector_that_another_thread_closes_ends_the_steps_with_an_error() -> None:
-    run_program("""
-        import threading, gymnasium, numpy as np, atari
-        for round in range(60):
-            envs = atari.AtariVectorEnv("pong", 2, num_threads=1 + round % 3)
-            envs.reset(seed=0)
-            timer = threading.Timer(0.001 * (round % 8), envs.close)
-            timer.start()
-            try:
-                while True:
-                    envs.step(np.zeros(2, int))
-            except gymnasium.error.ClosedEnvironmentError:
-                pass
-            timer.join()
-    """)
-
-
-def test_a_signal_handler_may_close_a_vector_during_a_step() -> None:
-    run_program("""
-        import signal, gymnasium, numpy as np, atari
-        for round in range(60):
-            envs = atari.AtariVectorEnv("pong", 2, obs_type="ram", frameskip=1)
-            envs.reset(seed=0)
-            signal.signal(signal.SIGALRM, lambda number, frame: envs.close())
-            signal.setitimer(signal.ITIMER_REAL, 0.001)
-            try:
-                while True:
-                    envs.step(np.zeros(2, int))
-            except gymnasium.error.ClosedEnvironmentError:
-                pass
-    """)
-
-
 def test_a_signal_handler_that_closes_a_vector_in_recv_ends_it_with_that_error() -> None:
     """The handler runs where the results' buffer has been read and the engine has not been called."""
     envs = make()
@@ -169,9 +136,36 @@ def test_a_signal_handler_that_closes_a_vector_in_recv_ends_it_with_that_error()
         sys.settrace(before)
 
 
-def test_a_vector_with_the_snapshots_of_a_closed_one_can_be_closed() -> None:
-    """The threads drop the last references to the snapshots, and to their games, while `close` joins them."""
-    run_program("""
+PROGRAMS = {
+    "a vector that another thread closes ends the steps with an error": """
+        import threading, gymnasium, numpy as np, atari
+        for round in range(60):
+            envs = atari.AtariVectorEnv("pong", 2, num_threads=1 + round % 3)
+            envs.reset(seed=0)
+            timer = threading.Timer(0.001 * (round % 8), envs.close)
+            timer.start()
+            try:
+                while True:
+                    envs.step(np.zeros(2, int))
+            except gymnasium.error.ClosedEnvironmentError:
+                pass
+            timer.join()
+    """,
+    "a signal handler may close a vector during a step": """
+        import signal, gymnasium, numpy as np, atari
+        for round in range(60):
+            envs = atari.AtariVectorEnv("pong", 2, obs_type="ram", frameskip=1)
+            envs.reset(seed=0)
+            signal.signal(signal.SIGALRM, lambda number, frame: envs.close())
+            signal.setitimer(signal.ITIMER_REAL, 0.001)
+            try:
+                while True:
+                    envs.step(np.zeros(2, int))
+            except gymnasium.error.ClosedEnvironmentError:
+                pass
+    """,
+    # The threads drop the last references to the snapshots, and to their games, while `close` joins them.
+    "a vector with the snapshots of a closed one can be closed": """
         import numpy as np, atari
         for _ in range(60):
             first, second = (atari.AtariVectorEnv("pong", 4, num_threads=4, obs_type="ram") for _ in range(2))
@@ -183,12 +177,9 @@ def test_a_vector_with_the_snapshots_of_a_closed_one_can_be_closed() -> None:
             del states
             second.send(np.zeros(4, int))
             second.close()
-    """)
-
-
-def test_actions_are_checked_as_they_are_played() -> None:
-    """Another thread writes into the array meanwhile: NumPy copies so many numbers without the interpreter's lock."""
-    run_program("""
+    """,
+    # Another thread writes into the array meanwhile: NumPy copies so many numbers without the interpreter's lock.
+    "actions are checked as they are played": """
         import threading, numpy as np, atari
         count, length = 1024, 1 << 16
         envs = atari.AtariVectorEnv("pong", count, obs_type="ram", autoreset_mode="Disabled", max_num_frames_per_episode=1)
@@ -210,11 +201,8 @@ def test_actions_are_checked_as_they_are_played() -> None:
                 assert "is not within 0..5" in str(error)
         done = True
         writer.join()
-    """)
-
-
-def test_snapshots_of_a_list_that_another_thread_empties_are_restored() -> None:
-    run_program("""
+    """,
+    "snapshots of a list that another thread empties are restored": """
         import pickle, threading, numpy as np, atari
         envs = atari.AtariVectorEnv("pong", 32, obs_type="ram", frameskip=1)
         envs.reset(seed=0)
@@ -232,7 +220,69 @@ def test_snapshots_of_a_list_that_another_thread_empties_are_restored() -> None:
                 assert "a snapshot for each environment" in str(error)
         done = True
         other.join()
-    """)
+    """,
+    "environment numbers that another thread writes are not read": """
+        import threading, numpy as np, atari
+        envs = atari.AtariVectorEnv("pong", 1024, obs_type="ram", autoreset_mode="Disabled", max_num_frames_per_episode=1)
+        envs.reset(seed=0)
+        envs.step(np.zeros(1024, int))  # All episodes end, so a step takes no time.
+        arrays = [array for results in envs._buffers for array in results.batch.arrays.values()]
+        numbers, done = [array for array in arrays if array.dtype == np.int32], False
+        def write():
+            while not done:
+                for array in numbers:
+                    array[:] = 1 << 30
+        writer = threading.Thread(target=write)
+        writer.start()
+        for _ in range(3000):
+            envs.step(np.zeros(1024, int))
+        done = True
+        writer.join()
+    """,
+}
+if hasattr(os, "fork"):
+    PROGRAMS["a process that is forked during a step is told"] = """
+        import os, threading, numpy as np, atari
+        envs = atari.AtariVectorEnv("pong", 4, num_threads=2)
+        envs.reset(seed=0)
+        done = False
+        def play():
+            while not done:
+                envs.step(np.zeros(4, int))
+        player = threading.Thread(target=play)
+        player.start()
+        for round in range(25):
+            child = os.fork()
+            if child == 0:
+                for use in (lambda: envs.step(np.zeros(4, int)), envs.snapshot, lambda: envs.lanes[0].lives):
+                    try:
+                        use()
+                    except RuntimeError as error:
+                        assert "process was forked" in str(error)
+                    else:
+                        os._exit(1)
+                envs.close()
+                os._exit(0)
+            assert os.waitpid(child, 0)[1] == 0
+        done = True
+        player.join()
+    """
+
+
+@pytest.fixture(scope="module")
+def played() -> Any:
+    """All programs, one after the other in one process, whose start takes longer than most of them."""
+    begin = "import sys, textwrap\n"
+    each = "print({0!r}, file=sys.stderr, flush=True)\nexec(textwrap.dedent({1!r}), {{}})\nprint({0!r}, flush=True)\n"
+    script = begin + "".join(each.format(name, program) for name, program in PROGRAMS.items())
+    return ended(script, "-X", "faulthandler", "-W", "ignore::DeprecationWarning", limit=len(PROGRAMS) * LIMIT)
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_a_program_ends(name: str, played: Any) -> None:
+    """The last name in stderr is that of the program that has crashed or raised an error."""
+    assert name in played.stdout.splitlines(), played.stderr
+    assert (played.returncode, "Exception in thread" in played.stderr) == (0, False), played.stderr
 
 
 @pytest.mark.parametrize("num_threads", [1, 2])
@@ -251,34 +301,3 @@ def test_daemon_threads_may_step_while_the_interpreter_ends(num_threads: int) ->
     """
     for _ in range(2):
         assert run_program(program) == "ends\n"
-
-
-if hasattr(os, "fork"):
-
-    def test_a_process_that_is_forked_during_a_step_is_told() -> None:
-        run_program("""
-            import os, threading, numpy as np, atari
-            envs = atari.AtariVectorEnv("pong", 4, num_threads=2)
-            envs.reset(seed=0)
-            done = False
-            def play():
-                while not done:
-                    envs.step(np.zeros(4, int))
-            player = threading.Thread(target=play)
-            player.start()
-            for round in range(25):
-                child = os.fork()
-                if child == 0:
-                    for use in (lambda: envs.step(np.zeros(4, int)), envs.snapshot, lambda: envs.lanes[0].lives):
-                        try:
-                            use()
-                        except RuntimeError as error:
-                            assert "process was forked" in str(error)
-                        else:
-                            os._exit(1)
-                    envs.close()
-                    os._exit(0)
-                assert os.waitpid(child, 0)[1] == 0
-            done = True
-            player.join()
-        """)

@@ -55,14 +55,15 @@ class TestNesting:
             assert arguments("DqnPreprocessing", **units, **fields)["stack_size"] == (None if stacked else 4)
 
 
+ALE_SEED = {"seeding": "ale"}
+FIRE_OUTSIDE: dict[str, Any] = {"fire": "after_noops", "fire_unit": "skip"}
+
+
 @pytest.mark.parametrize(
     ("fields", "expected"),
     [
-        ({"seeding": "ale"}, "AleSeeding NoopReset DqnPreprocessing GameStatistics"),
-        (
-            {"seeding": "ale", "episodic_life": True},
-            "AleSeeding EpisodicLife NoopReset DqnPreprocessing GameStatistics",
-        ),
+        (ALE_SEED, "AleSeeding NoopReset DqnPreprocessing GameStatistics"),
+        ({**ALE_SEED, "episodic_life": True}, "AleSeeding EpisodicLife NoopReset DqnPreprocessing GameStatistics"),
         ({"max_episode_steps": 9}, "DqnPreprocessing StepLimit GameStatistics"),
         ({"reward_clipping": True}, "DqnPreprocessing GameStatistics ClipReward"),
         ({"reward": "lives"}, "DqnPreprocessing GameStatistics ExpressionReward"),
@@ -72,21 +73,20 @@ class TestNesting:
             "DqnPreprocessing RamObservation LifeLossInfo StepLimit GameStatistics ClipReward",
         ),
         (
-            {"fire": "after_noops", "fire_unit": "skip", "obs_type": "dict", "life_loss_info": True},
+            {**FIRE_OUTSIDE, "obs_type": "dict", "life_loss_info": True},
             "DqnPreprocessing FireReset FrameStack RamObservation LifeLossInfo GameStatistics",
         ),
-        (
-            {"fire": "after_noops", "fire_unit": "skip", "obs_type": "ram"},
-            "DqnPreprocessing FireReset FrameStack GameStatistics",
-        ),
-        (
-            {"fire": "after_noops", "fire_unit": "skip", "stack_num": None},
-            "DqnPreprocessing FireReset GameStatistics",
-        ),
+        ({**FIRE_OUTSIDE, "obs_type": "ram"}, "DqnPreprocessing FireReset FrameStack GameStatistics"),
+        ({**FIRE_OUTSIDE, "stack_num": None}, "DqnPreprocessing FireReset GameStatistics"),
     ],
 )
 def test_other_layers(fields: dict[str, Any], expected: str) -> None:
     assert names(**fields) == expected
+
+
+def test_an_environment_that_skips_frames_is_refused() -> None:
+    with pytest.raises(ValueError, match="already plays 4 a step"):
+        wrap(AtariEnv("pong"), task())
 
 
 def test_arguments() -> None:
@@ -101,28 +101,15 @@ def test_arguments() -> None:
         fields = {"noops": (2, 7), "fire": fire, "fire_counts": True, "fire_again": again}
         assert arguments("NoopReset", **fields) == {**noops, "fire_counts": True, **kept}
     assert arguments("StepLimit", max_episode_steps=9) == {"max_episode_steps": 9}
-    shown = {
-        "obs_type": "rgb",
-        "img_height": 60,
-        "img_width": 80,
-        "stack_num": 3,
-        "maxpool": False,
-        "padding": "reset",
-        "end_frames": "envpool",
-    }
+    size: dict[str, Any] = {"img_height": 60, "img_width": 80, "stack_num": 3}
+    shown = {**size, "obs_type": "rgb", "maxpool": False, "padding": "reset", "end_frames": "envpool"}
     played = {"frameskip": (2, 5), "episodic_life": True, "seamless_lives": True, "max_frames": 99}
     skip = {"frame_skip": (2, 5), "seamless_lives": True, "max_frames": 99, "stack_size": 3, "padding_type": "reset"}
-    image = {
-        "screen_size": (80, 60),
-        "grayscale": False,
-        "max_pool": False,
-        "pool_rgb": False,
-        "end_frames": "envpool",
-    }
+    switches = {"grayscale": False, "max_pool": False, "pool_rgb": False}
+    image = {**switches, "screen_size": (80, 60), "end_frames": "envpool"}
     assert arguments("DqnPreprocessing", **shown, **played) == {**skip, **image}
     assert arguments("DqnPreprocessing", **{**shown, **played, "obs_type": "ram"}) == {**skip, "obs_type": "ram"}
-    outside = {"fire": "after_noops", "fire_unit": "skip"}
-    assert arguments("FrameStack", **shown, **outside) == {"stack_size": 3, "padding_type": "reset"}
+    assert arguments("FrameStack", **shown, **FIRE_OUTSIDE) == {"stack_size": 3, "padding_type": "reset"}
     assert arguments("DqnPreprocessing", pool_rgb=True)["pool_rgb"]
 
 
@@ -182,10 +169,10 @@ class TestFramesOfAReset:
             ({"fire": "before_noops"}, 1 + 5),
             ({"fire": "after_noops", "fire_counts": True}, 4 + 1),
             ({"fire": "after_noops", "third_action": True}, 5 + 2),
-            ({"fire": "after_noops", "fire_unit": "skip"}, 5 + 4),
-            ({"fire": "after_noops", "fire_unit": "skip", "third_action": True}, 5 + 8),
-            ({"fire": "after_noops", "fire_unit": "skip", "frameskip": 3}, 5 + 3),
-            ({"fire": "after_noops", "fire_unit": "skip", "frameskip": 3, "third_action": True}, 5 + 6),
+            (FIRE_OUTSIDE, 5 + 4),
+            ({**FIRE_OUTSIDE, "third_action": True}, 5 + 8),
+            ({**FIRE_OUTSIDE, "frameskip": 3}, 5 + 3),
+            ({**FIRE_OUTSIDE, "frameskip": 3, "third_action": True}, 5 + 6),
         ],
     )
     def test_of_a_new_game(self, fields: dict[str, Any], frames: int) -> None:
@@ -207,11 +194,11 @@ class TestFramesOfAReset:
             ({"fire": "before_noops", "lives_unit": "skip", "on_reset": "noop", "frameskip": 3}, 3),
             ({"fire": "after_noops", "lives_unit": "skip", "on_reset": "continue"}, 0),
             # L N S F: a frame of NOOP, the no-ops, skips of FIRE and of the third action.
-            ({"fire": "after_noops", "fire_unit": "skip", "on_reset": "noop", "third_action": True}, 1 + 5 + 4 + 4),
-            ({"fire": "after_noops", "fire_unit": "skip", "on_reset": "continue"}, 5 + 4),
+            ({**FIRE_OUTSIDE, "on_reset": "noop", "third_action": True}, 1 + 5 + 4 + 4),
+            ({**FIRE_OUTSIDE, "on_reset": "continue"}, 5 + 4),
             # N S L F: a skip of NOOP, then FIRE.
-            ({"fire": "after_noops", "fire_unit": "skip", "lives_unit": "skip", "on_reset": "noop"}, 4 + 4),
-            ({"fire": "after_noops", "fire_unit": "skip", "lives_unit": "skip", "on_reset": "continue"}, 4),
+            ({**FIRE_OUTSIDE, "lives_unit": "skip", "on_reset": "noop"}, 4 + 4),
+            ({**FIRE_OUTSIDE, "lives_unit": "skip", "on_reset": "continue"}, 4),
         ],
     )
     def test_after_a_lost_life(self, fields: dict[str, Any], frames: int) -> None:
@@ -277,7 +264,7 @@ class TestMaxFrames:
 
     def test_that_fire_exceeds_begins_games_as_often(self) -> None:
         """Each skip of FIRE ends after 3 frames, and the game after it is the one that is played."""
-        env = made(fire="after_noops", fire_unit="skip", max_frames=3)
+        env = made(**FIRE_OUTSIDE, max_frames=3)
         _, info = env.reset(seed=0)
         assert info["episode_frame_number"] == 0
         assert env.step(2)[3]
@@ -372,13 +359,7 @@ def test_a_reset_with_a_seed_begins_a_new_game_in_every_nesting() -> None:
 
 def test_an_end_in_a_skip_of_fire_begins_again_and_the_third_action_follows() -> None:
     """The emulator's limit of 6 frames: 5 no-ops and a frame of FIRE; again 5 no-ops, and a frame of the third action."""
-    env = made(
-        noops=(5, 5),
-        fire="after_noops",
-        fire_unit="skip",
-        third_action=True,
-        options={"max_num_frames_per_episode": 6},
-    )
+    env = made(noops=(5, 5), **FIRE_OUTSIDE, third_action=True, options={"max_num_frames_per_episode": 6})
     _, info = env.reset(seed=0)
     assert info["episode_frame_number"] == 5
     assert env.step(2)[3]

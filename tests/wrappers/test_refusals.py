@@ -112,11 +112,8 @@ ENVIRONMENTS: list[tuple[Any, Any, str]] = [
     (FrameSkip, lambda: Dqn(pong(), stack_size=None), f"DqnPreprocessing {TWICE} 4"),
     (FrameSkip, lambda: AtariPreprocessing(pong(), frame_skip=3), f"AtariPreprocessing {TWICE} 3"),
     (FrameSkip, lambda: RepeatAction(pong(), 5), f"RepeatAction {TWICE} 5"),
-    (
-        FrameSkip,
-        lambda: MaxAndSkipObservation(pong(), 6),
-        "make the environment with frameskip=1 or from a NoFrameskip",
-    ),
+    (FrameSkip, lambda: MaxAndSkipObservation(pong(), 6), f"MaxAndSkipObservation {TWICE} 6"),
+    (FrameSkip, lambda: MaxAndSkipObservation(pong(), 6), "make the environment with frameskip=1 or from a NoFra"),
     (FrameSkip, lambda: atari.make("pong", preset="dqn2015", stack_num=None), f"EpisodeEnv {TWICE} 4 a step"),
     (StickyActions, lambda: pong(repeat_action_probability=0.25), "of pong are sticky already (probability 0.25)"),
     (StickyActions, lambda: AtariEnv("backgammon", **FRAMES), "NOOP, which is no action of this game"),

@@ -80,10 +80,7 @@ STACKS: dict[str, Any] = {
     "lazy": lambda env: wrappers.FrameStack(wrappers.Grayscale(env), lazy=True),
     "rendered": lambda env: wrappers.preset(env, "dqn2015"),
     "lives that continue": lambda env: wrappers.NoopReset(wrappers.EpisodicLife(env, "continue")),
-    "sticky": lambda env: wrappers.DqnPreprocessing(wrappers.StickyActions(env)),
     "sticky outside": lambda env: wrappers.StickyActions(wrappers.FrameSkip(env)),
-    "random skips": lambda env: wrappers.DqnPreprocessing(env, (1, 5), end_frames="gymnasium"),
-    "RAM": lambda env: wrappers.LifeLossInfo(wrappers.DqnPreprocessing(env, (1, 5), obs_type="ram", max_frames=90)),
     "ALE": lambda env: wrap(env, task(**ALE, frameskip=(2, 5), max_episode_steps=25)),
     "FIRE and lives outside": lambda env: wrap(
         env, task(**OUTSIDE, third_action=True, lives_unit="skip", on_reset="noop", padding="reset")
@@ -92,7 +89,6 @@ STACKS: dict[str, Any] = {
     "lives outside": lambda env: wrap(
         env, task(fire="before_noops", noops=(1, 6), episodic_life=True, lives_unit="skip", on_reset="continue")
     ),
-    "a reward of its own": lambda env: wrappers.ExpressionReward(env, "reward + player_x - before.player_x"),
     "Gymnasium's": lambda env: wrappers.ClipReward(TimeLimit(wrappers.FrameStack(env), 25)),
     "Gymnasium's without a state": lambda env: wrappers.FrameStack(TransformReward(env, lambda reward: 2 * reward)),
 }

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from env_tools import AroundAle
 
 import atari
 import atari.classic as gym
@@ -112,15 +113,9 @@ def test_wrong_arguments(wrong: dict[str, Any]) -> None:
 
 
 def test_an_object_around_the_emulator_can_be_assigned() -> None:
-    class Dark:
-        def __init__(self, ale: Any) -> None:
-            self.ale = ale
-
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self.ale, name)
-
+    class Dark(AroundAle):
         def getScreenRGB(self, *buffer: Any) -> Any:
-            return self.ale.getScreenRGB(*buffer) // 2
+            return self.inner.getScreenRGB(*buffer) // 2
 
     env, twin = AtariEnv("pong", obs_type="image", frameskip=4), AtariEnv("pong", obs_type="image", frameskip=4)
     own = env.ale

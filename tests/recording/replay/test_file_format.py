@@ -124,11 +124,14 @@ def test_a_changed_byte_is_noticed_with_its_offset(tmp_path: Path) -> None:
             assert f"at offset {offsets[0]}" in str(caught.value)
 
 
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    return record(tmp_path_factory.mktemp("replay") / "a.a26r", steps=8).read_bytes()
+
+
 @pytest.mark.parametrize("seed", range(200))
-def test_any_bytes_are_a_replay_or_a_value_error(tmp_path: Path, seed: int) -> None:
-    generator = random.Random(seed)
-    path = record(tmp_path / "a.a26r", steps=8)
-    data = bytearray(path.read_bytes())
+def test_any_bytes_are_a_replay_or_a_value_error(recorded: bytes, tmp_path: Path, seed: int) -> None:
+    generator, data, path = random.Random(seed), bytearray(recorded), tmp_path / "a.a26r"
     for _ in range(generator.randint(1, 6)):
         place = generator.randrange(8, len(data))
         kind = generator.randrange(3)

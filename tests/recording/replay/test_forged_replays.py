@@ -50,6 +50,12 @@ _DEFINITIONS = [
 """Writes of replays; all but the first are wrong."""
 
 
+@pytest.fixture(scope="module")
+def content(tmp_path_factory: pytest.TempPathFactory) -> file_format.ReplayContent:
+    """What a good replay has."""
+    return file_format.read(record(tmp_path_factory.mktemp("replay") / "a.a26r", steps=3))
+
+
 def write(path: Path, *chunks: tuple[bytes, bytes]) -> Path:
     path.write_bytes(b"ATARIRPL" + b"".join(file_format._chunk(*chunk) for chunk in chunks))
     return path
@@ -97,9 +103,9 @@ def record_match(path: Path, frames: int = 20) -> Path:
 
 
 @pytest.mark.parametrize("players", [1, 2])
-def test_headers_and_ends(players: int, tmp_path: Path) -> None:
+def test_headers_and_ends(players: int, tmp_path: Path, content: file_format.ReplayContent) -> None:
     path = tmp_path / "a.a26r"
-    content = file_format.read(record(path, steps=3) if players == 1 else record_match(path))
+    content = content if players == 1 else file_format.read(record_match(path))
     header, end = content.header, content.end
     assert end is not None
     results = []
@@ -111,8 +117,7 @@ def test_headers_and_ends(players: int, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("core", ["native", "ale"])
-def test_events(tmp_path: Path, core: str) -> None:
-    content = file_format.read(record(tmp_path / "a.a26r", steps=3))
+def test_events(tmp_path: Path, content: file_format.ReplayContent, core: str) -> None:
     header = (b"H", json.dumps(content.header).encode())
     rng = random.Random(0)
     for _ in range(150 if core == "native" else 15):
@@ -129,8 +134,7 @@ def test_events(tmp_path: Path, core: str) -> None:
 
 
 @pytest.mark.parametrize("definition", _DEFINITIONS[1:])
-def test_a_forged_write_is_refused(definition: bytes, tmp_path: Path) -> None:
-    content = file_format.read(record(tmp_path / "a.a26r", steps=3))
+def test_a_forged_write_is_refused(definition: bytes, tmp_path: Path, content: file_format.ReplayContent) -> None:
     header = (b"H", json.dumps(content.header).encode())
     for events, good in (([Event(Kind.RESET)], True), ([Event(Kind.ADD_WRITE, (0, 1))], False)):
         play = file_format.PlayChunk(0, b"", (), pack(events)).pack()
@@ -162,8 +166,7 @@ def test_snapshots(tmp_path: Path) -> None:
         assert not use(write(tmp_path / "b.a26r", header, plays[0], (b"S", forged), *plays[1:]))
 
 
-def test_a_replay_does_not_choose_files(tmp_path: Path) -> None:
-    content = file_format.read(record(tmp_path / "a.a26r", steps=3))
+def test_a_replay_does_not_choose_files(tmp_path: Path, content: file_format.ReplayContent) -> None:
     os.mkfifo(tmp_path / "pipe.toml")
     header = {**content.header, "game": str(tmp_path / "pipe.toml")}
     write(tmp_path / "b.a26r", (b"H", json.dumps(header).encode()))
@@ -208,8 +211,9 @@ def test_events_of_several_players(tmp_path: Path) -> None:
         assert not use(tmp_path / "b.a26r")
 
 
-def test_actions_of_several_players_in_a_replay_of_one_are_refused(tmp_path: Path) -> None:
-    content = file_format.read(record(tmp_path / "a.a26r", steps=3))
+def test_actions_of_several_players_in_a_replay_of_one_are_refused(
+    tmp_path: Path, content: file_format.ReplayContent
+) -> None:
     chunk = content.plays[0]._replace(events=pack([Event(Kind.ACTIONS, (0, 1)), *unpack(content.plays[0].events)]))
     header = b"H", json.dumps(content.header).encode()
     assert not use(write(tmp_path / "b.a26r", header, (b"P", chunk.pack())))

@@ -176,15 +176,8 @@ def test_a_vector_that_was_reset_needs_a_seed(tmp_path: Path) -> None:
     assert Replay.load(tmp_path / "a.a26r").verify("ale")
 
 
-def test_wrong_uses(tmp_path: Path) -> None:
-    path = tmp_path / "a.a26r"
-    with pytest.raises(TypeError, match=r"records an AtariEnv or an AtariVectorEnv, got SyncVectorEnv"):
-        RecordReplay(SyncVectorEnv([lambda: atari.make("pong")]), path)
-    with pytest.raises(ValueError, match=r"index must be within 0\.\.1, got 2"):
-        RecordReplay(atari.AtariVectorEnv("pong", 2), path, 2)
-    with pytest.raises(ValueError, match="batches of all environments"):
-        RecordReplay(atari.AtariVectorEnv("pong", 2, batch_size=1), path)
-    envs = RecordReplay(atari.AtariVectorEnv("pong", 2), path)
+def test_a_step_before_the_first_reset(tmp_path: Path) -> None:
+    envs = RecordReplay(atari.AtariVectorEnv("pong", 2), tmp_path / "a.a26r")
     with pytest.raises(gymnasium.error.ResetNeeded):
         envs.step(np.zeros(2, int))
     envs.close()

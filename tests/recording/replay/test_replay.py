@@ -1,6 +1,5 @@
 """Replays: a recorded game is reproduced exactly on every core, and a difference names its frame."""
 
-import copy
 import os
 import sys
 import warnings
@@ -32,9 +31,7 @@ def test_what_ale_has_set_and_no_task_has_is_refused(setting: str, value: Any, p
     env = atari.AtariEnv("breakout")
     getattr(env.ale, f"set{setting}")(played.partition("=")[0], value)
     env.reset(seed=0)
-    with pytest.raises(
-        ValueError, match=f"a replay needs {played}, and env.ale has set {value}; set it back, and reset"
-    ):
+    with pytest.raises(ValueError, match=f"a replay needs {played}, and env.ale has set {value}; set it back"):
         RecordReplay(env, tmp_path / "a.a26r")
     assert not list(tmp_path.iterdir())
 
@@ -112,10 +109,7 @@ def test_a_game_without_a_seed_is_another_each_time_and_plays_again(tmp_path: Pa
 
 
 def test_episodes_are_listed(tmp_path: Path) -> None:
-    env = RecordReplay(atari.make("breakout", max_num_frames_per_episode=2000), tmp_path / "a.a26r")
-    play(env, 900, seed=2)
-    env.close()
-    replay = Replay.load(env.path)
+    replay = Replay.load(record(tmp_path / "a.a26r", "breakout", 900, seed=2, max_num_frames_per_episode=2000))
     ends = [episode.end for episode in replay.episodes]
     assert ends[:-1] == ["game over"] * (len(ends) - 1)
     assert len(ends) >= 3
@@ -303,9 +297,7 @@ def test_a_difference_that_only_the_full_hashes_report(tmp_path: Path) -> None:
     writer.end(content.end or {})
     result = Replay.load(writer.path).verify()
     assert result.divergence == Divergence(119, 60, "RAM, screen, reward, lives or end")
-    assert str(result.divergence) == (
-        "frame 119 differs in RAM, screen, reward, lives or end; it may have begun at frame 60"
-    )
+    assert str(result.divergence).endswith("reward, lives or end; it may have begun at frame 60")
     writer = ReplayFileWriter(tmp_path / "c.a26r", content.header)
     writer.play(chunk)
     writer.end({**(content.end or {}), "check": 1})
@@ -407,22 +399,13 @@ class AtariVecEnv:
 
 
 def test_wrong_uses(tmp_path: Path) -> None:
-    path = tmp_path / "a.a26r"
-    for env, options, text in (
-        (gymnasium.make("CartPole-v1"), {}, "records an AtariEnv or an AtariVectorEnv, got CartPoleEnv"),
-        ("pong", {}, "records an AtariEnv or an AtariVectorEnv, got str"),
-        (atari.AtariEnv("pong"), {"index": 1}, "index"),
-        (AtariVecEnv(), {}, r"no AtariVecEnv of Stable-Baselines3; use atari\.sb3\.RecordReplay"),
-    ):
-        with pytest.raises(TypeError, match=text):
-            RecordReplay(env, path, **options)  # type: ignore[call-overload]
+    with pytest.raises(TypeError, match=r"no AtariVecEnv of Stable-Baselines3; use atari\.sb3\.RecordReplay"):
+        RecordReplay(AtariVecEnv(), tmp_path / "a.a26r")  # type: ignore[call-overload]
     with pytest.raises(ValueError, match="must end in"):
         RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.mp4")
     env = RecordReplay(atari.AtariEnv("pong"), tmp_path / "a.a26r")
     with pytest.raises(ValueError, match="recorded already"):
         RecordReplay(env, tmp_path / "b.a26r")
-    with pytest.raises(TypeError, match="cannot be copied or pickled"):
-        copy.deepcopy(env)
     env.reset()
     with pytest.raises(ValueError, match="is not within 0"):
         env.step(99)
@@ -441,9 +424,8 @@ def test_another_rom_is_refused(tmp_path: Path) -> None:
     ReplayFileWriter(tmp_path / "c.a26r", {"game": 3}).end({})
     with pytest.raises(ValueError, match="its header has no game"):
         Replay.load(tmp_path / "c.a26r")
-    ReplayFileWriter(tmp_path / "d.a26r", {name: fact for name, fact in content.header.items() if name != "task"}).end(
-        {}
-    )
+    without = {name: fact for name, fact in content.header.items() if name != "task"}
+    ReplayFileWriter(tmp_path / "d.a26r", without).end({})
     with pytest.raises(ValueError, match="its header has no task"):
         Replay.load(tmp_path / "d.a26r")
     with pytest.raises(FileNotFoundError):
@@ -469,14 +451,12 @@ def test_without_minari_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.M
 
 def test_a_game_of_your_own(tmp_path: Path) -> None:
     folder = Path(__file__).parents[3] / "examples" / "catch"
-    env = RecordReplay(atari.AtariEnv(folder / "catch.toml", rom=folder / "catch.bin"), tmp_path / "a.a26r")
-    play(env, 60)
-    env.close()
-    replay = Replay.load(env.path, game=folder / "catch.toml", rom=folder / "catch.bin")
+    path = record(tmp_path / "a.a26r", str(folder / "catch.toml"), 60, rom=folder / "catch.bin")
+    replay = Replay.load(path, game=folder / "catch.toml", rom=folder / "catch.bin")
     assert replay.verify("plain")
-    assert next(replay.frames(100)).screen.shape == env.observation_space.shape
+    assert next(replay.frames(100)).screen.shape == (210, 160, 3)
     with pytest.raises(ValueError, match="there is no game 'catch'"):
-        Replay.load(env.path)
+        Replay.load(path)
     with pytest.raises(ValueError, match="ale-py has only its own games"):
         replay.verify("ale")
 
@@ -499,21 +479,16 @@ def test_the_task_is_kept_with_its_wrappers(tmp_path: Path) -> None:
     assert replay.verify()
 
 
-def test_settings_of_ale_are_part_of_the_task(tmp_path: Path) -> None:
-    env = atari.AtariEnv("breakout")
-    env.ale.setFloat("repeat_action_probability", 0.0)
-    env.load_game()
-    env.ale.setMode(4)
-    assert env.task == atari.AtariEnv("breakout", repeat_action_probability=0.0, mode=4).task
-
-
 def test_settings_of_ale_before_the_recording_are_in_it(tmp_path: Path) -> None:
     env = atari.AtariEnv("breakout", repeat_action_probability=0.5)
     env.ale.setFloat("repeat_action_probability", 0.0)
     env.load_game()
+    env.ale.setMode(4)
+    assert env.task == atari.AtariEnv("breakout", repeat_action_probability=0.0, mode=4).task
     env.reset(seed=0)
     with RecordReplay(env, tmp_path / "a.a26r") as recorder:
         play(recorder, 30, seed=1)
     replay = Replay.load(tmp_path / "a.a26r")
     assert replay.task.repeat_action_probability == replay.options["repeat_action_probability"] == 0.0
+    assert replay.task.mode == 0  # a reset with a seed loads the game, as in ale-py
     assert replay.verify()

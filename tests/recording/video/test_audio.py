@@ -8,6 +8,7 @@ import av
 import numpy as np
 import numpy.typing as npt
 import pytest
+from film import film
 from video_reader import NTSC, PAL, frame_times, loudness, sound, video_frames
 
 from atari.cores import NativeCore
@@ -22,10 +23,8 @@ BLACK, WHITE = np.zeros((32, 32, 3), np.uint8), np.full((32, 32, 3), 255, np.uin
 
 def beeps(path: Path, frames: int, at: set[int], fps: Fraction = NTSC) -> Path:
     """A video that is white and loud for single frames."""
-    with VideoWriter(path, (32, 32), fps, scale=1, sound=True) as video:
-        for i in range(frames):
-            video.write(WHITE if i in at else BLACK, TONE if i in at else SILENCE)
-    return path
+    shown = [(WHITE, TONE) if i in at else (BLACK, SILENCE) for i in range(frames)]
+    return film(path, [screen for screen, _ in shown], fps, [samples for _, samples in shown], scale=1)
 
 
 @pytest.mark.parametrize(("fps", "ratio"), [(NTSC, Fraction(27379, 17500)), (PAL, Fraction(1_333_800, 709_379))])
@@ -78,13 +77,11 @@ def test_codec_rate_and_length(tmp_path: Path, suffix: str, codec: str, rate: in
 def test_lossless_sound_is_what_was_written_at_exact_times(tmp_path: Path) -> None:
     rng = np.random.default_rng(0)
     written = [rng.integers(128, 249, 512).astype(np.uint8) for _ in range(200)]
-    with VideoWriter(tmp_path / "a.mkv", (32, 32), NTSC, sound=True) as video:
-        for samples in written:
-            video.write(BLACK, samples)
-    decoded, _ = sound(video.path)
+    path = film(tmp_path / "a.mkv", [BLACK] * 200, sound=written)
+    decoded, _ = sound(path)
     assert np.array_equal(decoded, to_16_bit(np.concatenate(written)))
     assert np.array_equal(decoded // 128 + 128, np.concatenate(written))
-    with av.open(str(video.path)) as container:
+    with av.open(str(path)) as container:
         first = 0
         for frame in container.decode(audio=0):
             assert float(frame.pts * frame.time_base) == pytest.approx(first / (512 * NTSC), abs=0.001)
@@ -92,10 +89,7 @@ def test_lossless_sound_is_what_was_written_at_exact_times(tmp_path: Path) -> No
 
 
 def test_a_tone_keeps_its_length_and_sounds_at_the_pitch_that_this_gives(tmp_path: Path) -> None:
-    with VideoWriter(tmp_path / "a.mp4", (32, 32), NTSC, sound=True) as video:
-        for _ in range(120):
-            video.write(BLACK, TONE)  # a period of 32 samples
-    samples, rate = sound(video.path)
+    samples, rate = sound(film(tmp_path / "a.mp4", [BLACK] * 120, sound=[TONE] * 120))  # a period of 32 samples
     spectrum = np.abs(np.fft.rfft(samples[: 2 * rate] - samples.mean()))
     assert spectrum.argmax() / 2 == pytest.approx(float(512 * NTSC / 32), abs=1)  # 959 Hz
 
@@ -118,10 +112,7 @@ def test_a_games_sound_is_in_sync_with_its_frames(tmp_path: Path) -> None:
 
 
 def test_no_samples_are_silence(tmp_path: Path) -> None:
-    with VideoWriter(tmp_path / "a.mkv", (32, 32), NTSC, sound=True) as video:
-        for samples in (TONE, None, TONE):
-            video.write(BLACK, samples)
-    decoded, _ = sound(video.path)
+    decoded, _ = sound(film(tmp_path / "a.mkv", [BLACK] * 3, sound=[TONE, None, TONE]))
     assert [bool(decoded[i : i + 512].any()) for i in (0, 512, 1024)] == [True, False, True]
 
 

@@ -8,10 +8,11 @@ import av
 import numpy as np
 import pytest
 from cli_tools import read, read_json
+from film import film
 
 import atari
 from atari.cli import main
-from atari.recording import RecordReplay, RecordVideo, Replay, VideoWriter, video_facts
+from atari.recording import RecordReplay, RecordVideo, Replay, video_facts
 from atari.task import Task
 
 PACKAGE = f"atari-envs {atari.__version__}"
@@ -75,10 +76,8 @@ def test_several_players_and_games_of_your_own(tmp_path: Path, capsys: pytest.Ca
 
 
 def test_videos_without_facts(tmp_path: Path) -> None:
-    with VideoWriter(tmp_path / "a.mp4", (210, 160), 60, comment="[]") as video:
-        video.write(np.zeros((210, 160, 3), np.uint8))
-    with VideoWriter(tmp_path / "a.gif", (210, 160), 60, comment="{}") as video:
-        video.write(np.zeros((210, 160, 3), np.uint8))
+    film(tmp_path / "a.mp4", [np.zeros((210, 160, 3), np.uint8)], comment="[]")
+    film(tmp_path / "a.gif", [np.zeros((210, 160, 3), np.uint8)], comment="{}")
     (tmp_path / "b.mp4").write_bytes(b"no video")
     for name, text in (("a.mp4", "has no facts about"), ("a.gif", "has no facts about"), ("b.mp4", "has no facts")):
         with pytest.raises(ValueError, match=text):

@@ -6,6 +6,7 @@ from typing import Any
 
 import gymnasium
 import pytest
+from film import always, files
 from video_reader import video_frames
 
 import atari
@@ -14,10 +15,6 @@ from atari.recording import RecordVideo
 
 def never(number: int) -> bool:
     return False
-
-
-def always(number: int) -> bool:
-    return True
 
 
 def recorder(tmp_path: Path, vector: bool = False, **options: Any) -> Any:
@@ -33,10 +30,6 @@ def play(env: Any, episodes: int = 1) -> None:
         env.reset(seed=0)
         for _ in range(2):
             env.step(env.action_space.sample())
-
-
-def files(tmp_path: Path) -> list[str]:
-    return sorted(path.name for path in (tmp_path / "videos").iterdir())
 
 
 KINDS = pytest.mark.parametrize("vector", [False, True], ids=["env", "vector"])

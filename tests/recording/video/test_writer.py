@@ -1,23 +1,19 @@
 """`VideoWriter`: files read back have the written frames at the console's frame rate."""
 
-import errno
-import subprocess
-import sys
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import av
 import cv2
-import gymnasium
 import numpy as np
 import pytest
+from film import film
 from video_reader import NTSC, Screen, video_frames
 
 import atari
 from atari.cores import NativeCore
 from atari.recording import VideoWriter
-from atari.recording.video.encoder import FFmpegEncoder
 from atari.recording.video.writer import frame_rate
 
 
@@ -48,18 +44,12 @@ def test_every_game_has_a_frame_rate_and_an_even_size(tmp_path: Path) -> None:
     ("fps", "expected"), [(NTSC / 4, NTSC / 4), (15, 15), (29.97, Fraction(2997, 100)), (np.float32(12.5), 12.5)]
 )
 def test_any_rate_is_kept_exactly(tmp_path: Path, fps: Any, expected: Any) -> None:
-    path = tmp_path / "a.mp4"
-    with VideoWriter(path, (210, 160), fps, scale=1) as video:
-        for screen in moving_bar(5):
-            video.write(screen)
-    with av.open(str(path)) as container:
+    with av.open(str(film(tmp_path / "a.mp4", moving_bar(5), fps, scale=1))) as container:
         assert container.streams.video[0].average_rate == expected
 
 
 def test_pixels_can_be_square(tmp_path: Path) -> None:
-    path = tmp_path / "a.mp4"
-    with VideoWriter(path, (40, 60), 30, scale=1, pixel_aspect=(1, 1)) as video:
-        video.write(np.zeros((40, 60, 3), np.uint8))
+    path = film(tmp_path / "a.mp4", [np.zeros((40, 60, 3), np.uint8)], 30, scale=1, pixel_aspect=(1, 1))
     with av.open(str(path)) as container:
         assert (container.streams.video[0].width, container.streams.video[0].height) == (60, 40)
     with pytest.raises(ValueError, match=r"the video would be 61x40, but MP4 .* needs even sides"):
@@ -77,10 +67,7 @@ def test_each_pixel_of_a_game_becomes_a_block_of_its_colour(tmp_path: Path, scal
         for _ in range(5):
             core.act(action)
         screens.append(core.screen_rgb())
-    with VideoWriter(tmp_path / "a.mp4", core.game.screen.shape, frame_rate(core.game), scale=scale) as video:
-        for screen in screens:
-            video.write(screen)
-    decoded = video_frames(video.path)
+    decoded = video_frames(film(tmp_path / "a.mp4", screens, frame_rate(core.game), scale=scale))
     assert len(decoded) == len(screens)
     for screen, image in zip(screens, decoded, strict=True):
         expected = screen.repeat(scale, axis=0).repeat(2 * scale, axis=1)
@@ -91,32 +78,26 @@ def test_each_pixel_of_a_game_becomes_a_block_of_its_colour(tmp_path: Path, scal
 
 def test_colours_are_right_whether_or_not_a_reader_looks_at_what_the_file_says_of_them(tmp_path: Path) -> None:
     colours = np.array([(200, 72, 72), (66, 72, 200), (72, 160, 72), (255, 255, 0), (0, 28, 136)], np.uint8)
-    with VideoWriter(tmp_path / "a.mp4", (100, 100), NTSC) as video:
-        for _ in range(3):
-            video.write(np.tile(colours.repeat(20, axis=0), (100, 1, 1)))
-    with av.open(str(video.path)) as container:
+    path = film(tmp_path / "a.mp4", [np.tile(colours.repeat(20, axis=0), (100, 1, 1))] * 3)
+    with av.open(str(path)) as container:
         context = container.streams.video[0].codec_context
         assert (context.colorspace, context.color_range) == (6, 1)  # BT.601, limited
-    middles = video_frames(video.path)[0][100, 40::80].astype(int)
+    middles = video_frames(path)[0][100, 40::80].astype(int)
     assert np.abs(middles - colours).max() <= 3
-    _, blue_green_red = cv2.VideoCapture(str(video.path)).read()  # OpenCV does not look
+    _, blue_green_red = cv2.VideoCapture(str(path)).read()  # OpenCV does not look
     assert np.abs(blue_green_red[100, 40::80, ::-1].astype(int) - colours).max() <= 3
 
 
 def test_frames_are_in_the_order_of_writing(tmp_path: Path) -> None:
-    with VideoWriter(tmp_path / "a.mp4", (32, 160), NTSC) as video:
-        for screen in moving_bar(100, (32, 160)):
-            video.write(screen)
-    columns = [int(image.sum(axis=(0, 2), dtype=int).argmax()) // 4 for image in video_frames(video.path)]
+    shown = video_frames(film(tmp_path / "a.mp4", moving_bar(100, (32, 160))))
+    columns = [int(image.sum(axis=(0, 2), dtype=int).argmax()) // 4 for image in shown]
     assert columns == list(range(100))
 
 
 def test_a_view_that_is_not_contiguous_is_written_as_it_looks(tmp_path: Path) -> None:
     screen = np.zeros((210, 160, 3), np.uint8)
     screen[:, 80:] = 255
-    with VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC) as video:
-        video.write(screen[:, ::-1])
-    (image,) = video_frames(video.path)
+    (image,) = video_frames(film(tmp_path / "a.mp4", [screen[:, ::-1]]))
     assert image[:, :310].min() > 240
     assert image[:, 330:].max() < 15
 
@@ -164,9 +145,7 @@ def test_an_older_video_is_there_until_a_second_is_written(tmp_path: Path) -> No
 def test_missing_folders_are_made_and_an_old_file_replaced(tmp_path: Path) -> None:
     path = tmp_path / "new" / "folder" / "a.MP4"
     for frames in (9, 4):
-        with VideoWriter(path, (32, 32), NTSC) as video:
-            for screen in moving_bar(frames, (32, 32)):
-                video.write(screen)
+        film(path, moving_bar(frames, (32, 32)))
     assert len(video_frames(path)) == 4
 
 
@@ -232,31 +211,6 @@ def test_a_place_that_cannot_be_written_is_refused_at_once(tmp_path: Path) -> No
     (tmp_path / "folder.mp4").mkdir()
     with pytest.raises(IsADirectoryError):
         VideoWriter(tmp_path / "folder.mp4", (210, 160), NTSC)
-
-
-def test_without_pyav_the_error_names_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "av", None)
-    with pytest.raises(gymnasium.error.DependencyNotInstalled, match=r"pip install 'av>=14'"):
-        VideoWriter(tmp_path / "a.mp4", (210, 160), NTSC)
-    assert not list(tmp_path.iterdir())
-
-
-def test_importing_does_not_import_pyav() -> None:
-    program = "import sys, atari.recording; sys.exit('av' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
-
-
-def test_a_full_disk_names_the_incomplete_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(encoder: Any, image: Any, samples: Any) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    writer = VideoWriter(tmp_path / "a.mp4", (210, 160), 60)
-    writer.write(np.zeros((210, 160, 3), np.uint8))
-    monkeypatch.setattr(FFmpegEncoder, "write", full)
-    with pytest.raises(OSError, match="No space left on device; incomplete, after 1 frames") as caught:
-        writer.write(np.zeros((210, 160, 3), np.uint8))
-    assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, str(tmp_path / "a.mp4"))
-    writer.close()
 
 
 def test_a_caption_without_a_line_is_refused(tmp_path: Path) -> None:
