@@ -101,6 +101,8 @@ BY_ANOTHER = {
     "atari.lab.causal.picture": "picture of a causal map",
     "atari.lab.dataset": "HDF5",
     "atari.lab.inspector.export": "labels of the lab",
+    "atari.learning.diagnosis.frontier": "atari diagnose",
+    "atari.learning.diagnosis.page": "atari diagnose",
     "atari.learning.evaluation.compare": "comparison",
     "atari.learning.evaluation.plot": "plot",
     "atari.learning.evaluation.results": "result",

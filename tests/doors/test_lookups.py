@@ -17,7 +17,7 @@ from atari.games.game import Game
 from atari.lab import causes
 from atari.lab.interventions import check
 from atari.lab.probes import play_episodes
-from atari.learning import evaluate, load_policy, record_games
+from atari.learning import diagnose, evaluate, load_policy, record_games
 from atari.learning.options import TrainingOptions
 from atari.play import Session
 from atari.testing import check_policy
@@ -61,6 +61,7 @@ def test_a_door_looks_a_game_up_once(door: Door, form: str, looked_up: list[obje
 
 CALLS: dict[str, Callable[[str, Path], object]] = {
     "evaluate": lambda game, _: evaluate("noop", game, episodes=1),
+    "diagnose": lambda game, _: diagnose("noop", game, games=1, frontiers=0),
     "record_games": lambda game, folder: record_games("noop", game, "machado2018", [1], folder / "games.a26r"),
     "TrainingOptions.of": lambda game, _: TrainingOptions.of(game),
     "causes": lambda game, _: causes(game, states=1, values=1, frames=1),
@@ -96,9 +97,11 @@ DOORS_WITH_GAME = {
     "atari.lab.causal.files": {"shipped_causes"},
     "atari.lab.interventions.check": {"check"},
     "atari.lab.probes.data": {"play_episodes"},
+    "atari.learning.diagnosis.diagnosis": {"diagnose", "_game_of"},
     "atari.learning.evaluation.evaluate": {"evaluate", "record_games"},
     "atari.learning.evaluation.played": {"resolve_games"},
     "atari.learning.options": {"TrainingOptions.of"},
+    "atari.learning.restarts": {"RestartOptions.of"},
     "atari.multiplayer": {"raw_env", "env", "parallel_env"},
     "atari.multiplayer.core": {"MultiplayerCore.__init__"},
     "atari.multiplayer.parallel": {"MultiplayerEnv.__init__"},

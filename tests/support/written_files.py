@@ -335,6 +335,13 @@ WRITTEN: dict[str, Written] = {
         keeps=True,
         command=("causes", "-o"),
     ),
+    "atari diagnose": Written(
+        "diagnosis",
+        of_command("-o", "diagnose", "random", "breakout", "--episodes", 1, "--frontiers", 1, "--seconds", 0.05),
+        AV,
+        keeps=True,
+        command=("diagnose", "-o"),
+    ),
     "atari evaluate": Written("result.json", played, command=("evaluate", "-o")),
 }
 

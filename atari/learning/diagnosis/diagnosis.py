@@ -55,6 +55,12 @@ class Diagnosis:
         searches: continuations from moments of the groups.
         standstill: when the score of the training stopped to rise; None without a log, or if it rose to the end.
         run: the run folder of the policy; None for another policy.
+
+    Example:
+        >>> from atari.learning import diagnose
+        >>> diagnosis = diagnose("noop", "pong", games=1, frontiers=0)
+        >>> diagnosis.policy, len(diagnosis.plays), diagnosis.searches
+        ('noop', 1, ())
     """
 
     policy: str

@@ -269,9 +269,10 @@ def _observed(plays: Plays) -> list[Step]:
 
 def _changes(plays: Plays, kind: _Kind, where: Sequence[Step], observations: Array) -> tuple[float, int]:
     """The part of the observations in which covering all objects of a kind changes an answer, and their number."""
-    if plays.task.obs_type == "ram":
+    seen = plays.task.kind
+    if not seen.image:
         covered = _other_bytes(plays, kind, observations)
-    elif plays.task.obs_type == "grayscale" and observations.ndim == 4:
+    elif not seen.colours and not seen.is_dict and observations.ndim == 4:
         covered = _painted(plays, kind, where, observations)
     else:
         return 0.0, 0
