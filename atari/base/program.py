@@ -103,7 +103,7 @@ def interruptible() -> Iterator[None]:
 
 @contextlib.contextmanager
 def ctrl_c_as_event(line: str = "atari: stopping; Ctrl-C again stops at once") -> Iterator[threading.Event]:
-    """Say so and set an event at the first Ctrl-C, so that work ends between two steps. A second Ctrl-C acts as usual."""
+    """Say so and set an event at the first Ctrl-C, so that work ends between two steps. A second acts as usual."""
     interrupted = threading.Event()
     before = signal.getsignal(signal.SIGINT)
 
