@@ -102,8 +102,8 @@ def interruptible() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def ctrl_c_as_event() -> Iterator[threading.Event]:
-    """Set an event at the first Ctrl-C, so that play ends between two steps. A second Ctrl-C acts as usual."""
+def ctrl_c_as_event(line: str = "atari: stopping; Ctrl-C again stops at once") -> Iterator[threading.Event]:
+    """Say so and set an event at the first Ctrl-C, so that work ends between two steps. A second acts as usual."""
     interrupted = threading.Event()
     before = signal.getsignal(signal.SIGINT)
 
@@ -111,7 +111,7 @@ def ctrl_c_as_event() -> Iterator[threading.Event]:
         interrupted.set()
         signal.signal(signal.SIGINT, before)
 
-    with _on_ctrl_c("atari: stopping; Ctrl-C again stops at once", set_event):
+    with _on_ctrl_c(line, set_event):
         yield interrupted
 
 

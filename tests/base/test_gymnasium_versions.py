@@ -33,7 +33,7 @@ def ids() -> Iterator[tuple[str, str]]:
 
 
 @pytest.fixture(scope="module")
-def vectors(ids: tuple[str, str]) -> list[gymnasium.vector.VectorEnv[Any, Any, Any]]:
+def vectors(ids: tuple[str, str]) -> "list[gymnasium.vector.VectorEnv[Any, Any, Any]]":
     """A vector of each package. Both play the same in all tests: ale-py would load the game again for a seed of each."""
     made = [gymnasium.make_vec(env_id, 2, vectorization_mode="vector_entry_point") for env_id in ids]
     for envs in made:

@@ -116,7 +116,7 @@ def test_any_value_of_a_game_file_is_good_or_a_value_error(tmp_path: Path) -> No
         ("bcd(0x80)", "1" * 2001, "[rules] step, line 1: an expression is a text of at most 2,000 characters"),
         ('["NOOP", "RIGHT", "LEFT"]', "[]", "[actions] minimal needs an action"),
         (TEXT, "title = 3", "the file needs the key"),
-        (TEXT, "not toml at all", "Expected '='"),
+        (TEXT, "not toml at all", "after a key in a key/value pair"),
     ],
 )
 def test_the_fault_is_named(tmp_path: Path, old: str, new: str, fault: str) -> None:

@@ -47,23 +47,27 @@ class KeepsCounting(Faulty):
         return (*result, {**info, "count": self.count})  # type: ignore[return-value]
 
 
-def stepping(step: Callable[..., Any]) -> type[Faulty]:
-    """The class of wrappers with another `step`, a function of the wrapper and the action."""
-    return type("Stepping", (Faulty,), {"step": step})
+def stepping(name: str, step: Callable[..., Any]) -> type[Faulty]:
+    """The class of wrappers with another `step`, a function of the wrapper and the action; specs find it by its name."""
+    return type(name, (Faulty,), {"step": step})
 
 
-def changed(change: Callable[..., Any]) -> type[Faulty]:
+def changed(name: str, change: Callable[..., Any]) -> type[Faulty]:
     """The class of wrappers whose `step` returns what a function makes of the environment's results."""
-    return stepping(lambda self, action: change(*self.env.step(action)))
+    return stepping(name, lambda self, action: change(*self.env.step(action)))
 
 
-OtherShape = changed(lambda seen, *rest: (seen[:127], *rest))
-OtherFinalDtype = changed(lambda seen, *rest: (seen.astype(np.int64) if rest[2] else seen, *rest))
-ArrayOfReward = changed(lambda seen, reward, *rest: (seen, np.array([reward]), *rest))
-InfiniteReward = changed(lambda seen, reward, *rest: (seen, float("inf"), *rest))
-HidesTheEnd = changed(lambda seen, reward, terminated, truncated, info: (seen, reward, False, False, info))
-TakesAnyAction = stepping(lambda self, action: self.env.step(action if action in self.action_space else 0))
-OldLives = changed(lambda *results: (*results[:4], {**results[4], "lives": 7}))
+OtherShape = changed("OtherShape", lambda seen, *rest: (seen[:127], *rest))
+OtherFinalDtype = changed("OtherFinalDtype", lambda seen, *rest: (seen.astype(np.int64) if rest[2] else seen, *rest))
+ArrayOfReward = changed("ArrayOfReward", lambda seen, reward, *rest: (seen, np.array([reward]), *rest))
+InfiniteReward = changed("InfiniteReward", lambda seen, reward, *rest: (seen, float("inf"), *rest))
+HidesTheEnd = changed(
+    "HidesTheEnd", lambda seen, reward, terminated, truncated, info: (seen, reward, False, False, info)
+)
+TakesAnyAction = stepping(
+    "TakesAnyAction", lambda self, action: self.env.step(action if action in self.action_space else 0)
+)
+OldLives = changed("OldLives", lambda *results: (*results[:4], {**results[4], "lives": 7}))
 
 
 class OtherDtype(Faulty):

@@ -232,9 +232,11 @@ for _ in range(6):  # where memory ends differs from round to round
         except MemoryError:
             size //= 2
     try:
-        envs.reset(seed=1)
+        try:
+            envs.reset(seed=1)
+        finally:
+            del held  # Python itself needs memory to handle the error
     except MemoryError as error:
-        del held
         print("memory", error)
     resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
 """

@@ -7,7 +7,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.wrappers import AtariPreprocessing, MaxAndSkipObservation, RepeatAction, StickyAction
+from gymnasium.wrappers import AtariPreprocessing
 
 import atari
 from atari import AtariEnv, Task
@@ -111,9 +111,13 @@ ENVIRONMENTS: list[tuple[Any, Any, str]] = [
     (FrameSkip, lambda: FrameSkip(pong(), 2), f"FrameSkip {TWICE} 2"),
     (FrameSkip, lambda: Dqn(pong(), stack_size=None), f"DqnPreprocessing {TWICE} 4"),
     (FrameSkip, lambda: AtariPreprocessing(pong(), frame_skip=3), f"AtariPreprocessing {TWICE} 3"),
-    (FrameSkip, lambda: RepeatAction(pong(), 5), f"RepeatAction {TWICE} 5"),
-    (FrameSkip, lambda: MaxAndSkipObservation(pong(), 6), f"MaxAndSkipObservation {TWICE} 6"),
-    (FrameSkip, lambda: MaxAndSkipObservation(pong(), 6), "make the environment with frameskip=1 or from a NoFra"),
+    (FrameSkip, lambda: gymnasium.wrappers.RepeatAction(pong(), 5), f"RepeatAction {TWICE} 5"),
+    (FrameSkip, lambda: gymnasium.wrappers.MaxAndSkipObservation(pong(), 6), f"MaxAndSkipObservation {TWICE} 6"),
+    (
+        FrameSkip,
+        lambda: gymnasium.wrappers.MaxAndSkipObservation(pong(), 6),
+        "make the environment with frameskip=1 or from a NoFra",
+    ),
     (FrameSkip, lambda: atari.make("pong", preset="dqn2015", stack_num=None), f"EpisodeEnv {TWICE} 4 a step"),
     (StickyActions, lambda: pong(repeat_action_probability=0.25), "of pong are sticky already (probability 0.25)"),
     (StickyActions, lambda: AtariEnv("backgammon", **FRAMES), "NOOP, which is no action of this game"),
@@ -144,7 +148,7 @@ def test_environments(wrapper: Any, make: Any, text: str) -> None:
 
 
 def test_environments_that_fit(scripted: Any) -> None:
-    FrameSkip(FrameSkip(StickyAction(pong(), 0.25), 1), 4)
+    FrameSkip(FrameSkip(gymnasium.wrappers.StickyAction(pong(), 0.25), 1), 4)
     StickyActions(AtariEnv("backgammon", **FRAMES, full_action_space=True))
     NoopReset(FireReset(scripted(meanings=["NOOP", "UP"])), fire_again=False).reset()
     with pytest.raises(ValueError, match="at least three discrete actions"):

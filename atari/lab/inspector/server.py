@@ -27,6 +27,7 @@ from urllib.parse import quote
 import gymnasium
 
 from atari.base.extras import install_extra
+from atari.base.program import ctrl_c_as_event
 
 try:
     from aiohttp import WSCloseCode, WSMsgType, web
@@ -62,6 +63,7 @@ SECONDS_TO_CLOSE = 0.3
 
 _TOO_MANY = 4002
 _SECONDS_UNTIL_REFRESH = 0.25
+_SECONDS_BETWEEN_LOOKS = 0.05
 
 T = TypeVar("T")
 _ENDED = "the inspector has ended"
@@ -394,15 +396,20 @@ def serve(
         OSError: the port is taken.
     """
 
-    async def run() -> None:
+    async def run(interrupted: threading.Event) -> None:
         inspector = Inspector(inspection)
         await inspector.start(port)
         try:
             ready(inspector.url)
             if browser is not None:
                 await asyncio.to_thread(browser, inspector.url)
-            await asyncio.Event().wait()
+            while not interrupted.is_set():
+                await asyncio.sleep(_SECONDS_BETWEEN_LOOKS)
         finally:
             await inspector.stop()
 
-    asyncio.run(run())
+    # An exception in the middle of a request would be the request's, which prints it.
+    with ctrl_c_as_event("atari: interrupted") as interrupted:
+        asyncio.run(run(interrupted))
+    if interrupted.is_set():
+        raise KeyboardInterrupt
