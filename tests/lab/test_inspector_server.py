@@ -2,8 +2,8 @@
 
 import asyncio
 import json
-import socket
 import signal
+import socket
 import sys
 from pathlib import Path
 from typing import Any
