@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import signal
 import socket
 import sys
 from pathlib import Path
@@ -171,12 +172,7 @@ def test_without_aiohttp(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
 def test_without_a_browser_the_address_is_printed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("webbrowser.open", lambda url: False)
-
-    async def ended() -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("asyncio.Event.wait", lambda self: ended())
+    monkeypatch.setattr("webbrowser.open", lambda url: bool(signal.raise_signal(signal.SIGINT)))
     assert main(["lab", "pong"]) == 130
     out, err = capsys.readouterr()
     first, second, *_ = out.splitlines()
