@@ -24,7 +24,7 @@ OTHERS = {
 }
 """By module, why it reads some of them."""
 
-ACTIONS = ("atari.games.actions", "atari.env.env", "atari.play.")
+ACTIONS = ("atari.games.actions", "atari.env.env", "atari.learning.diagnosis.reach", "atari.play.")
 """Modules in which `fire` is the button of an action."""
 
 

@@ -22,7 +22,7 @@ from atari.policy import Policy, ScoresPolicy
 if TYPE_CHECKING:
     from atari.learning.agent import Agent, TrainingLoop
     from atari.learning.command import main
-    from atari.learning.diagnosis.diagnosis import Diagnosis, diagnose
+    from atari.learning.diagnosis.diagnosis import diagnose
     from atari.learning.networks import Encoder
     from atari.learning.replicas import Replicas
     from atari.learning.run_folder import RunFolder
@@ -32,7 +32,6 @@ __all__ = [
     "GAME_SETS",
     "PROTOCOLS",
     "Agent",
-    "Diagnosis",
     "Encoder",
     "EvaluationProtocol",
     "Policy",
@@ -56,7 +55,6 @@ __all__ = [
 
 _LATE = {
     "Agent": "agent",
-    "Diagnosis": "diagnosis.diagnosis",
     "Encoder": "networks",
     "Replicas": "replicas",
     "RunFolder": "run_folder",

@@ -23,6 +23,9 @@ from atari.task.task import GameLike, look_up
 NETWORKS = ("nature", "small", "mlp", "bits")
 """The names of the networks of this package."""
 
+WINDOW = 100
+"""The number of whole games whose mean is the score in the log."""
+
 MOST_WORKERS = 1024
 """The largest number of threads that play and learn."""
 

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.diagnosis.frontier import read_frontier
+from atari.learning.frontier import read_frontier
 from atari.learning.options import TrainingOptions
 from atari.task import Task
 from atari.task.task import GameLike

@@ -14,12 +14,9 @@ import torch
 
 from atari.learning.agent import Agent, AgentCode, agent_code, kept_agent, read_options
 from atari.learning.environments import TrainingEnvironments
-from atari.learning.options import TrainingOptions
+from atari.learning.options import WINDOW, TrainingOptions
 from atari.learning.programs import program_of
 from atari.learning.run_folder import RunFolder
-
-WINDOW = 100
-"""The number of whole games whose mean is the score in the log."""
 
 
 class Training:

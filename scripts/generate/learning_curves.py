@@ -86,7 +86,7 @@ def draw() -> None:
     matplotlib.rcParams["svg.hashsalt"] = "curves"  # the same numbers make the same file
     from matplotlib.figure import Figure
 
-    from atari.learning.report import draw_levels, draw_published, draw_scores
+    from atari.learning.pages import draw_levels, draw_published, draw_scores
 
     runs = read_runs()
     by_game: dict[str, list[str]] = {}

@@ -17,7 +17,7 @@ from small_trainings import make_options  # noqa: E402
 import atari  # noqa: E402
 from atari.learning import TrainingEnvironments, restarts  # noqa: E402
 from atari.learning.agents import find_agent  # noqa: E402
-from atari.learning.diagnosis.frontier import write_frontier  # noqa: E402
+from atari.learning.frontier import write_frontier  # noqa: E402
 from atari.learning.restarts import EVERY, KEPT, LEAST, RING  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
 

@@ -27,7 +27,8 @@ from atari.base import durable  # noqa: E402
 from atari.learning import ReplayMemory, TrainingEnvironments, evaluate, load_policy, record_games  # noqa: E402
 from atari.learning.agent import read_options  # noqa: E402
 from atari.learning.command import Lines  # noqa: E402
-from atari.learning.report import draw_levels, finish, learning_curves  # noqa: E402
+from atari.learning.pages import draw_levels, learning_curves  # noqa: E402
+from atari.learning.report import finish  # noqa: E402
 from atari.learning.run_folder import RunFolder  # noqa: E402
 from atari.learning.run_policy import run_policy, training_protocol  # noqa: E402
 from atari.learning.training import Training  # noqa: E402

@@ -1,21 +1,23 @@
 """`diagnose`: where the games of a policy end, what it does there, and what gets it on."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from atari.base.validation import check_integer
 from atari.learning.diagnosis.behaviour import behaviour
 from atari.learning.diagnosis.findings import Finding
-from atari.learning.diagnosis.frontier import frontier_of, write_frontier
 from atari.learning.diagnosis.moments import Group, Moment, groups, words
 from atari.learning.diagnosis.plays import Plays, play_games
 from atari.learning.diagnosis.search import Saved, search, steps_of
 from atari.learning.diagnosis.training_log import Standstill, standstill
 from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games, usual_protocol
 from atari.learning.evaluation.protocols import EvaluationProtocol, find_protocol
+from atari.learning.frontier import MOST, Frontier, write_frontier
 from atari.learning.policies import load_policy
 from atari.policy import LoadedPolicy
 from atari.task.task import GameLike
@@ -79,14 +81,7 @@ class Diagnosis:
         found += self.standstill.options if self.standstill is not None else ()
         if any(one.saved is not None and one.saved.own_passed == 0 for one in self.searches):
             found.append("--restart-share 0.25 --restart-from frontier.states")
-        spared = sum(group.games for group in self.groups if group.kind == "spare")
-        if spared >= 0.2 * len(self.plays) and self._life_ends_episode():
-            found.append("--episodic-life false")
         return tuple(dict.fromkeys(found))
-
-    def _life_ends_episode(self) -> bool:
-        trained = getattr(self.plays.policy, "task", None)
-        return trained is not None and bool(trained.episodic_life)
 
     def __str__(self) -> str:
         scores, game = self.plays.scores, self.plays.task.definition
@@ -194,6 +189,43 @@ def diagnose(
         searches.append(Search(group, moment, search(plays, moment, steps=steps, seed=seed)))
     run, log = _run_of(policy)
     return Diagnosis(loaded.name, chosen, plays, parts, habits, tuple(searches), log, run)
+
+
+def frontier_of(plays: Plays, moments: Sequence[Moment], before: Sequence[int] = (100, 200, 300)) -> Frontier:
+    """The states some steps before moments of games, with the scores there; of more than 4096, every n-th.
+
+    Args:
+        plays: the games, see `play_games`.
+        moments: moments of these games.
+        before: the numbers of steps before each moment. A game that is shorter has the state before its first step.
+
+    Raises:
+        IndexError: there is no such game.
+
+    Example:
+        >>> from atari import Task
+        >>> from atari.learning import load_policy
+        >>> from atari.learning.diagnosis.diagnosis import frontier_of
+        >>> from atari.learning.frontier import write_frontier
+        >>> from atari.learning.diagnosis.moments import moments_of
+        >>> from atari.learning.diagnosis.plays import play_games
+        >>> plays = play_games(load_policy("random"), Task.of("breakout"), games=2, seed=0)
+        >>> found = frontier_of(plays, [one for one in moments_of(plays) if one.kind == "end"], before=[20, 40])
+        >>> write_frontier("breakout.frontier", plays.task, *found)
+        >>> len(found.scores)
+        4
+    """
+    wanted: dict[tuple[int, int], Moment] = {}
+    for moment in moments:
+        for steps in before:
+            step = max(-1, moment.step - steps)
+            step -= step in plays[moment.play].resets  # where a lost life waits for its reset
+            wanted[moment.play, step] = replace(moment, step=step)
+    chosen = list(wanted.values())
+    if len(chosen) > MOST:
+        chosen = [chosen[index] for index in np.linspace(0, len(chosen) - 1, MOST).astype(int)]
+    scores = [float(plays[one.play].totals[one.step]) if one.step >= 0 else 0.0 for one in chosen]
+    return Frontier(tuple(plays.states(chosen)), tuple(scores))
 
 
 def _game_of(policy: LoadedPolicy, game: GameLike | EvaluatedGame | None) -> EvaluatedGame:

@@ -10,7 +10,7 @@ from atari.base import durable
 from atari.learning.diagnosis.diagnosis import Diagnosis, Search
 from atari.learning.diagnosis.moments import Moment, words
 from atari.learning.diagnosis.search import Part, record_parts
-from atari.learning.report import learning_curves, write_page
+from atari.learning.pages import learning_curves, write_page
 from atari.recording import Replay
 
 FRONTIER = "frontier.states"

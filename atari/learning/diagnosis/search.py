@@ -14,7 +14,7 @@ from atari.learning.diagnosis.moments import Moment
 from atari.learning.diagnosis.plays import Plays
 from atari.learning.evaluation.evaluate import EvaluatedPolicy
 from atari.recording import RecordReplay
-from atari.recording.replay.record_replay import _shadow_env
+from atari.recording.replay.record_replay import shadow_env
 from atari.recording.replay.recorded_core import ReplayRecorder
 from atari.vector import AtariVectorEnv
 from atari.vector.state import LaneSnapshot
@@ -452,7 +452,7 @@ def record_parts(path: str | PathLike[str], player: EvaluatedPolicy, parts: Sequ
         (lane,) = envs.lanes
         envs.reset(seed=0)
         envs.restore([0], [parts[0].state])
-        shadow: Any = _shadow_env(envs.options, 0)
+        shadow: Any = shadow_env(envs.options, 0)
         shadow.reset(seed=0)
         core = shadow.core
         lane.copy_to(core)

@@ -11,7 +11,7 @@ from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result
 from atari.learning.options import TrainingOptions
-from atari.learning.report import learning_curves, write_page
+from atari.learning.pages import learning_curves, write_page
 from atari.learning.run_folder import RunFolder
 from atari.learning.sweep.plan import TrainingRun
 from atari.learning.sweep.processes import Settings

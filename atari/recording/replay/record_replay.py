@@ -113,7 +113,7 @@ class RecordVectorReplay(VectorWrapper):
         if self._added.slots:
             raise ValueError("the environment has a Freeze or a Poke; release it, and make it after RecordReplay")
         self._seeded = not inner.started
-        self._recorded = RecordReplay(_shadow_env(inner.options, self._index), path)
+        self._recorded = RecordReplay(shadow_env(inner.options, self._index), path)
         self._recorder = self._recorded.recorder
         self.path = self._recorder.path
         shadow: Any = self._recorded.unwrapped
@@ -203,7 +203,7 @@ class RecordVectorReplay(VectorWrapper):
             )
 
 
-def _shadow_env(options: VectorOptions, index: int) -> AtariEnv:
+def shadow_env(options: VectorOptions, index: int) -> AtariEnv:
     """An `AtariEnv` with the core of environment `index` of a vector; the replay's header describes it.
 
     With ale-py's seeding, the header has the emulator's fields and the frame skip; otherwise it has the whole task.

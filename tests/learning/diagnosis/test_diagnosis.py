@@ -9,10 +9,11 @@ import pytest
 from cli_tools import Capture, read, refused
 
 from atari.cli import main
-from atari.learning import Diagnosis, diagnose
-from atari.learning.diagnosis.frontier import read_frontier
+from atari.learning import diagnose
+from atari.learning.diagnosis.diagnosis import Diagnosis
 from atari.learning.diagnosis.page import write_diagnosis
 from atari.learning.diagnosis.training_log import Standstill, standstill
+from atari.learning.frontier import read_frontier
 from atari.recording import Replay
 
 

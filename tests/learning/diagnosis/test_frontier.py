@@ -10,11 +10,11 @@ import pytest
 
 import atari
 from atari.cores.snapshot import pack, unpack
-from atari.learning import load_policy
-from atari.learning.diagnosis import frontier
-from atari.learning.diagnosis.frontier import MOST, frontier_of, read_frontier, write_frontier
+from atari.learning import frontier, load_policy
+from atari.learning.diagnosis.diagnosis import frontier_of
 from atari.learning.diagnosis.moments import Moment
 from atari.learning.diagnosis.plays import play_games
+from atari.learning.frontier import MOST, read_frontier, write_frontier
 
 TASK = atari.Task.of("breakout", preset="envpool", stack_num=2, img_height=42, img_width=42)
 TRAINING = TASK.replace(episodic_life=True, repeat_action_probability=0.0, reward_clipping=False, noops=(0, 0))

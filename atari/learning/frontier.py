@@ -9,12 +9,9 @@ import math
 import zlib
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
+from typing import Any, NamedTuple
 
 import atari._emulator as _emulator
 from atari import __version__
@@ -26,10 +23,6 @@ from atari.task.fields import GROUPS
 from atari.task.json_form import identity, require_same
 from atari.vector import AtariVectorEnv
 from atari.vector.state import LaneSnapshot
-
-if TYPE_CHECKING:  # trainings read frontiers without the modules that make them
-    from atari.learning.diagnosis.moments import Moment
-    from atari.learning.diagnosis.plays import Plays
 
 MOST = 4096
 """The most states of a file."""
@@ -56,42 +49,6 @@ class Frontier(NamedTuple):
     scores: tuple[float, ...]
 
 
-def frontier_of(plays: "Plays", moments: Sequence["Moment"], before: Sequence[int] = (100, 200, 300)) -> Frontier:
-    """The states some steps before moments of games, with the scores there; of more than 4096, every n-th.
-
-    Args:
-        plays: the games, see `play_games`.
-        moments: moments of these games.
-        before: the numbers of steps before each moment. A game that is shorter has the state before its first step.
-
-    Raises:
-        IndexError: there is no such game.
-
-    Example:
-        >>> from atari import Task
-        >>> from atari.learning import load_policy
-        >>> from atari.learning.diagnosis.frontier import frontier_of, write_frontier
-        >>> from atari.learning.diagnosis.moments import moments_of
-        >>> from atari.learning.diagnosis.plays import play_games
-        >>> plays = play_games(load_policy("random"), Task.of("breakout"), games=2, seed=0)
-        >>> found = frontier_of(plays, [one for one in moments_of(plays) if one.kind == "end"], before=[20, 40])
-        >>> write_frontier("breakout.frontier", plays.task, *found)
-        >>> len(found.scores)
-        4
-    """
-    wanted: dict[tuple[int, int], Moment] = {}
-    for moment in moments:
-        for steps in before:
-            step = max(-1, moment.step - steps)
-            step -= step in plays[moment.play].resets  # where a lost life waits for its reset
-            wanted[moment.play, step] = replace(moment, step=step)
-    chosen = list(wanted.values())
-    if len(chosen) > MOST:
-        chosen = [chosen[index] for index in np.linspace(0, len(chosen) - 1, MOST).astype(int)]
-    scores = [float(plays[one.play].totals[one.step]) if one.step >= 0 else 0.0 for one in chosen]
-    return Frontier(tuple(plays.states(chosen)), tuple(scores))
-
-
 def write_frontier(
     path: str | PathLike[str], task: Task, snapshots: Sequence[LaneSnapshot], scores: Sequence[float]
 ) -> None:
@@ -111,7 +68,7 @@ def write_frontier(
 
     Example:
         >>> import atari
-        >>> from atari.learning.diagnosis.frontier import read_frontier, write_frontier
+        >>> from atari.learning.frontier import read_frontier, write_frontier
         >>> envs = atari.AtariVectorEnv("pong", 2)
         >>> observations, info = envs.reset(seed=0)
         >>> write_frontier("pong.frontier", envs.task, envs.snapshot(), [0, 0])
