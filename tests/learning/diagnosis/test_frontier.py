@@ -10,7 +10,7 @@ import pytest
 
 import atari
 from atari.cores.snapshot import pack, unpack
-from atari.learning import frontier, load_policy
+from atari.learning import load_policy
 from atari.learning.diagnosis.diagnosis import frontier_of
 from atari.learning.diagnosis.moments import Moment
 from atari.learning.diagnosis.plays import play_games
@@ -144,5 +144,5 @@ def test_the_states_before_moments(monkeypatch: pytest.MonkeyPatch) -> None:
         assert not any(lane.ended for lane in envs.lanes)
     assert found.scores == tuple(plays[play].totals[step] for play, step in steps)
     assert frontier_of(plays, moments[:1], before=[10**6]).scores == (0,)
-    monkeypatch.setattr(frontier, "MOST", 2)
+    monkeypatch.setattr("atari.learning.diagnosis.diagnosis.MOST", 2)
     assert frontier_of(plays, moments, before=[5, 12]).scores == (found.scores[0], found.scores[-1])
