@@ -17,6 +17,7 @@ from atari.learning.evaluation.results import Result
 from atari.learning.memory import ReplayMemory
 from atari.learning.options import TrainingOptions
 from atari.learning.policies import load_policy
+from atari.learning.restarts import RestartOptions
 from atari.policy import Policy, ScoresPolicy
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ __all__ = [
     "Published",
     "ReplayMemory",
     "Replicas",
+    "RestartOptions",
     "Result",
     "RunFolder",
     "ScoresPolicy",

@@ -35,6 +35,11 @@ class RestartOptions(TrainingOptions):
         restart_share: the share of the environments that, after an end, begin near the ends of recent good games.
         restart_from: a file of states, as `atari diagnose` writes one; the environments of restart_share begin from
             these states alone, in the whole training.
+
+    Example:
+        >>> from atari.learning import RestartOptions
+        >>> RestartOptions.of("breakout", preset="dqn2015", restart_share=0.25).restart_share
+        0.25
     """
 
     restart_share: float = 0.0

@@ -20,7 +20,15 @@ from atari import ale_py, wrappers
 from atari.games.actions import Action
 from atari.integrations import envpool
 from atari.lab import Freeze, Poke, Ram, RamLabels, Search, Watch
-from atari.learning import PROTOCOLS, Published, ReplayMemory, Result, TrainingEnvironments, TrainingOptions
+from atari.learning import (
+    PROTOCOLS,
+    Published,
+    ReplayMemory,
+    RestartOptions,
+    Result,
+    TrainingEnvironments,
+    TrainingOptions,
+)
 from atari.learning.evaluation.results import GameResult
 from atari.multiplayer import MultiplayerCore
 from atari.play import Session
@@ -452,6 +460,7 @@ CASES: Mapping[str, Case] = {
     "atari.lab.watch.Watch": (lambda: started(Watch(atari.AtariEnv("pong"), "ball_x", 5, each="frame")), watched),
     "atari.learning.environments.TrainingEnvironments": (training_environments, played),
     "atari.learning.options.TrainingOptions": (lambda: TrainingOptions.of("pong", seed=3), itself),
+    "atari.learning.restarts.RestartOptions": (lambda: RestartOptions.of("pong", restart_share=0.5), itself),
     "atari.learning.evaluation.protocols.EvaluationProtocol": (lambda: PROTOCOLS["dopamine"], itself),
     "atari.learning.evaluation.published.Published": (lambda: Published("dopamine/rainbow"), facts),
     "atari.learning.memory.replay_memory.ReplayMemory": (memory, drawn),

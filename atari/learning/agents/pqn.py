@@ -18,12 +18,12 @@ from atari.learning import (
     Agent,
     Encoder,
     Replicas,
+    RestartOptions,
     RunFolder,
     TrainingEnvironments,
     TrainingLoop,
     main,
 )
-from atari.learning.restarts import RestartOptions
 
 
 @dataclass(frozen=True, kw_only=True)
