@@ -295,7 +295,7 @@ VectorEngine::Snapshot VectorEngine::parse(int environment, const uint8_t* in) {
 
 void VectorEngine::restore(int environment, Snapshot snapshot, bool own_generators) {
     Slot& to = slot(environment);
-    if (own_generators) apply_restore(to);  // the generators are those of a restore before this one
+    if (own_generators) apply_restore(to);  // a restore that waits decides the generators
     to.pending_restore = std::move(snapshot);
     if (own_generators) apply_restore(to, true);
 }

@@ -10,7 +10,7 @@ _PRESSES = {"left": "LEFT", "right": "RIGHT", "top": "UP", "bottom": "DOWN"}
 
 
 def behaviour(plays: Plays) -> tuple[Finding, ...]:
-    """What keeps an agent from playing better, as far as its plays and its answers to observations show it.
+    """The findings that the plays of an agent and its answers to changed observations show.
 
     A side to which the agent cannot go because it does not press the direction is not a finding of its own. Policies
     that play well have no findings.

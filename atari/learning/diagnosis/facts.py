@@ -26,7 +26,7 @@ _LEAST_PART, _LEAST_RATIO = 0.5, 2.0
 _LEAST_NEW, _MOST_ALIKE = 1.5, 0.5
 """The same ratio where the earlier facts hold, which else imply it; the most that two facts may coincide elsewhere."""
 _NEARLY = 0.9
-"""Of the ranges that tell this part of what the best one tells, the one that is rarest elsewhere is chosen."""
+"""A range needs this part of the greatest divergence; of such ranges the rarest elsewhere is chosen."""
 _LEAST_SPLIT, _MOST_SPLIT, _LEAST_PLACES = 0.25, 0.75, 8
 """A fact that holds in this part of the places makes a cluster of them, if it and the rest have this many places."""
 _PLAIN_KINDS = ("position_x", "position_y", "count", "direction", "flag", "timer")
@@ -322,7 +322,7 @@ def _facts_of(
 
 
 def _range(one: _Column, other: _Column, there: Bools, elsewhere: Bools) -> tuple[int, int] | None:
-    """The range of values that tells most about the places; None if none is visible."""
+    """The range of values that is usual at the places and rare elsewhere; None if none is visible."""
     inside, outside = np.sort(one.values[there & one.visible]), np.sort(other.values[elsewhere & other.visible])
     if not len(inside):
         return None
@@ -330,9 +330,9 @@ def _range(one: _Column, other: _Column, there: Bools, elsewhere: Bools) -> tupl
     if len(bounds) > _MOST_BOUNDS:
         bounds = np.unique(np.quantile(inside, np.linspace(0, 1, _MOST_BOUNDS), method="nearest"))
     part, other_part = _in_ranges(inside, bounds) / there.sum(), _in_ranges(outside, bounds) / elsewhere.sum()
-    told = _divergence(part, other_part)
-    rarest = np.where((told >= _NEARLY * told.max()) & (part > 0), other_part, np.inf)
-    low, high = np.unravel_index(int(rarest.argmin()), told.shape)
+    divergence = _divergence(part, other_part)
+    rarest = np.where((divergence >= _NEARLY * divergence.max()) & (part > 0), other_part, np.inf)
+    low, high = np.unravel_index(int(rarest.argmin()), divergence.shape)
     return int(bounds[low]), int(bounds[high])
 
 

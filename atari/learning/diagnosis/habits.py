@@ -114,7 +114,7 @@ def _markov(counts: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 
 def _is_uniform(counts: npt.NDArray[np.float64]) -> bool:
-    """Whether counts (A, A) of pairs of actions are like those of uniform and independent draws."""
+    """Whether uniform and independent draws could have given these counts of pairs of actions, (A, A)."""
     expected = counts.sum() / counts.size
     if expected <= 0:
         return False
@@ -239,7 +239,7 @@ def _beginning(plays: Plays, loops: dict[int, _Stretch]) -> tuple[Unit, int]:
     """
     starts = np.array([one.start for one in loops.values()])
     gains = [np.flatnonzero(plays[number].rewards > 0) for number in loops]
-    # The last actions before a cycle may be those of the cycle by chance.
+    # By chance, the last actions before a cycle may equal the cycle's.
     beside = [own[(own >= start - 2) & (own < start + 4)] for own, start in zip(gains, starts.tolist(), strict=True)]
     near = {number: int(own[-1]) for number, own in zip(loops, beside, strict=True) if len(own)}
     middle = int(np.median(starts))

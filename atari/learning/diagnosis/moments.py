@@ -114,7 +114,7 @@ def groups(plays: Plays) -> tuple[Group, ...]:
 
     A fact about a label is found by comparison of the states before the moments with all other steps of play. A life is
     often lost long after the fault, while an explosion is shown and a thing that has gone is hidden. So forks of some
-    moments are played, each with an action held: facts are those of the last steps at which an action changes anything.
+    moments are played, each with an action held: facts hold at the last steps at which an action changes anything.
 
     Args:
         plays: the games, see `play_games`.
@@ -230,9 +230,9 @@ def _spared(plays: Plays) -> list[bool]:
     last = _last_life(plays, ended)
     lost = {index: _loses_life(plays.labels, plays[index]) for index in ended}
     on_last = {index for index in ended if plays[index].lives_before[-1] == last}
-    told = {lost[index] for index in on_last} == {True, False}
+    is_sign = {lost[index] for index in on_last} == {True, False}
     return [
-        index in lost and (play.lives_before[-1] > last or (index in on_last and told and not lost[index]))
+        index in lost and (play.lives_before[-1] > last or (index in on_last and is_sign and not lost[index]))
         for index, play in enumerate(plays)
     ]
 

@@ -242,7 +242,7 @@ def play_games(
 ) -> Plays:
     """Let a policy play whole games of a task, and keep each step.
 
-    The games are those of `evaluate` with the same task, seed and epsilon: so are their scores.
+    `evaluate` plays the same games, with the same scores, if task, seed and epsilon are equal.
 
     A step takes 135 bytes of memory, and 4 more for each action of the task if the policy gives scores. A game of
     108,000 frames with a frame skip of 4 so takes at most 4 MB, or 6 MB with scores of 18 actions; most games take a

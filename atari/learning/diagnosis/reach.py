@@ -29,7 +29,7 @@ Presses: dict[str, Callable[[Action], bool]] = {
     "LEFT": lambda action: action.horizontal < 0,
     "FIRE": lambda action: action.fire,
 }
-"""What an action presses, by name."""
+"""By the name of a press, whether an action has it."""
 
 Side = Literal["left", "right", "top", "bottom"]
 _PRESS_TOWARDS: dict[Side, str] = {"left": "LEFT", "right": "RIGHT", "top": "UP", "bottom": "DOWN"}
