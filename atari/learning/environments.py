@@ -124,18 +124,21 @@ class TrainingEnvironments:
         taken, self._games = self._games, []
         return taken
 
-    def state(self) -> dict[str, Any]:
-        """The positions in all games, as `restore` takes them."""
-        restarts = {} if self.restarts is None else {"restarts": self.restarts.state()}
-        return {"snapshots": zlib.compress(pickle.dumps(self._envs.snapshot()), 1), **restarts}
+    def state(self) -> bytes:
+        """The positions in all games, as `restore` takes them: 90 MB of 256 environments that restart become 5."""
+        restarts = None if self.restarts is None else self.restarts.state()
+        return zlib.compress(pickle.dumps((self._envs.snapshot(), restarts)))
 
-    def restore(self, state: dict[str, Any]) -> None:
-        """Continue from the positions of `state`."""
+    def restore(self, state: bytes) -> ByteArray:
+        """Continue from the positions of `state`; returns the observations there."""
+        snapshots, restarts = pickle.loads(zlib.decompress(state))
         self._envs.reset(seed=0)
-        self._envs.restore(None, pickle.loads(zlib.decompress(state["snapshots"])))
+        self._envs.restore(None, snapshots)
         self._games = []
         if self.restarts is not None:
-            self.restarts.restore(state["restarts"])
+            self.restarts.restore(restarts)
+        observations: ByteArray = self._envs.observe()[0]
+        return observations
 
     def close(self) -> None:
         """Close the environments."""

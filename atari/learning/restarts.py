@@ -1,7 +1,5 @@
 """`Restarts`: some environments of a training begin where good games were lost, in place of the games' beginnings."""
 
-import pickle
-import zlib
 from collections import deque
 from contextlib import closing
 from dataclasses import dataclass
@@ -163,15 +161,13 @@ class Restarts:
         for lane, state in zip(lanes, self._envs.snapshot(lanes) if lanes else (), strict=True):
             self._trails[lane].append((state, observations[lane].copy(), self._scores[lane]))
 
-    def state(self) -> bytes:
-        """All that the next steps depend on beside the environments."""
-        parts = (self._step, self.count, self._scores, self._trails, self._rings, self._lives, self._rng)
-        return zlib.compress(pickle.dumps(parts), 1)
+    def state(self) -> tuple[Any, ...]:
+        """All that the next steps depend on beside the environments; it changes with them."""
+        return self._step, self.count, self._scores, self._trails, self._rings, self._lives, self._rng
 
-    def restore(self, state: bytes) -> None:
-        """Continue from a state of `state`."""
-        parts = pickle.loads(zlib.decompress(state))
-        self._step, self.count, self._scores, self._trails, self._rings, self._lives, self._rng = parts
+    def restore(self, state: tuple[Any, ...]) -> None:
+        """Continue from a state of `state`, which is not copied."""
+        self._step, self.count, self._scores, self._trails, self._rings, self._lives, self._rng = state
 
 
 def _read(file: str, task: Task) -> deque[Any]:

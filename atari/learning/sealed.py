@@ -16,10 +16,10 @@ _COMMENT = re.compile(rb"atari-envs sha256 ([0-9a-f]{64})\Z")
 _LENGTH = len(b"atari-envs sha256 ") + 64
 
 
-def sealed(value: Any) -> bytes:
-    """The file of a value, with a checksum of its bytes."""
+def sealed(value: Any, pickle_protocol: int = 2) -> bytes:
+    """The file of a value, with a checksum of its bytes. PyTorch reads weights alone from protocol 2."""
     file = io.BytesIO()
-    torch.save(value, file)
+    torch.save(value, file, pickle_protocol=pickle_protocol)
     body = file.getvalue()[:-2] + struct.pack("<H", _LENGTH)  # an archive ends with the length of its comment
     return body + b"atari-envs sha256 " + hashlib.sha256(body).hexdigest().encode()
 

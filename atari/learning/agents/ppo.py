@@ -319,7 +319,6 @@ class PPO(Agent):
             "learning_rate": self.learning_rate,
             "returns": vars(self.returns),
             "generators": [generator.get_state() for generator in self.generators],
-            "observations": [rollout.observations for rollout in self.rollouts],
             "environments": [rollout.environments.state() for rollout in self.rollouts],
         }
 
@@ -332,8 +331,7 @@ class PPO(Agent):
         for generator, at in zip(self.generators, state["generators"], strict=True):
             generator.set_state(at)
         for index, rollout in enumerate(self.rollouts):
-            rollout.observations = state["observations"][index]
-            rollout.environments.restore(state["environments"][index])
+            rollout.observations = rollout.environments.restore(state["environments"][index])
 
     def close(self) -> None:
         """Close the environments and end the threads."""

@@ -291,7 +291,6 @@ class PQN(Agent):
             "network": self.network.state_dict(),
             "optimizer": self.optimizer.state_dict(),
             "generators": [generator.get_state() for generator in self.generators],
-            "observations": [rollout.observations for rollout in self.rollouts],
             "environments": [rollout.environments.state() for rollout in self.rollouts],
         }
 
@@ -303,8 +302,7 @@ class PQN(Agent):
         for generator, at in zip(self.generators, state["generators"], strict=True):
             generator.set_state(at)
         for index, rollout in enumerate(self.rollouts):
-            rollout.observations = state["observations"][index]
-            rollout.environments.restore(state["environments"][index])
+            rollout.observations = rollout.environments.restore(state["environments"][index])
 
     def close(self) -> None:
         """Close the environments and end the threads."""
