@@ -2,7 +2,7 @@
 """Keeps the learning curves of trainings as small files, and draws them beside published ones.
 
     scripts/generate/learning_curves.py collect runs/breakout-ppo runs/breakout-dqn    # into docs/curves
-    scripts/generate/learning_curves.py draw                                           # docs/learning-curves.svg
+    scripts/generate/learning_curves.py draw                                           # docs/ppo.svg and others
     scripts/generate/learning_curves.py table                                          # Markdown on standard output
 
 A run folder becomes `docs/curves/GAME-AGENT.csv`, with sticky actions `GAME-AGENT-sticky-SEED.csv`, at most 100 rows of
@@ -27,8 +27,14 @@ FOLDER = DOCS / "curves"
 RUNS = FOLDER / "runs.json"
 COLUMNS = ("step", "frames", "seconds", "games", "score")
 COLORS = {"ppo": "#c2410c", "dqn": "#1d4ed8", "pqn": "#15803d", "pqn, sticky actions": "#a21caf"}
-PUBLISHED = ("dopamine/dqn", "dopamine/rainbow", "cleanrl/ppo")
-"""Columns of the table: those with curves at equal frames, the others at the end of their training."""
+NEWER = {"dopamine_nets/dqn_cnn": ":", "dopamine_nets/rainbow_cnn": "--"}
+"""Curves of Dopamine's newer trainings, which the report of a training does not draw, and their line styles."""
+PUBLISHED = {
+    "DQN": ("dopamine/dqn", "dopamine_nets/dqn_cnn"),
+    "Rainbow": ("dopamine/rainbow", "dopamine_nets/rainbow_cnn"),
+    "`cleanrl/ppo`": ("cleanrl/ppo",),
+}
+"""Columns of the tables: agents with curves at equal frames, the others at the end of their training."""
 
 
 def collect(path: Path) -> None:
@@ -79,52 +85,78 @@ def suffix(name: str) -> str:
     return ", sticky actions" if "-sticky-" in name else ""
 
 
+def runs_of_agents() -> dict[str, dict[str, Any]]:
+    """The facts of the trainings of each agent, by name."""
+    agents: dict[str, dict[str, Any]] = {}
+    for name, run in read_runs().items():
+        agents.setdefault(run["agent"], {})[name] = run
+    return agents
+
+
 def draw() -> None:
-    """Draw a panel for each game."""
+    """Draw a picture for each agent."""
     import matplotlib
 
     matplotlib.rcParams["svg.hashsalt"] = "curves"  # the same numbers make the same file
+    for agent, runs in runs_of_agents().items():
+        draw_agent(runs).savefig(DOCS / f"{agent}.svg", metadata={"Date": None})
+
+
+def draw_agent(runs: dict[str, Any]) -> Any:
+    """Draw a panel for each game of an agent's trainings, and return the figure."""
     from matplotlib.figure import Figure
 
     from atari.learning.pages import draw_levels, draw_published, draw_scores
 
-    runs = read_runs()
     by_game: dict[str, list[str]] = {}
     for name, run in runs.items():
         by_game.setdefault(run["game"], []).append(name)
     lines = math.ceil(len(by_game) / 2)
-    figure = Figure(figsize=(9, 2.6 * lines), layout="constrained")
+    figure = Figure(figsize=(9, 2.6 * lines + 0.4), layout="constrained")
     panels = figure.subplots(lines, 2, squeeze=False).flatten()
     for axes in panels[len(by_game) :]:
         axes.set_axis_off()
     for axes, (game, names) in zip(panels, by_game.items(), strict=False):
         curves = {name: read_rows(name) for name in names}
-        draw_published(axes, game, max(rows[-1]["frames"] for rows in curves.values()))
+        most = max(rows[-1]["frames"] for rows in curves.values())
+        draw_published(axes, game, most)
+        draw_newer(axes, game, most)
         for name, rows in curves.items():
             kind = runs[name]["agent"] + suffix(name)
             draw_scores(axes, rows, f"this package: {kind}", COLORS[kind])
         draw_levels(axes, game)
         axes.set_title(game, fontsize="medium")
         axes.set_xlabel("million frames", fontsize="small")
-    entries = dict(zip(*reversed(panels[0].get_legend_handles_labels()), strict=True))
-    for axes in panels[1 : len(by_game)]:
+    entries: dict[str, Any] = {}
+    for axes in panels[: len(by_game)]:
         entries.update(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
     figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=4, fontsize="small")
-    figure.savefig(DOCS / "learning-curves.svg", metadata={"Date": None})
+    return figure
+
+
+def draw_newer(axes: Any, game: str, most: float) -> None:
+    """Draw Dopamine's newer curves of a game until `most` frames, in Matplotlib's axes."""
+    for name, style in NEWER.items():
+        curve = Published(name).curve(game)
+        known = curve.frames <= most
+        if known.sum() > 1:
+            axes.plot(curve.frames[known] / 1e6, curve.mean[known], label=name, linewidth=1, linestyle=style, color="k")
 
 
 def table() -> None:
-    """Print a row for each training, beside published scores."""
-    print(
-        "| game | agent | frames | last 100 games | 100 games after it |", *(f" {name} |" for name in PUBLISHED), sep=""
-    )
-    print("|---|---|---|---|---|", *("---|" for _ in PUBLISHED), sep="")
-    for name, run in read_runs().items():
-        game, last = run["game"], read_rows(name)[-1]
-        after = f"{statistics.fmean(run['scores']):,.1f} ± {statistics.stdev(run['scores']):,.1f}"
-        beside = " | ".join(_beside(source, game, int(last["frames"])) for source in PUBLISHED)
-        frames = f"{last['frames'] / 1e6:.1f} M"
-        print(f"| {game} | `{run['agent']}`{suffix(name)} | {frames} | {last['score']:,.1f} | {after} | {beside} |")
+    """Print a table for each agent, with a row for each training, beside published scores."""
+    for agent, runs in runs_of_agents().items():
+        heads = ["game", "M frames", "last 100 games", "100 games after it", *PUBLISHED]
+        print(f"`{agent}`\n\n| {' | '.join(heads)} |\n{'|---' * len(heads)}|")
+        for name, run in runs.items():
+            game, last, scores = run["game"], read_rows(name)[-1], run["scores"]
+            error = statistics.stdev(scores) / math.sqrt(len(scores))
+            after = f"{statistics.fmean(scores):,.1f} ± {error:,.1f}"
+            frames = int(last["frames"])
+            beside = [", ".join(_beside(source, game, frames) for source in sources) for sources in PUBLISHED.values()]
+            cells = [game + suffix(name), f"{frames / 1e6:.1f}", f"{last['score']:,.1f}", after, *beside]
+            print(f"| {' | '.join(cells)} |")
+        print()
 
 
 def _beside(name: str, game: str, frames: int) -> str:
@@ -133,6 +165,8 @@ def _beside(name: str, game: str, frames: int) -> str:
         return "–"
     if not source.has_curves:
         return f"{source.final(game).mean():,.1f}"
+    if frames < source.curve(game).frames[0]:
+        return "–"
     if frames < 1.01 * source.final_frames:  # 200 million frames are shown beside 199
         frames = min(frames, source.final_frames)
     scores = source.at(game, frames)
