@@ -114,21 +114,18 @@ def task_fields(tuned: bool) -> str:
 
 
 def fast() -> str:
-    """A table of the options that `--fast` changes, for pixels and for RAM."""
+    """A table of the options that `--fast` changes for pixels, and a sentence of those for RAM."""
     from atari.learning.agents import AGENTS, find_agent  # imports PyTorch
     from atari.learning.options import FAST_RAM
 
     agents = {name: find_agent(name) for name in AGENTS}
-    names = list(dict.fromkeys(name for agent in agents.values() for name in (*agent.fast, *FAST_RAM)))
-    lines = [
-        f"| option | {' | '.join(f'`{name} --fast`' for name in agents)} | all, from RAM |",
-        "|---" * (len(agents) + 2) + "|",
-    ]
+    names = list(dict.fromkeys(name for agent in agents.values() for name in agent.fast))
+    lines = [f"| option | {' | '.join(f'`{name} --fast`' for name in agents)} |", "|---" * (len(agents) + 1) + "|"]
     for name in names:
         cells = [in_text(agent.fast[name]) if name in agent.fast else "" for agent in agents.values()]
-        ram = in_text(FAST_RAM[name]) if name in FAST_RAM else "as from pixels"
-        lines.append(f"| `{name}` | {' | '.join(cells)} | {ram} |")
-    return "\n".join(lines)
+        lines.append(f"| `{name}` | {' | '.join(cells)} |")
+    ram = ", ".join(f"`{name}` {in_text(value)}" for name, value in FAST_RAM.items())
+    return "\n".join([*lines, "", f"From RAM: {ram}."])
 
 
 TABLES: Mapping[str, Callable[[], str]] = {
