@@ -71,7 +71,11 @@ PLACES: dict[str, tuple[str, ...]] = {
     ),
     "atari/env/episode_env.py": ("tests/env/test_episode_env.py", "tests/vector/test_tasks.py"),
     "atari/env/restorable.py": ("tests/wrappers/test_snapshots.py",),
-    "atari/task/env_ids.py": ("tests/conformance/test_ids.py", "tests/registry/test_registration.py"),
+    "atari/task/env_ids.py": (
+        "tests/conformance/test_ids.py",
+        "tests/registry/test_registration.py",
+        "tests/vector/test_registration.py",
+    ),
     "atari/registry/making.py": (
         "tests/registry/test_registration.py",
         "tests/vector/test_registration.py",

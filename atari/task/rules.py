@@ -5,8 +5,7 @@ preset, an ID or another task. So tasks that differ in such fields alone are equ
 """
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from atari.games.game import Game
 from atari.task.checks import NO_LIMIT
@@ -16,8 +15,7 @@ from atari.task.observation_kinds import kind_of
 Fields = Mapping[str, Any]
 
 
-@dataclass(frozen=True)
-class _Need:
+class _Need(NamedTuple):
     """`fields` have an effect only if `holds` is true; `because` says why, and how to give them an effect."""
 
     fields: tuple[str, ...]
@@ -25,8 +23,7 @@ class _Need:
     because: str
 
 
-@dataclass(frozen=True)
-class _Clash:
+class _Clash(NamedTuple):
     """Fields that contradict each other if `holds` is true; `text` is the error, with fields in braces.
 
     `definition` is a field, too: the game.
