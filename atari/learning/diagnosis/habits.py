@@ -22,7 +22,7 @@ _LEAST_LOOP, _LEAST_HELD = 100, 400
 """Steps of a loop of several actions, and of one action that is held."""
 _LEAST_BARREN = 0.5
 """The part of a loop that must be in a row without a reward: what repeats and gets rewards is no loop."""
-_LEAST_LOOPING_GAMES, _MOST_OF = 0.1, 0.7
+_LEAST_LOOPING_GAMES, _MOST_OF = 0.25, 0.7
 
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
@@ -135,10 +135,10 @@ class _Stretch(NamedTuple):
 def loop(plays: Plays) -> Finding | None:
     """The score, or step, from which a cycle of actions repeats without a reward; None if there is no such place.
 
-    A loop is repeated until the game gets no reward any more. In a row it has at least 100 steps without a reward, 400
-    if one action is held; more than half of its own steps; more than each repetition that a game has left for a reward;
-    and more than half of the longest time without a reward from which a game went on. At least a tenth of the
-    games must have a loop.
+    A loop is repeated until the game gets no reward any more. In a row it has at least 100 steps without a reward, more
+    than half of its own steps, and more than each repetition that a game has left for a reward. One action that is held
+    can be patience: it needs at least 400 steps, and more than half of the longest time without a reward from which a
+    game went on. At least a quarter of the games must have a loop.
 
     Args:
         plays: the games, see `play_games`.
@@ -159,7 +159,7 @@ def loop(plays: Plays) -> Finding | None:
         number: last
         for number, (last, _) in enumerate(found)
         if last is not None
-        and last.barren > max(went_on, _LEAST_HELD if last.period == 1 else _LEAST_LOOP, gap / 2)
+        and last.barren > max(went_on, *((_LEAST_HELD, gap / 2) if last.period == 1 else (_LEAST_LOOP,)))
         and last.barren > _LEAST_BARREN * (last.end - last.start)
     }
     if len(stuck) < max(1, _LEAST_LOOPING_GAMES * len(plays)):

@@ -319,9 +319,13 @@ def _other_bytes(plays: Plays, kind: _Kind, observations: Array) -> Array:
 
 
 def _painted(plays: Plays, kind: _Kind, where: Sequence[Step], observations: Array) -> Array:
-    """Images (n, stack, height, width) in which the boxes of a kind's objects are painted with what is around them."""
+    """Images (n, stack, height, width) in which the boxes of a kind's objects are painted with what is around them.
+
+    An image whose box has a part of another object stays as it is: the policy could answer to that.
+    """
     covered = observations.copy()
     stack = observations.shape[1]
+    alone = np.ones(len(observations), np.bool_)
     for back in range(stack):
         # Screens overlap: an image may be the maximum of the last two frames of a step.
         rams = np.stack([plays[one.play].rams[max(one.step - back, 0)] for one in where])
@@ -330,14 +334,35 @@ def _painted(plays: Plays, kind: _Kind, where: Sequence[Step], observations: Arr
             if not all(names):
                 continue
             shown = np.logical_and(values[names[0]][1], values[names[1]][1])
+            alone &= ~(shown & _is_beside_others(plays, kind, values, names))
             for row in np.flatnonzero(shown).tolist():
                 place = int(values[names[0]][0][row]), int(values[names[1]][0][row])
                 _paint(covered[row, stack - 1 - back], place, _size(plays, names), plays.task.definition.screen.height)
+    covered[~alone] = observations[~alone]
     return covered
 
 
+def _is_beside_others(plays: Plays, kind: _Kind, values: _Values, names: tuple[str, str]) -> Bools:
+    """Where an object of a kind is so near another object that painting it could touch that one.
+
+    An object with one known axis can be anywhere on the other axis.
+    """
+    beside = np.zeros(len(values[names[0]][0]), np.bool_)
+    for axes in positions(plays.labels.game.ram_labels).values():
+        others = (axes["x"].name if "x" in axes else "", axes["y"].name if "y" in axes else "")
+        if others in kind.objects:
+            continue
+        near = np.logical_and.reduce([values[name][1] for name in others if name])
+        for own, other, size, other_size in zip(names, others, _size(plays, names), _size(plays, others), strict=True):
+            if other:
+                way = values[other][0] - values[own][0]
+                near &= (way <= size + 2 * _MARGIN) & (way >= -other_size - 2 * _MARGIN)
+        beside |= near
+    return beside
+
+
 def _size(plays: Plays, names: tuple[str, str]) -> tuple[int, int]:
-    labels = [plays.labels.game.ram_labels[name] for name in names]
+    labels = [plays.labels.game.ram_labels[name] for name in names if name]
     width = next((label.width for label in labels if label.width), _SIZE[0])
     height = next((label.height for label in labels if label.height), _SIZE[1])
     return width, height

@@ -35,7 +35,7 @@ Array = np.ndarray[Any, Any]
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 SHIPPED = {"breakout": "breakout-pqn", "qbert": "qbert-pqn"}
-TRAINED = ("space_invaders", "ms_pacman", "assault", "asterix", "demon_attack")
+TRAINED = ("space_invaders", "ms_pacman", "boxing", "asterix", "demon_attack")
 TRAINING = ("--fast", "--obs-type", "ram", "--sticky", "0.25", "--workers", "1", "--total-steps", "700000")
 KINDS = ("unused action", "unseen object", "random from", "side not visited", "delayed actions", "loop")
 EPSILON = PROTOCOLS["dopamine"].epsilon

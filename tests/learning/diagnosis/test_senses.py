@@ -1,5 +1,6 @@
 """Findings from changed observations: late answers, and objects that are not seen."""
 
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,6 +14,7 @@ from atari.learning.diagnosis.senses import _paint, delayed_actions, unseen_obje
 
 LABELS = labels_of(games["pong"])
 TASK = Task.of("pong", obs_type="ram", max_num_frames_per_episode=6000)
+IMAGES = Task.of("pong", preset="dqn2015", max_num_frames_per_episode=6000)
 NOOP, RIGHT, LEFT = 0, 2, 3
 
 
@@ -23,6 +25,19 @@ def follow(observations: Any, ball: bool = True) -> Any:
     above = see["player_y"] + 8 - (see["ball_y"] if ball else see["enemy_y"])
     scores = np.full((len(observations), 6), -1e3)
     scores[:, NOOP], scores[:, RIGHT], scores[:, LEFT] = 6, above, -above
+    return scores
+
+
+def follow_image(observations: Any, ball: bool = True) -> Any:
+    """Scores of Pong's actions from the newest image: follow the ball, or the other player by its own gray."""
+    court = observations[:, -1, 13:77].astype(int)
+    followed = (np.abs(court[:, :, 12:70] - 87) > 20) if ball else court[:, :, 9:10] == 148
+    places = [
+        (seen.sum(2) * np.arange(64)).sum(1) / np.maximum(seen.sum((1, 2)), 1)
+        for seen in (followed, court[:, :, 74:75] == 163)
+    ]
+    scores = np.full((len(observations), 6), -1e3)
+    scores[:, NOOP], scores[:, RIGHT], scores[:, LEFT] = 1, places[1] - places[0], places[0] - places[1]
     return scores
 
 
@@ -80,6 +95,12 @@ def test_the_ball_is_not_seen() -> None:
 
 def test_an_object_that_is_seen_is_not_named() -> None:
     assert unseen_objects(played(scored(follow))) == ()
+
+
+@pytest.mark.parametrize(("ball", "unseen"), [(False, ["ball"]), (True, [])])
+def test_the_ball_is_or_is_not_seen_in_images(ball: bool, unseen: list[str]) -> None:
+    plays = play_games(load_policy(ScoresPolicy(partial(follow_image, ball=ball))), IMAGES, 3, seed=1)
+    assert [finding.place for finding in unseen_objects(plays)] == unseen
 
 
 def test_nothing_is_said_of_a_policy_that_looks_at_nothing() -> None:
