@@ -15,9 +15,9 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from itertools import cycle, islice
+from itertools import cycle, islice, zip_longest
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[2] / "scripts")]
@@ -41,15 +41,18 @@ LONGEST_RUN = 900
 """Seconds that a run of tests may take."""
 
 
-def candidates(tree: Path, part: str, seed: int) -> Iterator[Mutant]:
-    """All mutants of a part in a random order, the kinds of change in turn."""
-    rng = random.Random(f"{seed} {part}")
+def candidates(tree: Path, part: str, seeds: Sequence[int]) -> Iterator[Mutant]:
+    """All mutants of a part in the random orders of some seeds, which take turns, the kinds of change in turn."""
     files = sorted(file for pattern in PARTS[part] for file in tree.glob(pattern))
     found = [each for file in files for each in mutants(file.relative_to(tree).as_posix(), file.read_text())]
-    rng.shuffle(found)
-    by_kind = {kind: [each for each in found if each.kind == kind] for kind in KINDS}
-    for number in range(max(map(len, by_kind.values()))):
-        yield from (by_kind[kind][number] for kind in KINDS if number < len(by_kind[kind]))
+    orders = [_order(found, random.Random(f"{seed} {part}")) for seed in seeds]
+    yield from dict.fromkeys(each for turn in zip(*orders, strict=True) for each in turn)
+
+
+def _order(found: Sequence[Mutant], rng: random.Random) -> list[Mutant]:
+    shuffled = rng.sample(found, len(found))
+    by_kind = [[each for each in shuffled if each.kind == kind] for kind in KINDS]
+    return [each for turn in zip_longest(*by_kind) for each in turn if each is not None]
 
 
 class Tests:
@@ -154,10 +157,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="scripts/mutants", description="Test the tests by mutants of the sources.")
     parser.add_argument("tree", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--count", type=int, default=60, help="how many mutants (default 60)")
-    parser.add_argument("--seed", type=int, default=0, help="which ones (default 0)")
+    parser.add_argument("--seed", type=int, nargs="+", default=[0], help="which ones (default 0)")
     parser.add_argument("--minutes", type=float, default=math.inf, help="draw no mutant after this time")
     parser.add_argument("--part", choices=PARTS, action="append", help="only of this part")
-    parser.add_argument("--out", type=Path, help="a JSON file for the results, written after each mutant")
+    parser.add_argument("--out", type=Path, help="a JSON file of the results, which goes on if it exists")
     parser.add_argument("--list", action="store_true", help="print the mutants and test none")
     options = parser.parse_args()
     parts = options.part or list(PARTS)
@@ -166,13 +169,16 @@ def main() -> None:
         for mutant in (mutant for part in parts for mutant in islice(drawn[part], options.count // len(parts))):
             print(mutant.describe((options.tree / mutant.file).read_text()))
         return
-    results: list[dict[str, object]] = []
+    goes_on = options.out and options.out.exists()
+    results: list[dict[str, object]] = json.loads(options.out.read_text()) if goes_on else []
+    known = {each["mutant"] for each in results}
     tests, started = Tests(options.tree), time.monotonic()
     # The parts in turn, so that a run that ends early has as many mutants of each.
-    for part in islice(cycle(parts), options.count):
+    for part in islice(cycle(parts), len(results), options.count):
         if time.monotonic() - started > 60 * options.minutes:
             break
-        result = next(filter(None, (test(tests, mutant) for mutant in drawn[part])))
+        new = (each for each in drawn[part] if each.describe((options.tree / each.file).read_text()) not in known)
+        result = next(filter(None, (test(tests, mutant) for mutant in new)))
         results.append({"part": part, **result})
         print(f"{result['killed_by'] or 'SURVIVED'} [{result['seconds']} s] {result['mutant']}", flush=True)
         if options.out:
