@@ -224,15 +224,16 @@ def _spared(plays: Plays) -> list[bool]:
     """Whether each game has ended although its last life was not lost.
 
     So it is if more lives are left before the end than the last one. On the last one, the game's own byte of the lives
-    says so, if it goes down at the ends of some of these games and not of others.
+    says so, if it changes at the ends of some of these games and not of others. In Q*bert it goes down, or up where a
+    press of FIRE has begun the next game.
     """
     ended = [index for index, play in enumerate(plays) if not play.truncated]
     last = _last_life(plays, ended)
-    lost = {index: _loses_life(plays.labels, plays[index]) for index in ended}
+    changed = {index: _changes_lives(plays.labels, plays[index]) for index in ended}
     on_last = {index for index in ended if plays[index].lives_before[-1] == last}
-    is_sign = {lost[index] for index in on_last} == {True, False}
+    is_sign = {changed[index] for index in on_last} == {True, False}
     return [
-        index in lost and (play.lives_before[-1] > last or (index in on_last and is_sign and not lost[index]))
+        index in changed and (play.lives_before[-1] > last or (index in on_last and is_sign and not changed[index]))
         for index, play in enumerate(plays)
     ]
 
@@ -248,14 +249,14 @@ def _last_life(plays: Plays, ended: Sequence[int]) -> int:
     return min([1, *(int(play.lives[:-1].min()) for play in plays if len(play) > 1)])
 
 
-def _loses_life(labels: Labels, play: Play) -> bool | None:
-    """Whether the last step takes a life from the game's own byte of the lives; None if the game has no such label."""
+def _changes_lives(labels: Labels, play: Play) -> bool | None:
+    """Whether the last step changes the game's own byte of the lives; None if the game has no such label."""
     names = [name for name in labels.names if labels.game.ram_labels[name].kind == "lives"]
     if len(names) != 1 or len(play) < 2:
         return None
     values, _ = labels.evaluate(play.rams[-2:])
     before, after = values[labels.names.index(names[0])].tolist()
-    return bool(after < before)
+    return bool(after != before)
 
 
 def _group(

@@ -73,7 +73,9 @@ def test_a_game_that_ends_with_lives_to_spare() -> None:
 def test_the_games_own_byte_tells_that_the_last_life_is_not_lost() -> None:
     lost, kept = game([1, 1, 0], 1), game([1, 1, 0], 1, byte=[1, 1, 1])
     assert [kind for *_, kind in kinds(lost, kept)] == ["end", "spare"]
-    assert [kind for *_, kind in kinds(kept, kept)] == ["end", "end"]  # it never goes down at an end
+    assert [kind for *_, kind in kinds(kept, kept)] == ["end", "end"]  # it never changes at an end
+    restarted = game([1, 1, 0], 1, byte=[1, 1, 3])  # a press has begun the next game
+    assert [kind for *_, kind in kinds(lost, restarted)] == ["end", "end"]
 
 
 def test_a_game_that_counts_lives_from_another_number() -> None:
