@@ -112,11 +112,13 @@ def test_the_learner_gets_it_and_the_score_is_without_it() -> None:
     assert games == same_games
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-@pytest.mark.parametrize("agent", AGENTS)
-def test_a_resumed_training_is_equal_to_the_bit(agent: str, workers: int) -> None:
+@pytest.mark.parametrize(
+    ("agent", "own"),
+    [*((agent, {"workers": workers}) for agent in AGENTS for workers in (1, 2)), ("ppo", {"restart_share": 0.5})],
+)
+def test_a_resumed_training_is_equal_to_the_bit(agent: str, own: dict[str, Any]) -> None:
     steps = {"dqn": 1600}.get(agent, 256)
-    given = {"total_steps": steps, "workers": workers, "checkpoint_minutes": 0.0}
+    given = {"total_steps": steps, "checkpoint_minutes": 0.0, **own}
     whole = train(options(agent, **given), agent, "whole")
     with closing(Training.begin(agent, options(agent, **given), Path("stopped"))) as training:
         training.run(stop=AfterUpdates(1))
