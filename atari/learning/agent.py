@@ -14,7 +14,7 @@ from atari.learning import agents
 from atari.learning.agents import AGENTS, find_agent
 from atari.learning.environments import TrainingEnvironments
 from atari.learning.memory import ReplayMemory
-from atari.learning.options import TrainingOptions
+from atari.learning.options import PROGRAMS, TrainingOptions
 from atari.learning.programs import (
     Program,
     check_trusted,
@@ -187,17 +187,24 @@ def kept_program(run: RunFolder, kind: str) -> tuple[ModuleType, Program] | None
     return executed(file, source), Program(file, entry["name"])
 
 
-def read_options(folder: RunFolder) -> TrainingOptions:
+def read_options(folder: RunFolder, *, to_train: bool = True) -> TrainingOptions:
     """The options of the agent in the configuration of a run folder.
+
+    Args:
+        folder: the run folder.
+        to_train: execute the programs that a policy does without, an intrinsic reward and a logger; otherwise these
+            options are None.
 
     Raises:
         ValueError: the configuration is damaged.
         FileNotFoundError, PermissionError, ValueError: see `kept_agent`.
     """
     task, given, kind = folder.task, folder.config["options"], kept_agent(folder).kind
-    network = kept_program(folder, "network")
-    if network is not None:
-        given = {**given, "network": named_in(*network)}
+    for name in PROGRAMS:
+        if name != "network" and not to_train:
+            given = {**given, name: None}
+        elif (kept := kept_program(folder, name)) is not None:
+            given = {**given, name: named_in(*kept)}
     try:
         options: TrainingOptions = kind.options_class(task=task, **given)
     except (TypeError, AttributeError, ValueError) as error:

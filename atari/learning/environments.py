@@ -3,7 +3,7 @@
 import pickle
 import zlib
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,9 @@ import numpy.typing as npt
 from atari.learning.options import TrainingOptions
 from atari.learning.restarts import Restarts
 from atari.vector import AtariVectorEnv
+
+if TYPE_CHECKING:
+    from atari.learning.intrinsic import IntrinsicRewards
 
 ByteArray = npt.NDArray[np.uint8]
 
@@ -35,6 +38,7 @@ class TrainingEnvironments:
         actions: names of the actions by their index in `step`.
         shape: the shape of an observation.
         restarts: what restarts environments; None without a share.
+        intrinsic: what adds intrinsic rewards; None without the option `intrinsic_reward`.
         scored: bool (num_envs,), the environments whose games `take_games` returns: those that play whole games, unless
             an agent leaves more of them out.
 
@@ -72,6 +76,11 @@ class TrainingEnvironments:
         self.restarts: Restarts | None = None
         if restart_share:
             self.restarts = Restarts(self._envs, restart_share, options.seed, restart_from)
+        self.intrinsic: IntrinsicRewards | None = None
+        if options.intrinsic_reward is not None:
+            from atari.learning import intrinsic  # it needs PyTorch
+
+            self.intrinsic = intrinsic.IntrinsicRewards(options.intrinsic_reward, self._envs, options.seed)
         self.scored = np.ones(num_envs, np.bool_) if self.restarts is None else ~self.restarts.restarted
         self._games: list[tuple[str, float, int]] = []
 
@@ -85,10 +94,12 @@ class TrainingEnvironments:
     def step(
         self, actions: npt.NDArray[np.int64], out: Any = None
     ) -> tuple[ByteArray, Any, Any, Any, Mapping[str, Any]]:
-        """Play one step, as `AtariVectorEnv.step`."""
+        """Play one step, as `AtariVectorEnv.step`; rewards include the intrinsic rewards."""
         observations, rewards, terminations, truncations, info = self._envs.step(actions, out=out)
         for games in (info.get("final_info", {}), info):  # ended by the step, or inside the reset that follows
             self._count_games(games)
+        if self.intrinsic is not None:
+            rewards = self.intrinsic.add_to(rewards, observations, actions, info)
         if self.restarts is not None:
             ends, overs = terminations | truncations, info["terminated"] | truncations
             observations = self.restarts.after_step(observations, ends, overs, info["reward"])
@@ -127,16 +138,19 @@ class TrainingEnvironments:
     def state(self) -> bytes:
         """The positions in all games, as `restore` takes them: 90 MB of 256 environments that restart become 5."""
         restarts = None if self.restarts is None else self.restarts.state()
-        return zlib.compress(pickle.dumps((self._envs.snapshot(), restarts)))
+        intrinsic = () if self.intrinsic is None else (self.intrinsic.state(),)
+        return zlib.compress(pickle.dumps((self._envs.snapshot(), restarts, *intrinsic)))
 
     def restore(self, state: bytes) -> ByteArray:
         """Continue from the positions of `state`; returns the observations there."""
-        snapshots, restarts = pickle.loads(zlib.decompress(state))
+        snapshots, restarts, *intrinsic = pickle.loads(zlib.decompress(state))
         self._envs.reset(seed=0)
         self._envs.restore(None, snapshots)
         self._games = []
         if self.restarts is not None:
             self.restarts.restore(restarts)
+        if self.intrinsic is not None:
+            self.intrinsic.restore(*intrinsic)
         observations: ByteArray = self._envs.observe()[0]
         return observations
 

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from atari.base.typed_table import check_type, fits, from_text, in_words, members
 from atari.base.validation import check_integer, check_known
 from atari.cores.options import SEED_LIMIT
-from atari.learning.programs import is_program, module_of, named_in, program
+from atari.learning.programs import is_program, module_of, named_in, program, program_in_module
 from atari.policy.needs import in_game
 from atari.task import Task
 from atari.task.resolution import ALIASES, OPTIONS
@@ -22,6 +22,9 @@ from atari.task.task import GameLike, look_up
 
 NETWORKS = ("nature", "small", "mlp", "bits")
 """The names of the networks of this package."""
+
+PROGRAMS = ("network", "intrinsic_reward", "logger")
+"""The options that can be a class or function of the user's, of which a run folder keeps the file."""
 
 WINDOW = 100
 """The number of whole games whose mean is the score in the log."""
@@ -72,6 +75,12 @@ class TrainingOptions:
         workers: threads that play and compute gradients, each in its own environments; on cpu, one for each core is
             best. Another number gives other weights. With a GPU they only play, and the weights do not depend on it.
         checkpoint_minutes: minutes between checkpoints.
+        intrinsic_reward: FILE.py:NAME or MODULE:NAME, a class or function of your own that makes, from the vector
+            environment and the seed, an object that is called with the observations, actions and info of each step. It
+            returns rewards (n,), which the learner gets beside the game's, not clipped; the score is without them. Its
+            methods state() and restore(state) are for checkpoints. On cpu, each of the workers has its own object.
+        logger: FILE.py:NAME or MODULE:NAME, a class or function of your own that makes, from the run folder, an object
+            that is called with each row of the log, with the columns step and frames; close() is called at the end.
 
     Raises:
         TypeError, ValueError: an option is wrong, or the agent cannot play the task.
@@ -102,6 +111,8 @@ class TrainingOptions:
     device: str = "cpu"
     workers: int = 1
     checkpoint_minutes: float = 5.0
+    intrinsic_reward: Callable[..., Any] | None = None
+    logger: Callable[..., Any] | None = None
 
     @classmethod
     def of(cls: type[_Options], game: GameLike, *, preset: str | None = None, **options: Any) -> _Options:
@@ -148,16 +159,24 @@ class TrainingOptions:
             check_integer(name, getattr(self, name), 1, most)
         kinds = get_type_hints(type(self))
         for field in dataclasses.fields(self):
-            if field.name not in ("task", "network"):
+            if field.name not in ("task", *PROGRAMS):
                 _check_option(field.name, getattr(self, field.name), kinds[field.name])
         if self.num_envs % self.workers:
             raise ValueError(f"num_envs must be a multiple of workers, got {self.num_envs} and {self.workers}")
         self._check_network()
+        self._check_programs()
         self._check_games()
         if not re.fullmatch(r"cpu|auto|cuda(:\d{1,4})?", self.device):
             raise ValueError(f"device must be cpu, cuda, cuda:N or auto, got {self.device!r}")
         if not 0 < self.gamma <= 1:
             raise ValueError(f"gamma must be above 0 and at most 1, got {self.gamma}")
+
+    def _check_programs(self) -> None:
+        for name in ("intrinsic_reward", "logger"):
+            if (given := getattr(self, name)) is not None and not callable(given):
+                raise TypeError(
+                    f"{name} must be a class or a function, and in a command FILE.py:NAME, got {given!r:.60}"
+                )
 
     def _check_network(self) -> None:
         if not isinstance(self.network, str):
@@ -298,10 +317,12 @@ def option_from_text(options: type, name: str, text: str) -> Any:
 
     Raises:
         ValueError: the text is no value of the option.
-        FileNotFoundError: there is no such file of a network.
+        FileNotFoundError: there is no such file of a program.
     """
-    if name == "network" and is_program(text):
-        named = program(text)
+    if name in PROGRAMS and (":" in text or is_program(text)):
+        named = program(text) if is_program(text) else program_in_module(text)
         return named_in(module_of(named.file), named)
+    if name in ("intrinsic_reward", "logger") and text != "none":
+        raise ValueError(f"{name} must be FILE.py:NAME, MODULE:NAME or none, got {text!r:.60}")
     kind = get_type_hints(options)[name]
     return check_type(from_text(text, kind), name, kind)

@@ -12,7 +12,7 @@ import sys
 import warnings
 from dataclasses import dataclass
 from importlib.machinery import SourceFileLoader
-from importlib.util import module_from_spec, spec_from_loader
+from importlib.util import find_spec, module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -43,6 +43,25 @@ def program(text: str) -> Program:
     """The program that a word names."""
     file, colon, name = text.rpartition(":")
     return Program(Path(file), name) if colon and file.endswith(".py") else Program(Path(text), "")
+
+
+def program_in_module(text: str) -> Program:
+    """The program that a word MODULE:NAME names; modules of the current folder are found, too.
+
+    Raises:
+        ValueError: there is no such module, or it is no Python file.
+    """
+    module, _, name = text.rpartition(":")
+    sys.path.insert(0, "")  # modules of this folder, as with `python -m`
+    try:
+        spec = find_spec(module)
+    except (ImportError, ValueError) as error:
+        raise ValueError(f"the module of {text} cannot be found: {error}") from error
+    finally:
+        sys.path.remove("")
+    if spec is None or spec.origin is None or not spec.origin.endswith(".py"):
+        raise ValueError(f"there is no module {module} in a Python file; give FILE.py:NAME, or MODULE:NAME, got {text}")
+    return Program(Path(spec.origin), name)
 
 
 def program_of(value: Any) -> Program:

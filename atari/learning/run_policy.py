@@ -31,7 +31,7 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
     """
     folder = RunFolder.open(path)
     agent: type[Agent] = kept_agent(folder).kind
-    options = dataclasses.replace(read_options(folder), device="cpu")  # also if it was trained on a GPU
+    options = dataclasses.replace(read_options(folder, to_train=False), device="cpu")  # also if it was trained on a GPU
     weights = folder.load_weights()
     task = options.task
     size = image_shape(task) if task.kind.image else (128,)
@@ -75,7 +75,7 @@ def training_protocol(folder: RunFolder) -> EvaluationProtocol:
     A part of the actions is random, as at the end of the training. Without sticky actions, a greedy policy plays the
     same few games again and again.
     """
-    options = read_options(folder)
+    options = read_options(folder, to_train=False)
     return EvaluationProtocol.of_task(
         options.task,
         name="training",

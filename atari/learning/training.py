@@ -14,7 +14,8 @@ import torch
 
 from atari.learning.agent import Agent, AgentCode, agent_code, kept_agent, read_options
 from atari.learning.environments import TrainingEnvironments
-from atari.learning.options import WINDOW, TrainingOptions
+from atari.learning.logger import Logger
+from atari.learning.options import PROGRAMS, WINDOW, TrainingOptions
 from atari.learning.programs import program_of
 from atari.learning.run_folder import RunFolder
 
@@ -54,6 +55,7 @@ class Training:
         self._saved_at, self._saved_step = time.monotonic(), -1
         self._mark = time.perf_counter(), 0
         self._stop: Event | None = None
+        self._logger: Logger | None = None
         self._progress: Callable[[int, float], None] = lambda steps, score: None
 
     @classmethod
@@ -87,9 +89,10 @@ class Training:
         values = {field.name: getattr(options, field.name) for field in dataclasses.fields(options)}
         del values["task"]
         programs = {} if code.program is None else {"agent": str(code.program)}
-        if not isinstance(options.network, str):
-            network = program_of(options.network)
-            programs["network"], values["network"] = str(network), f"network.py:{network.name}"
+        for name in PROGRAMS:
+            if callable(values[name]):
+                named = program_of(values[name])
+                programs[name], values[name] = str(named), f"{name}.py:{named.name}"
         folder = RunFolder.begin(path, code.name, options.task, values, programs=programs)
         try:
             return cls(folder, code.kind(options, folder), options)
@@ -135,10 +138,13 @@ class Training:
 
         Raises:
             FloatingPointError: the loss is not finite. The last checkpoint is kept.
-            RuntimeError: the agent's loop ended before the training.
+            RuntimeError: the agent's loop ended before the training, or a logger or intrinsic reward raised an error.
+            TypeError: the option `logger` makes no object that can be called.
             OSError: the disk has no room for a checkpoint at the end, or for one that the replay memory needs to go
                 on. The last checkpoint is kept.
         """
+        if self.options.logger is not None and self._logger is None:
+            self._logger = Logger(self.options.logger, self.folder)
         self._stop, self._progress, self._mark = stop, progress, (time.perf_counter(), self.agent.steps)
         self.agent.train(self)
         if self._saved_step != self.agent.steps:
@@ -168,11 +174,16 @@ class Training:
 
         Raises:
             FloatingPointError: the loss is not finite. The last checkpoint is kept.
+            ValueError: a column of the intrinsic rewards has the name of another one.
         """
         self.seconds += time.perf_counter() - self._mark[0]
         self._count_games()
         self._check_finite(metrics["loss"])
-        self.folder.log({**self._facts(), **{name: float(value) for name, value in metrics.items()}})
+        row = {**self._facts(), **{name: float(value) for name, value in metrics.items()}}
+        row.update(self._intrinsic(row))
+        self.folder.log(row)
+        if self._logger is not None:
+            self._logger.log(row)
 
     def _reason(self) -> str:
         if self.agent.steps >= self.options.total_steps:
@@ -227,6 +238,14 @@ class Training:
             return {}
         return {"restarts": sum(one.count for one in found), "frontier": max(one.frontier for one in found)}
 
+    def _intrinsic(self, row: Mapping[str, float]) -> dict[str, float]:
+        """The columns of the intrinsic rewards beside those of `row`: means over the workers."""
+        found = [one.intrinsic.take_columns() for one in self.agent.environments if one.intrinsic is not None]
+        columns = {name: float(sum(one[name] for one in found) / len(found)) for name in (found or [{}])[0]}
+        if twice := sorted(columns.keys() & row.keys()):
+            raise ValueError(f"columns() of the intrinsic reward has {twice[0]!r}, a column of the log; rename it")
+        return columns
+
     def save_when_due(self) -> None:
         """Write a checkpoint if its time has come. If that fails, the last checkpoint is kept, with a warning."""
         if time.monotonic() - self._saved_at < 60 * self.options.checkpoint_minutes:
@@ -280,6 +299,8 @@ class Training:
         self._saved_step = self.agent.steps
 
     def close(self) -> None:
-        """Release environments, threads and files."""
+        """Release environments, threads, logger and files."""
         self.agent.close()
+        if self._logger is not None:
+            self._logger.close()
         self.folder.close()

@@ -163,7 +163,7 @@ def _differences(theirs: TrainingOptions, ours: TrainingOptions) -> Iterator[str
         one, other = getattr(theirs, field.name), getattr(ours, field.name)
         if one == other:
             continue
-        if callable(one) and callable(other):  # a network of the user's own
+        if callable(one) and callable(other):  # a program of the user's own
             yield f"another program as {field.name} than this sweep"
             continue
         pairs: dict[str, tuple[Any, Any]] = {field.name: (one, other)}

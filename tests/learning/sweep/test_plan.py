@@ -1,6 +1,8 @@
 """The runs of a sweep: games, seeds, and folders that hold other runs."""
 
+from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,7 @@ pytest.importorskip("torch")
 from atari.learning import GAME_SETS, PROTOCOLS
 from atari.learning.agent import agent_code
 from atari.learning.agents.ppo import PPO
+from atari.learning.options import option_from_text
 from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, keep_programs, plan
 from atari.learning.training import Training
 
@@ -147,3 +150,25 @@ def test_a_run_of_another_program_is_refused(tmp_path: Path, monkeypatch: pytest
     check_folder(tmp_path / "runs", first, [], resolve)
     with pytest.raises(ValueError, match=r"pong-seed0 is a run of another program than .*second.mine\.py"):
         check_folder(tmp_path / "runs", second, [], resolve)
+
+
+def test_a_run_with_another_intrinsic_reward_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("atari.learning.programs.user_data_path", lambda *_, **__: tmp_path / "data")
+    (tmp_path / "runs").mkdir()
+    source = "class Bonus:\n    def __init__(self, *_): ...\n    __call__ = state = restore = lambda *_: None\n"
+    made = []
+    for name in ("first", "second"):
+        (tmp_path / f"{name}.py").write_text(f"# {name}\n{source}")
+        made.append(option_from_text(PPO.options_class, "intrinsic_reward", f"{tmp_path / name}.py:Bonus"))
+    begun(tmp_path / "runs" / "pong-seed0", "ppo", resolve("pong", 0, intrinsic_reward=made[0]))
+    for given, refusal in (
+        (made[0], nullcontext()),
+        (
+            made[1],
+            pytest.raises(ValueError, match="pong-seed0 has another program as intrinsic_reward than this sweep"),
+        ),
+        (None, pytest.raises(ValueError, match=r"pong-seed0 has intrinsic_reward=.*Bonus.*, and this sweep None")),
+    ):
+        with refusal:
+            resolved = partial(resolve, intrinsic_reward=given)
+            check_folder(tmp_path / "runs", agent_code("ppo"), [], resolved)
