@@ -25,8 +25,8 @@ def policies(folder: Path) -> None:
 
 def collected(capsys: Capture, game: str, *words: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The output of the command, and the attributes and the actions of its data set."""
-    file, own = f"{len(list(Path().glob('*.h5')))}.h5", ("game", "options", "labels", "sha256")
-    shown = read_json(capsys, "collect", game, "--labels", "", "--frames", "grayscale", "-o", file, *words)
+    file, own = f"{len(list(Path().glob('*.h5')))}.h5", ("game", "options", "labels", "observations", "sha256")
+    shown = read_json(capsys, "collect", game, "--labels", "", "--observations", "grayscale", "-o", file, *words)
     with h5py.File(file) as root:
         facts = {name: json.loads(root.attrs[name]) for name in root.attrs if name not in own}
         return shown, {**facts, "actions": root["episode_0/actions"][:].tolist()}
@@ -51,7 +51,7 @@ def test_a_parquet_file_has_task_policy_and_seeds(capsys: Capture) -> None:
 def test_a_minari_dataset_has_task_policy_and_seeds(capsys: Capture, tmp_path: Path, monkeypatch: Patch) -> None:
     minari = pytest.importorskip("minari", reason="minari is not installed")
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "datasets"))
-    read(capsys, "collect", "ALE/Breakout-v5", "--labels", "", "--frames", "grayscale", "-o", "breakout/own-v0")
+    read(capsys, "collect", "ALE/Breakout-v5", "--labels", "", "--observations", "grayscale", "-o", "breakout/own-v0")
     metadata = minari.load_dataset("breakout/own-v0").storage.metadata
     assert Task.from_json(metadata["task"]) == Task.of("ALE/Breakout-v5")
     assert (metadata["policy"], metadata["seeds"]) == ('"random"', "[0]")

@@ -23,8 +23,8 @@ pytestmark = pytest.mark.ray
 from atari.integrations.ray import collect  # noqa: E402 - it needs Ray
 
 GAME, SEEDS = "breakout", [3, 4, 6]
-OPTIONS: dict[str, Any] = {"frames": "grayscale", "labels": ["ball_x"]}
-WORDS = ["--frames", "grayscale", "--labels", "ball_x"]
+OPTIONS: dict[str, Any] = {"observations": "grayscale", "labels": ["ball_x"]}
+WORDS = ["--observations", "grayscale", "--labels", "ball_x"]
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -132,7 +132,7 @@ def test_one_file_is_that_of_one_process(cluster: Any, tmp_path: Path, monkeypat
         ({"seeds": []}, ValueError, "at least one seed"),
         ({"seeds": [-1]}, ValueError, "a seed must be"),
         ({"seeds": [2**32]}, ValueError, "a seed must be within 0..4294967295"),
-        ({"frames": "ram"}, ValueError, "frames must be one of"),
+        ({"observations": "rgb"}, ValueError, "observations must be one of"),
         ({"labels": ["balls_x"]}, KeyError, "ball_x"),
         ({"policy": "nothing.zip"}, FileNotFoundError, "nothing.zip"),
     ],
