@@ -139,7 +139,10 @@ def _check(args: argparse.Namespace) -> int:
     if args.policy is None and _is_program(str(named)):
         raise ValueError(f"{args.check} was played by {named}, which is a program; if you trust it: --policy {named}")
     agreement = check_dataset(args.check, load_policy(args.policy or str(named)))
-    print_json(agreement) if args.json else print(agreement)
+    assert agreement is not None
+    columns = "steps", "equal", "near_ties", "different"
+    counts = {name: dict(zip(columns, numbers, strict=True)) for name, *numbers in agreement.table.rows}
+    print_json(counts) if args.json else print(agreement)
     return 0
 
 
