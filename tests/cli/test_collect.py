@@ -9,7 +9,7 @@ from cli_tools import Capture, Patch, read, read_json, refused
 
 import atari
 from atari.lab import write_dataset
-from atari.recording import Replay
+from atari.recording import RecordReplay, Replay
 from atari.task import Task
 
 h5py = pytest.importorskip("h5py", reason="h5py is not installed")
@@ -130,6 +130,14 @@ def test_a_replay_says_what_was_played(capsys: Capture) -> None:
     assert result["episodes"] == 1
 
 
+def play_by_hand(path: Path) -> None:
+    """Record some steps, as of a person."""
+    with RecordReplay(atari.AtariEnv("pong"), path) as env:
+        env.reset(seed=0)
+        for action in (2, 3, 3, 0):
+            env.step(action)
+
+
 def usual(capsys: Capture, game: str, *words: str) -> tuple[str, tuple[int, ...]]:
     """The kind of the observations that the command stores without --observations, and the shape of the frames."""
     read(capsys, "collect", game, "--labels", "", "-o", "usual.h5", *words)
@@ -143,7 +151,7 @@ def test_the_usual_observations(capsys: Capture) -> None:
     Path("usual.h5").unlink()
     assert usual(capsys, "pong", "--policy", "noop", "--max-episode-steps", "9") == ("screen", (210, 160, 3))
     Path("usual.h5").unlink()
-    read(capsys, "record", "pong", "--steps", "9", "-o", "a.a26r")
+    play_by_hand(Path("a.a26r"))
     assert usual(capsys, "pong", "--policy", "a.a26r") == ("screen", (210, 160, 3))
 
 
@@ -165,7 +173,7 @@ def test_the_check_runs_no_program_that_a_file_names(capsys: Capture) -> None:
 
 
 def test_the_check_of_a_replays_data(capsys: Capture) -> None:
-    read(capsys, "record", "pong", "--steps", "9", "-o", "a.a26r")
+    play_by_hand(Path("a.a26r"))
     read(capsys, "collect", "pong", "--policy", "a.a26r", "--labels", "", "-o", "a.h5")
     assert "a.h5 is undamaged; it names no policy" in read(capsys, "collect", "--check", "a.h5")
     data = bytearray(Path("a.h5").read_bytes())

@@ -36,7 +36,7 @@ class Observed(NamedTuple):
     Attributes:
         observation: the observation before the step, as `atari.make` of the task returns it.
         begins: whether the stack of the observation begins here: in a new game, or in an episode after a lost life.
-        action: the ALE action number of the step's last frame.
+        action: the ALE action number of the step's last frame; in a continuous game (radius, angle, fire), float32.
         reward: the game's own reward since the last step.
         terminated, truncated: whether the game is over after the step, or has reached the emulator's limit of frames.
         episode: the number of the game in the recording.
@@ -45,7 +45,7 @@ class Observed(NamedTuple):
 
     observation: Any
     begins: bool
-    action: int
+    action: Any
     reward: float
     terminated: bool
     truncated: bool
@@ -59,7 +59,7 @@ class State:
 
     Attributes:
         observation, begins, episode, frame: see `Observed`.
-        action: the action of the step that has led here, an ALE action number, or three float32 of a continuous one.
+        action: the action of the step that has led here, see `Observed`; None in the first state of a game.
         reward, terminated, truncated: the results of that step.
     """
 
@@ -101,7 +101,6 @@ class ObservedReplay:
         self._task = task
         self._draws = np.random.default_rng(0)
         self._episode = make_episode(task.replace(reward=None), stacked=task.stack_num is not None, draw=self._draw)
-        self._in_step = False
         self._number = -1
 
     def steps(self) -> Iterator[Observed]:
@@ -168,11 +167,8 @@ class ObservedReplay:
         return self.tape
 
     def _step(self) -> State:
-        self._in_step, self.tape.allotted = True, None
-        try:
-            observation = self._episode.step(self.tape, 0)[0]
-        finally:
-            self._in_step = False
+        self.tape.allotted = None
+        observation = self._episode.step(self.tape, 0)[0]
         over = self.tape.game_over, self.tape.truncated
         return self._state(observation, self.tape.action, self.tape.take_reward(), *over)
 
@@ -193,7 +189,7 @@ class ObservedReplay:
             return int(self._draws.integers(low, high))
         task, tape = self._task, self.tape
         skips, noops = (low, high) == task.frameskip, (low, high - 1) == task.noops
-        if self._in_step:
+        if tape.allotted is None:  # in a step
             number = tape.acts
         elif noops and not (skips and tape.presses):
             number = tape.noops + (task.fire_counts and Action.FIRE in task.begin_actions)
