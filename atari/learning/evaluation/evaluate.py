@@ -278,17 +278,19 @@ class EvaluatedPolicy:
         chosen = self._indices[self._policy(observations, lanes)]
         if self._epsilon > 0:
             for row, lane in enumerate(lanes.tolist()):
-                action = self._explore(self._generators[lane])
-                chosen[row] = chosen[row] if action is None else action
+                generator = self._generators[lane]
+                if generator.random() < self._epsilon:
+                    chosen[row] = generator.integers(self._every)
         return chosen
 
     def choices(self, seed: int, steps: int) -> npt.NDArray[np.uint8]:
-        """How the action of each step of the game of a seed was chosen, (steps,), see `Choice`."""
+        """How `act` has chosen the action of each step of the game of a seed, (steps,), see `Choice`."""
         choices = np.full(steps, Choice.of(self._policy), np.uint8)
-        if self._epsilon > 0:
-            generator = np.random.default_rng([seed, 1])
-            explored = [self._explore(generator) is not None for _ in range(steps)]
-            choices[explored] = Choice.EXPLORATION
+        generator = np.random.default_rng([seed, 1])
+        for step in range(steps if self._epsilon > 0 else 0):
+            if generator.random() < self._epsilon:
+                generator.integers(self._every)
+                choices[step] = Choice.EXPLORATION
         return choices
 
     def record(self, seeds: Sequence[int], path: str | Path) -> list[tuple[float, int]]:
@@ -298,10 +300,6 @@ class EvaluatedPolicy:
             while played.active.any():
                 played.step()
         return [(score, frames) for score, frames, _ in filter(None, played.ended)]
-
-    def _explore(self, generator: np.random.Generator) -> int | None:
-        """The random action of a step, with the probability epsilon; else None."""
-        return int(generator.integers(self._every)) if generator.random() < self._epsilon else None
 
 
 @dataclass(frozen=True)

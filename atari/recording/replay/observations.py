@@ -6,7 +6,7 @@ the recording, so the observations of a recorded environment's own task are that
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 from typing import Any, NamedTuple
@@ -19,6 +19,9 @@ from atari.games.actions import Action
 from atari.recording.replay.events import Event, Kind
 from atari.recording.replay.runner import Call
 from atari.task import Task
+
+Walk = Generator[tuple[Event, Iterator[Call]], None, None]
+"""The events of a replay, each with an iterator that makes its calls; see `Replay.walk`."""
 
 JUMPS = (Kind.RESET, Kind.SEED, Kind.RESTORE, Kind.LOAD)
 """The events after which another game, or another part of one, is played."""
@@ -91,9 +94,7 @@ class ObservedReplay:
         ValueError: the task has observations that a recording does not determine.
     """
 
-    def __init__(
-        self, task: Task, recorded: Task, core: Core, walk: Iterator[tuple[Event, Iterator[Call]]], has_steps: bool
-    ) -> None:
+    def __init__(self, task: Task, recorded: Task, core: Core, walk: Walk, has_steps: bool) -> None:
         self.own = has_steps and all(getattr(task, name) == getattr(recorded, name) for name in _OF_STEPS)
         """Whether the steps are the recorded steps."""
         check_observable(task, own=self.own)
@@ -200,8 +201,8 @@ class ObservedReplay:
     def _other_frames(self) -> ValueError:
         return ValueError(
             f"the recorded frames before frame {self.tape.frame} are not those of {self._task!r}: was this environment "
-            "in wrappers of its own, or its state set from outside? Observe the replay with another task, or write its "
-            'screens (observations="screen")'
+            "stepped after the end of an episode without a reset, in wrappers of its own, or its state set from "
+            'outside? Observe the replay with another task, or write its screens (observations="screen")'
         )
 
 
@@ -242,7 +243,7 @@ class Tape:
         action: the last ALE action number, or the last continuous action.
     """
 
-    def __init__(self, core: Core, walk: Iterator[tuple[Event, Iterator[Call]]]) -> None:
+    def __init__(self, core: Core, walk: Walk) -> None:
         self.core = core
         self.allotted: int | None = None
         self.acts = 0
@@ -353,6 +354,11 @@ class Tape:
             self._fetched.popleft()
         self._reward += reward
         return reward
+
+    def close(self) -> None:
+        """End the replay, and close the core."""
+        self._walk.close()
+        self.core.close()
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.core, name)

@@ -28,7 +28,7 @@ from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
 from atari.recording.replay.header import emulator_task, game_of_header
-from atari.recording.replay.observations import Observed, ObservedReplay
+from atari.recording.replay.observations import Observed, ObservedReplay, Walk
 from atari.recording.replay.players import PlayersRunner, make_core
 from atari.recording.replay.results import Divergence, EpisodeSummary, Frame, Verification, difference, frames_of
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
@@ -498,7 +498,7 @@ class Replay:
             played = {"task": json_text.parse(self.header["task"], f"the task of {self.path}")}
         return {**played, "core_seeds": list(self.seeds), "package": PACKAGE}
 
-    def walk(self, core: Core) -> Iterator[tuple[Event, Iterator[Call]]]:
+    def walk(self, core: Core) -> Walk:
         """Yield each event with an iterator that makes its calls on `core`; exhaust it before the next event.
 
         Raises:
