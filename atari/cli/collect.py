@@ -21,7 +21,7 @@ from atari.learning.evaluation.protocols import MAX_EPISODES
 from atari.recording import Replay
 from atari.recording.episodes import check_seen
 from atari.recording.replay.file_format import is_replay
-from atari.task.arguments import add_task, show_task
+from atari.task.arguments import add_task, given_options, show_task
 from atari.task.parser import number, seed
 
 
@@ -127,14 +127,22 @@ def _collect(args: argparse.Namespace) -> int:
     return 0
 
 
+_OF_PLAY = {
+    **dict.fromkeys(("game", "output", "format", "observations", "labels", "ray", "preset")), "episodes": 1, "seed": 0,
+}  # fmt: skip
+"""The arguments that a check does not have, with their defaults."""
+
+
 def _check(args: argparse.Namespace) -> int:
-    for option, value in (("GAME", args.game), ("--output", args.output)):
-        if value is not None:
-            raise ValueError(f"--check reads {args.check} alone; leave {option} out")
-    named = read_dataset(args.check).facts.get("policy")
-    if args.policy is None and named is None:
-        check_dataset(args.check)
-        print(f"{args.check} is undamaged; it names no policy whose actions could be compared (--policy)")
+    given = [name for name, default in _OF_PLAY.items() if getattr(args, name) != default] + [*given_options(args)]
+    if given:
+        raise ValueError(f"--check reads {args.check} alone; leave {', '.join(given)} out")
+    if Path(args.check).exists():
+        check_dataset(args.check)  # before its facts are read
+    facts = read_dataset(args.check).facts
+    named, kind = facts.get("policy"), facts["observations"]["kind"]
+    if args.policy is None and (named is None or kind != "seen"):
+        print_json({}) if args.json else print(f"{args.check} is undamaged; it has no actions of a policy to compare")
         return 0
     if args.policy is None and _is_program(str(named)):
         raise ValueError(f"{args.check} was played by {named}, which is a program; if you trust it: --policy {named}")

@@ -51,6 +51,7 @@ _OWN_FACTS = {"columns", "game", "labels", "observations", "options", "sha256"}
 _CHECKED: dict[str, Any] = {"fletcher32": True}
 _GZIP: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, **_CHECKED}
 _HDF5_VERSION = "v110"  # the oldest format with checksums of groups and attributes
+_CHUNK = 1 << 16  # bytes that are compressed together, unless a frame has more
 _PORTION = 1 << 24  # bytes that the process that writes HDF5 has in memory
 
 
@@ -274,8 +275,8 @@ def _hdf5_parts(episodes: Numbered) -> Iterator[tuple[str, Any]]:
     for number, episode in episodes:
         group, infos = f"episode_{number}", episode.infos
         if (frames := episode.observations.get("image")) is not None:
-            rows = {} if frames.ndim == 2 else {"chunks": (1, *frames.shape[1:])}
-            yield from _portions(f"{group}/frames", frames, {**rows, **_GZIP})
+            rows = min(len(frames), max(1, _CHUNK // frames[0].nbytes))
+            yield from _portions(f"{group}/frames", frames, {"chunks": (rows, *frames.shape[1:]), **_GZIP})
         yield from _portions(f"{group}/ram", episode.observations["ram"], _GZIP)
         if "stack" in infos:
             yield from _portions(f"{group}/stack", infos["stack"], _GZIP)

@@ -175,7 +175,7 @@ def test_the_check_runs_no_program_that_a_file_names(capsys: Capture) -> None:
 def test_the_check_of_a_replays_data(capsys: Capture) -> None:
     play_by_hand(Path("a.a26r"))
     read(capsys, "collect", "pong", "--policy", "a.a26r", "--labels", "", "-o", "a.h5")
-    assert "a.h5 is undamaged; it names no policy" in read(capsys, "collect", "--check", "a.h5")
+    assert "a.h5 is undamaged; it has no actions of a policy" in read(capsys, "collect", "--check", "a.h5")
     data = bytearray(Path("a.h5").read_bytes())
     data[len(data) // 2] ^= 1
     Path("a.h5").write_bytes(data)
@@ -187,7 +187,10 @@ def test_the_check_of_a_replays_data(capsys: Capture) -> None:
     [
         (["-o", "a.h5"], "GAME is missing"),
         (["pong"], "--output is missing"),
-        (["pong", "--check", "a.h5"], "--check reads a.h5 alone; leave GAME out"),
+        (
+            ["pong", "--check", "a.h5", "--sticky", "0"],
+            "--check reads a.h5 alone; leave game, repeat_action_probability",
+        ),
         (["pong", "--observations", "seen", "--obs-type", "dict", "-o", "a.h5"], "obs_type='dict' shows dicts"),
         (["pong", "--observations", "seen", "--action-delay", "3", "-o", "a.h5"], "action_delay=3 lets actions arrive"),
         (["pong", "--observations", "seen", "--observation-delay", "1,3", "-o", "a.h5"], "was drawn in each game"),
