@@ -63,6 +63,8 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/learning/training.py": ("tests/learning/test_agents.py",),
     "atari/cli/sweep.py": ("tests/learning/sweep/test_sweeps.py",),
     "atari/policy/__init__.py": ("tests/learning/test_policies.py", "tests/testing/test_policy.py"),
+    "atari/policy/choice.py": ("tests/lab/test_dataset_check.py",),
+    "atari/policy/watched.py": ("tests/learning/diagnosis/test_plays.py",),
     "atari/policy/needs.py": ("tests/learning/evaluation", "tests/testing/test_policy.py"),
     "atari/env/settings.py": (
         "tests/vector/test_tasks.py",

@@ -2,15 +2,13 @@
 
 import argparse
 import sys
-from collections.abc import Callable, Sequence
-from functools import partial
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from atari.cores.options import SEED_LIMIT
-from atari.learning.evaluation.evaluate import EvaluatedPolicy, record_task
+from atari.learning.evaluation.evaluate import EvaluatedPolicy
 from atari.learning.evaluation.played import EvaluatedGame, has_no_needs, played_task, resolve_games, usual_protocol
 from atari.learning.evaluation.protocols import find_protocol
 from atari.learning.options import NOT_FOR_AGENTS
@@ -27,9 +25,6 @@ NOT_RECORDED = (*NOT_FOR_AGENTS, "life_loss_info", "reward", "reward_clipping")
 
 UNCLIPPED = {"reward_clipping": False}
 """The field that presets have and that does not matter for recorded games: what is recorded is never clipped."""
-
-RecordGames = Callable[[Sequence[int], Path], list[tuple[float, int]]]
-"""Records games of seeds in a replay, and returns the score and the frames of each."""
 
 
 class PolicySession:
@@ -116,8 +111,8 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
         raise ValueError(str(error)) from None
 
 
-def games_of(policy: Any, game: EvaluatedGame, protocol: str | None = None) -> tuple[Task, RecordGames]:
-    """The task that a policy plays in a game, and the function that records games of it.
+def games_of(policy: Any, game: EvaluatedGame, protocol: str | None = None) -> tuple[Task, EvaluatedPolicy]:
+    """The task that a policy plays in a game, and the policy in its environments, which `record` games.
 
     A note on stderr says if the policy was trained on other games.
 
@@ -133,8 +128,7 @@ def games_of(policy: Any, game: EvaluatedGame, protocol: str | None = None) -> t
     if game.id not in trained:
         print(f"note: {policy.name} was trained on {', '.join(trained)}, and plays {game.id}", file=sys.stderr)
     task = played_task(game, found, policy)
-    EvaluatedPolicy(policy, task, found.epsilon)  # raises its errors before a game is played
-    return task, partial(record_task, policy, task, found.epsilon)
+    return task, EvaluatedPolicy(policy, task, found.epsilon)  # raises its errors before a game is played
 
 
 def replay_of(args: argparse.Namespace, path: str) -> Replay:

@@ -175,9 +175,9 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
         if getattr(args, option) is not None:
             raise ValueError(f"{policy} plays whole games, with the ROM that is found; leave --{option} out")
     (game,) = find_played(args, [args.game], loaded)
-    task, record = games_of(loaded, game)
+    task, player = games_of(loaded, game)
     seeds = range(args.seed, args.seed + (args.episodes or 1))
-    return task, lambda path: bool(record(seeds, path))
+    return task, lambda path: bool(player.record(seeds, path))
 
 
 def _match(args: argparse.Namespace, names: list[str]) -> tuple[Task, Play]:

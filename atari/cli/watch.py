@@ -51,7 +51,7 @@ def _watch(args: argparse.Namespace) -> int:
         return 0
     policy = load_policy(args.source)
     (game,) = find_played(args, [] if args.game is None else [args.game], policy)
-    task, record = games_of(policy, game, args.protocol)
+    task, player = games_of(policy, game, args.protocol)
     if show_task(args, task):
         return 0
     start_pygame()  # raises without pygame or a display, before a game is played
@@ -59,7 +59,7 @@ def _watch(args: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory() as folder:
         while shown:
             path = Path(folder, f"{game_seed}.a26r")
-            ((score, _),) = record([game_seed], path)
+            ((score, _),) = player.record([game_seed], path)
             print(f"seed {game_seed}: score {score:,.0f}", flush=True)
             replay = Replay.load(path, game=task.definition)
             shown = show_replay(replay, scale=args.scale, sound=not args.no_sound)

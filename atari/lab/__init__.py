@@ -2,7 +2,9 @@
 
 from atari.lab.causal.explore import causes
 from atari.lab.causal.files import shipped_causes
-from atari.lab.dataset import check_dataset, write_dataset
+from atari.lab.dataset import write_dataset
+from atari.lab.dataset_check import check_dataset
+from atari.lab.dataset_reader import read_dataset
 from atari.lab.ram import Ram
 from atari.lab.ram_labels import RamLabels
 from atari.lab.search import Search
@@ -19,6 +21,7 @@ __all__ = [
     "Watch",
     "causes",
     "check_dataset",
+    "read_dataset",
     "shipped_causes",
     "show",
     "write_dataset",

@@ -131,7 +131,7 @@ class _Random(ScoresPolicy):
     """A policy with uniformly random actions."""
 
     def __init__(self) -> None:
-        super().__init__(np.asarray, name="random")
+        super().__init__(np.asarray, sample=True, name="random")
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
         generators = [self.generator(lane) for lane in lanes.tolist()]
@@ -142,7 +142,7 @@ class _Random(ScoresPolicy):
 class _Noop:
     """A policy that always plays NOOP."""
 
-    name = "noop"
+    name, sample = "noop", False
     _noop: int | None = None
 
     def begin(self, game: str, actions: Sequence[str], lanes: Array, seeds: Array) -> None:

@@ -33,6 +33,7 @@ class Policy(Protocol):
     - `games`: the ids of all games of its training; commands say so if it plays another one.
     - `protocol`: the `EvaluationProtocol` of its training, which commands play unless --protocol names another one.
     - `training_frames`: emulator frames of its training, an int.
+    - `sample`: whether it draws its actions; data sets mark each action as sampled, or with False as greedy.
     - `begin(game, actions, lanes, seeds)`: called when games begin in some lanes, before their first observations.
       `game` is the game's id, `actions` the names of all its actions by index, `lanes` (n,) int64, `seeds` (n,) int64.
         A policy that draws numbers or has a memory sets them up here for these lanes; then results do not depend on the
@@ -255,7 +256,7 @@ class ScoresPolicy:
         protocol: Any = None,
     ) -> None:
         self._scores = scores
-        self._sample = sample
+        self.sample = sample
         self._accepted = accepted
         self._generators: dict[int, np.random.Generator] = {}
         self._begun: tuple[str, tuple[str, ...]] | None = None
@@ -321,6 +322,6 @@ class ScoresPolicy:
                 f"{len(names)} ({', '.join(names)}); if it was trained with others, name them by index: "
                 "environment={'actions': [...]}, or a task"
             )
-        if self._sample:  # the highest of scores with Gumbel noise is a draw of softmax
+        if self.sample:  # the highest of scores with Gumbel noise is a draw of softmax
             scores = scores + np.stack([self.generator(lane).gumbel(size=scores.shape[1]) for lane in lanes.tolist()])
         return scores.argmax(1)

@@ -1,7 +1,8 @@
-"""The episodes of replays, played again: the results of `AtariEnv` at each step, as arrays."""
+"""The episodes of replays, played again, as arrays: the results of `AtariEnv` at each step, or what an agent saw."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import groupby
 from os import PathLike
 from typing import Any, Literal, TypeAlias
 
@@ -12,13 +13,14 @@ import numpy.typing as npt
 from atari.env.env import AtariEnv, ObsType
 from atari.games.actions import Action
 from atari.recording.replay.events import Event, Kind
+from atari.recording.replay.observations import JUMPS, State, Tape, check_observable
 from atari.recording.replay.replay import Replay
+from atari.recording.stacks import Stacking, stacking_of
+from atari.task import Task
 from atari.wrappers import RamObservation
 
 Source: TypeAlias = Replay | str | PathLike[str]
 DatasetObsType: TypeAlias = ObsType | Literal["dict"]
-
-_JUMPS = (Kind.RESET, Kind.SEED, Kind.RESTORE, Kind.LOAD)
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,72 @@ def replayed_episodes(
             env.close()
 
 
+def check_seen(task: Task) -> None:
+    """Refuse a task whose observations a data set with one frame of each state does not hold.
+
+    Raises:
+        ValueError: observations are dicts, have sound or a drawn delay, or actions are delayed.
+    """
+    screens = 'write the screens: observations="screen" (--observations screen)'
+    if task.kind.is_dict:
+        raise ValueError(
+            f"obs_type={task.obs_type!r} shows dicts of image and RAM, and a data set of what the agent saw has one "
+            f"array; {screens}, beside which the RAM is stored"
+        )
+    if task.action_delay not in (0, (0, 0)):
+        raise ValueError(
+            f"action_delay={task.action_delay} lets actions arrive after the steps in which an agent chose them, and a "
+            f"replay has them where they arrived; {screens}"
+        )
+    check_observable(task, own=True)
+
+
+def seen_episodes(replays: Iterable[Replay], core: str = "native") -> Iterator[EpisodeArrays]:
+    """Yield the episodes that have steps, with what the agent of the recorded task saw; only one is in memory.
+
+    `observations` has the newest "image" of each state, (n + 1, ...), or the newest RAM vector if the agent sees RAM;
+    and the "ram" of the machine, (n + 1, 128). `infos` has "stack" too, (n + 1,) uint8, see `Stacking`.
+
+    Raises:
+        ValueError: see `Replay.observations`; or a stack does not follow from its newest frame.
+    """
+    for replay in replays:
+        observed = replay.observed(core=core)
+        try:
+            for _, states in groupby(observed.states(), key=lambda state: state.episode):
+                yield _seen_arrays(replay.task, observed.tape, states)
+        finally:
+            observed.tape.close()
+
+
+def _seen_arrays(task: Task, tape: Tape, states: Iterator[State]) -> EpisodeArrays:
+    images, rams, infos, steps = [], [], [], []
+    before = None
+    for state in states:
+        if task.stack_num is None:
+            stack, stacking = state.observation[None], Stacking.BEGUN if state.begins else Stacking.ADDED
+        else:
+            stack = state.observation
+            stacking = stacking_of(before, stack, state.begins, task.padding)
+        before = stack
+        images.append(stack[-1])
+        rams.append(tape.ram())
+        frames = {name: int(getattr(tape, name)) for name in ("lives", "episode_frame_number", "frame_number")}
+        infos.append({**frames, "stack": np.uint8(stacking)})
+        steps.append((state.action, state.reward, state.terminated, state.truncated))
+    actions, rewards, terminations, truncations = zip(*steps[1:], strict=True)
+    if not task.continuous:
+        actions = tuple(task.action_set.index(Action(action)) for action in actions)
+    return EpisodeArrays(
+        observations={"image": np.array(images), "ram": np.array(rams)},
+        actions=np.array(actions, np.float32 if task.continuous else np.int64),
+        rewards=np.array(rewards, np.float64),
+        terminations=np.array(terminations, np.bool_),
+        truncations=np.array([*truncations[:-1], truncations[-1] or not terminations[-1]], np.bool_),
+        infos=_columns(infos),
+    )
+
+
 def changed_options(replay: Replay, obs_type: DatasetObsType | None, image: ObsType | None) -> dict[str, Any]:
     """The options in which the `AtariEnv` of `replay_env` differs from the recorded one."""
     if obs_type == "dict":
@@ -162,9 +230,9 @@ class _EpisodeSteps:
 def _of_replay(replay: Replay, env: gymnasium.Env[Any, Any]) -> Iterator[EpisodeArrays]:
     episode = _EpisodeSteps(env)
     for event, calls in replay.walk(episode.atari.core):
-        if event.kind in _JUMPS and episode.rewards:
+        if event.kind in JUMPS and episode.rewards:
             yield episode.arrays()
-        if event.kind in _JUMPS:
+        if event.kind in JUMPS:
             episode = _EpisodeSteps(env)
         if event.ends_step and not episode.rewards:
             episode.see_first()

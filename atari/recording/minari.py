@@ -11,6 +11,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import numpy as np
+from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec, WrapperSpec
 
 from atari.base import durable
@@ -112,8 +114,8 @@ def write_minari(
     if first is None:
         raise ValueError(NO_STEPS)
     with replay_env(replay, obs_type, core, image) as env:
-        spaces = {"observation_space": env.observation_space, "action_space": env.action_space}
-    made = {"env": _spec(replay, obs_type, image), **spaces, "jpeg_encoding": False, **(options or {})}
+        own = {"observation_space": _space(first.observations), "action_space": env.action_space}
+    made = {"env": _spec(replay, obs_type, image), **own, "jpeg_encoding": False, **(options or {})}
     root = minari.storage.datasets_root_dir.get_dataset_path("")
     with (
         durable.naming(root / dataset_id),
@@ -124,6 +126,13 @@ def write_minari(
         write_apart("minari", arguments, (vars(episode) for episode in chain([first], episodes)))
         _move(Path(folder), root)
     return minari.load_dataset(dataset_id)
+
+
+def _space(observations: Any) -> spaces.Space[Any]:
+    """The space of the observations in arrays (n + 1, ...) uint8, or in a dict of them."""
+    if isinstance(observations, dict):
+        return spaces.Dict({name: _space(rows) for name, rows in observations.items()})
+    return spaces.Box(0, 255, observations.shape[1:], np.uint8)
 
 
 def _move(source: Path, target: Path) -> None:

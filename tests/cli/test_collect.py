@@ -9,7 +9,7 @@ from cli_tools import Capture, Patch, read, read_json, refused
 
 import atari
 from atari.lab import write_dataset
-from atari.recording import Replay
+from atari.recording import RecordReplay, Replay
 from atari.task import Task
 
 h5py = pytest.importorskip("h5py", reason="h5py is not installed")
@@ -20,13 +20,14 @@ def policies(folder: Path) -> None:
     (folder / "mine.py").write_text(
         "class Images:\n    environment = {'preset': 'dopamine'}\n    def __call__(self, o, lanes): return lanes * 0\n"
         "class Sticky(Images):\n    protocol = 'dopamine'\n"
+        "def right(o, lanes): return lanes * 0 + 2\n"
     )
 
 
 def collected(capsys: Capture, game: str, *words: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The output of the command, and the attributes and the actions of its data set."""
-    file, own = f"{len(list(Path().glob('*.h5')))}.h5", ("game", "options", "labels", "sha256")
-    shown = read_json(capsys, "collect", game, "--labels", "", "--frames", "grayscale", "-o", file, *words)
+    file, own = f"{len(list(Path().glob('*.h5')))}.h5", ("game", "options", "labels", "observations", "sha256")
+    shown = read_json(capsys, "collect", game, "--labels", "", "--observations", "grayscale", "-o", file, *words)
     with h5py.File(file) as root:
         facts = {name: json.loads(root.attrs[name]) for name in root.attrs if name not in own}
         return shown, {**facts, "actions": root["episode_0/actions"][:].tolist()}
@@ -51,7 +52,7 @@ def test_a_parquet_file_has_task_policy_and_seeds(capsys: Capture) -> None:
 def test_a_minari_dataset_has_task_policy_and_seeds(capsys: Capture, tmp_path: Path, monkeypatch: Patch) -> None:
     minari = pytest.importorskip("minari", reason="minari is not installed")
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "datasets"))
-    read(capsys, "collect", "ALE/Breakout-v5", "--labels", "", "--frames", "grayscale", "-o", "breakout/own-v0")
+    read(capsys, "collect", "ALE/Breakout-v5", "--labels", "", "--observations", "grayscale", "-o", "breakout/own-v0")
     metadata = minari.load_dataset("breakout/own-v0").storage.metadata
     assert Task.from_json(metadata["task"]) == Task.of("ALE/Breakout-v5")
     assert (metadata["policy"], metadata["seeds"]) == ('"random"', "[0]")
@@ -127,3 +128,74 @@ def test_a_replay_says_what_was_played(capsys: Capture) -> None:
     with h5py.File("b.h5") as root:
         assert json.loads(root.attrs["author"]) == {"name": "me"}
     assert result["episodes"] == 1
+
+
+def play_by_hand(path: Path) -> None:
+    """Record some steps, as of a person."""
+    with RecordReplay(atari.AtariEnv("pong"), path) as env:
+        env.reset(seed=0)
+        for action in (2, 3, 3, 0):
+            env.step(action)
+
+
+def usual(capsys: Capture, game: str, *words: str) -> tuple[str, tuple[int, ...]]:
+    """The kind of the observations that the command stores without --observations, and the shape of the frames."""
+    read(capsys, "collect", game, "--labels", "", "-o", "usual.h5", *words)
+    with h5py.File("usual.h5") as root:
+        return json.loads(root.attrs["observations"])["kind"], root["episode_0/frames"].shape[1:]
+
+
+def test_the_usual_observations(capsys: Capture) -> None:
+    """A policy with an environment saw something of its own; a replay may be a person's."""
+    assert usual(capsys, "pong", "--policy", "mine:Sticky") == ("seen", (84, 84))
+    Path("usual.h5").unlink()
+    assert usual(capsys, "pong", "--policy", "noop", "--max-episode-steps", "9") == ("screen", (210, 160, 3))
+    Path("usual.h5").unlink()
+    play_by_hand(Path("a.a26r"))
+    assert usual(capsys, "pong", "--policy", "a.a26r") == ("screen", (210, 160, 3))
+
+
+def test_the_check(capsys: Capture) -> None:
+    words = ["collect", "pong", "--policy", "noop", "--max-episode-steps", "20", "--observations", "seen"]
+    read(capsys, *words, "--labels", "", "--episodes", "2", "-o", "a.h5")
+    rows = [line.split() for line in read(capsys, "collect", "--check", "a.h5").splitlines()]
+    assert rows == [["chosen", "steps", "equal", "near", "ties", "different"], ["greedy", "40", "40", "0", "0"]]
+    counts = read_json(capsys, "collect", "--check", "a.h5", "--policy", "noop")
+    assert counts == {"greedy": {"steps": 40, "equal": 40, "near_ties": 0, "different": 0}}
+    refused(capsys, ["collect", "--check", "a.h5", "--policy", "mine:right"], "has other actions than the policy", 1)
+
+
+def test_the_check_runs_no_program_that_a_file_names(capsys: Capture) -> None:
+    read(capsys, "collect", "pong", "--policy", "mine:right", "--labels", "", "--observations", "seen", "-o", "a.h5")
+    Path("mine.py").write_text("raise SystemExit('the program of a stranger')\n")
+    text = "a.h5 was played by mine:right, which is a program; if you trust it: --policy mine:right"
+    refused(capsys, ["collect", "--check", "a.h5"], text, 1)
+
+
+def test_the_check_of_a_replays_data(capsys: Capture) -> None:
+    play_by_hand(Path("a.a26r"))
+    read(capsys, "collect", "pong", "--policy", "a.a26r", "--labels", "", "-o", "a.h5")
+    assert "a.h5 is undamaged; it has no actions of a policy" in read(capsys, "collect", "--check", "a.h5")
+    data = bytearray(Path("a.h5").read_bytes())
+    data[len(data) // 2] ^= 1
+    Path("a.h5").write_bytes(data)
+    refused(capsys, ["collect", "--check", "a.h5"], "a.h5 is damaged", 1)
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["-o", "a.h5"], "GAME is missing"),
+        (["pong"], "--output is missing"),
+        (
+            ["pong", "--check", "a.h5", "--sticky", "0"],
+            "--check reads a.h5 alone; leave game, repeat_action_probability",
+        ),
+        (["pong", "--observations", "seen", "--obs-type", "dict", "-o", "a.h5"], "obs_type='dict' shows dicts"),
+        (["pong", "--observations", "seen", "--action-delay", "3", "-o", "a.h5"], "action_delay=3 lets actions arrive"),
+        (["pong", "--observations", "seen", "--observation-delay", "1,3", "-o", "a.h5"], "was drawn in each game"),
+    ],
+)
+def test_wrong_words_are_refused(words: list[str], text: str, capsys: Capture) -> None:
+    refused(capsys, ["collect", *words], text, 1)
+    assert not Path("a.h5").exists()

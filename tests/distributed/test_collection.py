@@ -8,12 +8,14 @@ import signal
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from cli_tools import read_json
 
 from atari.cli import main
-from atari.lab import write_dataset
+from atari.lab import check_dataset, write_dataset
 from atari.learning import load_policy, record_games
+from atari.policy.choice import Choice
 from atari.task import Task
 
 ray = pytest.importorskip("ray", reason="Ray requires a Gymnasium of its own; run ./scripts/test --ray")
@@ -23,8 +25,8 @@ pytestmark = pytest.mark.ray
 from atari.integrations.ray import collect  # noqa: E402 - it needs Ray
 
 GAME, SEEDS = "breakout", [3, 4, 6]
-OPTIONS: dict[str, Any] = {"frames": "grayscale", "labels": ["ball_x"]}
-WORDS = ["--frames", "grayscale", "--labels", "ball_x"]
+OPTIONS: dict[str, Any] = {"observations": "grayscale", "labels": ["ball_x"]}
+WORDS = ["--observations", "grayscale", "--labels", "ball_x"]
 
 
 def digests(folder: Path) -> dict[str, str]:
@@ -47,13 +49,14 @@ def test_the_rows_are_those_of_one_process(dataset: Path, tmp_path: Path) -> Non
     record_games(load_policy("random"), GAME, "baselines", SEEDS, tmp_path / "games.a26r")
     task = Task.of(GAME, preset="baselines", reward_clipping=False)
     facts = {"task": json.loads(task.to_json()), "policy": "random"}
-    here = write_dataset(tmp_path / "games.a26r", tmp_path / "here.parquet", facts=facts, **OPTIONS)
+    drawn = {"chosen": lambda episode, steps: np.full(steps, Choice.SAMPLED, np.uint8)}
+    here = write_dataset(tmp_path / "games.a26r", tmp_path / "here.parquet", facts=facts, **OPTIONS, **drawn)
     expected, rows = parquet.read_table(tmp_path / "here.parquet"), parquet.read_table(dataset)
     assert rows.drop_columns("episode").equals(expected.drop_columns("episode"))
     assert rows["episode"].to_pylist() == [SEEDS[number] for number in expected["episode"].to_pylist()]
     assert here["steps"] == rows.num_rows - len(SEEDS)
     of_one, of_all = (dict(table.schema.metadata) for table in (rows, expected))
-    del of_one[b"core_seeds"], of_one[b"sha256"], of_all[b"sha256"]
+    del of_one[b"core_seeds"], of_one[b"seeds"], of_one[b"sha256"], of_all[b"sha256"]
     seeds = [
         json.loads(parquet.read_schema(path).metadata[b"core_seeds"]) for path in sorted(dataset.glob("*.parquet"))
     ]
@@ -106,6 +109,18 @@ def test_an_id_and_seeds_below_two_to_the_32(cluster: Any, tmp_path: Path) -> No
         collect("Breakout-v0", folder, seeds=[1], **OPTIONS)
 
 
+@pytest.mark.parametrize("name", ["seen.parquet", "seen.h5"])
+def test_what_the_agent_saw(cluster: Any, tmp_path: Path, name: str) -> None:
+    pytest.importorskip("torch", reason="PyTorch is not installed")
+    pytest.importorskip("h5py", reason="h5py is not installed")
+    policy = str(Path(__file__).parents[2] / "examples" / "breakout-pqn")
+    result = collect(GAME, tmp_path / name, policy=policy, seeds=[1, 2], labels=[])
+    agreement = check_dataset(tmp_path / name, load_policy(policy))
+    assert agreement is not None
+    assert sum(agreement.steps.values()) == result["steps"]
+    assert agreement.equal[Choice.GREEDY] == agreement.steps[Choice.GREEDY] > 0.99 * result["steps"]
+
+
 def test_ray_data_reads_the_folder(dataset: Path) -> None:
     data = pytest.importorskip("ray.data")
     assert data.read_parquet(str(dataset)).count() == parquet.read_table(dataset).num_rows
@@ -132,7 +147,7 @@ def test_one_file_is_that_of_one_process(cluster: Any, tmp_path: Path, monkeypat
         ({"seeds": []}, ValueError, "at least one seed"),
         ({"seeds": [-1]}, ValueError, "a seed must be"),
         ({"seeds": [2**32]}, ValueError, "a seed must be within 0..4294967295"),
-        ({"frames": "ram"}, ValueError, "frames must be one of"),
+        ({"observations": "rgb"}, ValueError, "observations must be one of"),
         ({"labels": ["balls_x"]}, KeyError, "ball_x"),
         ({"policy": "nothing.zip"}, FileNotFoundError, "nothing.zip"),
     ],

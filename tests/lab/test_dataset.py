@@ -96,8 +96,8 @@ def test_parquet(tmp_path: Path, parquet: Any) -> None:
 
 def test_continuous_actions_and_gray_frames(tmp_path: Path, h5py: Any, parquet: Any) -> None:
     replay, expected = recorded(tmp_path, continuous=True)
-    write_dataset(replay, tmp_path / "a.parquet", frames="grayscale", labels=[])
-    write_dataset(replay, tmp_path / "a.h5", frames="grayscale", labels=[])
+    write_dataset(replay, tmp_path / "a.parquet", observations="grayscale", labels=[])
+    write_dataset(replay, tmp_path / "a.h5", observations="grayscale", labels=[])
     column = parquet.read_table(tmp_path / "a.parquet")["action"].to_pylist()
     assert np.array_equal(np.array(column[:-1], np.float32), expected["actions"])
     with h5py.File(tmp_path / "a.h5") as root:
@@ -125,7 +125,7 @@ def content(file: Path) -> dict[str, Any]:
 def test_check_dataset_finds_flipped_bits(tmp_path: Path, ending: str) -> None:
     pytest.importorskip("h5py" if ending == ".h5" else "pyarrow.parquet")
     file = tmp_path / f"a{ending}"
-    write_dataset(recorded(tmp_path)[0], file, frames="grayscale", labels=["ball_x"])
+    write_dataset(recorded(tmp_path)[0], file, observations="grayscale", labels=["ball_x"])
     check_dataset(file)
     good, data, generator = content(file), file.read_bytes(), random.Random(0)
     text = len(data) // 3  # facts and tables are at one end, and frames fill most of the rest
@@ -158,7 +158,7 @@ def test_minari(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     minari = pytest.importorskip("minari", reason="minari is not installed")
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path / "datasets"))
     replay, expected = recorded(tmp_path)
-    write_dataset(replay, "breakout/lab-v0", frames="grayscale", labels=["ball_x", "lives"])
+    write_dataset(replay, "breakout/lab-v0", observations="grayscale", labels=["ball_x", "lives"])
     (episode,) = minari.load_dataset("breakout/lab-v0")
     assert episode.observations["image"].shape == (STEPS + 1, 210, 160)
     assert np.array_equal(episode.observations["ram"], expected["ram"])
@@ -175,7 +175,7 @@ def test_minari(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         ("data", {}, ValueError, "'data' says no format"),
         ("a.csv", {}, ValueError, "says no format"),
         ("a.h5", {"format": "json"}, ValueError, "format must be one of"),
-        ("a.h5", {"frames": "ram"}, ValueError, "frames must be one of"),
+        ("a.h5", {"observations": "rgb"}, ValueError, "observations must be one of"),
         ("a.h5", {"labels": ["balls_x"]}, KeyError, "ball_x"),
     ],
 )
@@ -213,7 +213,7 @@ def test_the_command(
     Path("own_policy.py").write_text(
         "import numpy as np\ndef right(observations):\n    return np.full(len(observations), 2)\n"
     )
-    words = ["collect", "pong", "--frames", "grayscale", "--labels", "ball_x,ball_y", "-o"]
+    words = ["collect", "pong", "--observations", "grayscale", "--labels", "ball_x,ball_y", "-o"]
     assert main([*words, "a.h5", "--policy", "own_policy:right", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
     assert result["labels"] == ["ball_x", "ball_y"]

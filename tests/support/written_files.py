@@ -74,7 +74,7 @@ def replay_of(steps: int) -> Path:
 
 def data_set(steps: int) -> Write:
     replay = replay_of(steps)
-    return lambda path: write_dataset(replay, path, frames=("rgb", "grayscale")[steps % 2])
+    return lambda path: write_dataset(replay, path, observations=("screen", "grayscale")[steps % 2])
 
 
 def minari(write: Callable[[Path, str], object], steps: int) -> Write:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal
+from typing import Any, get_args
 
 import ray
 
@@ -16,11 +16,12 @@ from atari.base import durable, json_text
 from atari.base.typed_table import check_table, check_type
 from atari.base.validation import check_integer, check_name
 from atari.cores.options import SEED_LIMIT
-from atari.lab.dataset import Format, check_output, output_format, write_dataset
+from atari.lab.dataset import Format, Observations, check_output, output_format, write_dataset
 from atari.lab.labels import Labels
 from atari.learning import load_policy
-from atari.learning.evaluation.evaluate import EvaluatedPolicy, record_task
+from atari.learning.evaluation.evaluate import EvaluatedPolicy
 from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games, usual_protocol
+from atari.recording.episodes import check_seen
 from atari.task import Task
 from atari.task.task import GameLike
 
@@ -40,7 +41,7 @@ class _Work:
     policy: Any
     facts: dict[str, Any]
     format: Format
-    frames: Literal["rgb", "grayscale"]
+    observations: Observations
     labels: tuple[str, ...]
     version: str
 
@@ -56,7 +57,7 @@ def collect(
     policy: Any = "random",
     seeds: Iterable[int] = range(1),
     format: Format | None = None,
-    frames: Literal["rgb", "grayscale"] = "rgb",
+    observations: Observations | None = None,
     labels: Sequence[str] | None = None,
     progress: Callable[[int], object] | None = None,
 ) -> dict[str, Any]:
@@ -84,7 +85,8 @@ def collect(
             not exist.
         policy: a policy, see `load_policy`; the workers load it. The manifest and the files have its name.
         seeds: the seeds of the games, 0..2**32 - 1; a repeated seed counts once.
-        format, frames, labels: see `write_dataset`.
+        format, labels: see `write_dataset`.
+        observations: see `write_dataset`; None is "seen" for a policy with `task` or `environment`, else "screen".
         progress: a function to call with the number of finished games, at the start and after each game.
 
     Returns:
@@ -98,10 +100,11 @@ def collect(
         gymnasium.error.DependencyNotInstalled: the package of the format is not installed.
 
     Example:
-        >>> collect("pong", "pong.parquet", seeds=range(1000), frames="grayscale")  # doctest: +SKIP
+        >>> collect("pong", "pong.parquet", seeds=range(1000), observations="seen")  # doctest: +SKIP
     """
     (chosen,) = resolve_games(game)
-    check_name("frames", frames, ("rgb", "grayscale"))
+    if observations is not None:
+        check_name("observations", observations, get_args(Observations))
     wanted = sorted({check_integer("a seed", seed, 0, SEED_LIMIT - 1) for seed in seeds})
     if not wanted:
         raise ValueError("a data set needs at least one seed")
@@ -112,11 +115,15 @@ def collect(
     name = str(policy) if isinstance(policy, (str, Path)) else loaded.name
     protocol = usual_protocol(loaded, chosen)
     played = played_task(chosen, protocol, loaded)
-    EvaluatedPolicy(loaded, played, protocol.epsilon)  # raises its errors, too
+    player = EvaluatedPolicy(loaded, played, protocol.epsilon)  # raises its errors, too
+    observations = observations or player.stored_observations
+    if observations == "seen":
+        check_seen(played)
     names = Labels(played.definition, labels).names
     task = json.loads(played.to_json())
     facts = {
-        "game": played.game, "task": task, "policy": name, "format": format, "frames": frames, "labels": list(names)
+        "game": played.game, "task": task, "policy": name, "format": format, "observations": observations,
+        "labels": list(names),
     }  # fmt: skip
     folder = Path(output) if format == "parquet" else Path(os.fspath(output).replace("/", "-") + ".parts")
     manifest = _Manifest(folder, {**facts, "version": version("atari-envs")})
@@ -124,7 +131,7 @@ def collect(
     if progress is not None:
         progress(len(wanted) - len(missing))
     stored = {"task": task, "policy": name}
-    given = (played, protocol.epsilon, policy, stored, format, frames, names, version("atari-envs"))
+    given = (played, protocol.epsilon, policy, stored, format, observations, names, version("atari-envs"))
     for data, facts in _played([_Work(seed, *given) for seed in missing]):
         manifest.add(data, facts)
         if progress is not None:
@@ -139,7 +146,9 @@ def collect(
         }  # fmt: skip
     replays = [folder / line["file"] for line in lines]
     stored = {**stored, "seeds": wanted}
-    result = write_dataset(replays, output, format=format, frames=frames, labels=labels, facts=stored)
+    options: dict[str, Any] = {"format": format, "observations": observations, "labels": labels}
+    options["chosen"] = lambda episode, steps: player.choices(wanted[episode], steps)
+    result = write_dataset(replays, output, facts=stored, **options)
     shutil.rmtree(folder)
     return {**result, "played": len(missing), "task": task}
 
@@ -168,12 +177,14 @@ def _play(work: _Work) -> _Part:
         raise RuntimeError(f"a worker has atari-envs {own}, and the collection was begun with {work.version}")
     with TemporaryDirectory() as folder:
         replay = Path(folder, "game.a26r")
-        ((score, length),) = record_task(load_policy(work.policy), work.task, work.epsilon, [work.seed], replay)
+        player = EvaluatedPolicy(load_policy(work.policy), work.task, work.epsilon)
+        ((score, length),) = player.record([work.seed], replay)
         if work.format != "parquet":
             return replay.read_bytes(), {"seed": work.seed, "score": score, "frames": length}
         rows = Path(folder, "rows.parquet")
-        options: dict[str, Any] = {"frames": work.frames, "labels": work.labels, "first_episode": work.seed}
-        result = write_dataset(replay, rows, facts=work.facts, **options)
+        options: dict[str, Any] = {"observations": work.observations, "labels": work.labels}
+        options |= {"first_episode": work.seed, "chosen": lambda _, steps: player.choices(work.seed, steps)}
+        result = write_dataset(replay, rows, facts={**work.facts, "seeds": [work.seed]}, **options)
         return rows.read_bytes(), {"seed": work.seed, "score": score, "steps": result["steps"]}
 
 

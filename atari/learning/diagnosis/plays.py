@@ -1,6 +1,5 @@
 """`play_games`: the games of an evaluation with every step kept, and the states of their steps, reached again."""
 
-import copy
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -14,8 +13,9 @@ import numpy.typing as npt
 from atari.base.validation import check_integer
 from atari.lab.labels import Labels, labels_of
 from atari.learning.evaluation.evaluate import EvaluatedPolicy, _Games, episode_seed
-from atari.policy import LoadedPolicy, ScoresPolicy
+from atari.policy import LoadedPolicy
 from atari.policy.needs import needs_of
+from atari.policy.watched import WatchedPolicy
 from atari.task import Task
 from atari.vector import AtariVectorEnv
 from atari.vector.state import LaneSnapshot
@@ -113,7 +113,7 @@ class Plays(Sequence[Play]):
     labels: Labels
     epsilon: float
     seed: int
-    policy: "WatchedPolicy"
+    policy: WatchedPolicy
     player: EvaluatedPolicy
     games: tuple[Play, ...]
 
@@ -191,43 +191,6 @@ def _go_on(envs: AtariVectorEnv, lanes: Sequence[int]) -> None:
     mask = np.zeros(envs.num_envs, np.bool_)
     mask[lanes] = True
     envs.reset(seed=np.full(len(lanes), -1), options={"reset_mask": mask})
-
-
-class WatchedPolicy(LoadedPolicy):
-    """A policy that keeps the scores of its last call.
-
-    Attributes:
-        last_scores: (n, A) float32, for the rows of the last call a score of each of the policy's own actions; None for
-            a policy that gives none, such as a function that returns actions.
-
-    Args:
-        policy: the policy. It is not changed: of a `ScoresPolicy` a copy is watched.
-
-    Example:
-        >>> import numpy as np
-        >>> from atari.learning import ScoresPolicy, load_policy
-        >>> from atari.learning.diagnosis.plays import WatchedPolicy
-        >>> watched = WatchedPolicy(load_policy(ScoresPolicy(lambda observations: np.eye(4)[[1]])))
-        >>> watched(np.zeros((1, 84, 84), np.uint8), np.zeros(1, np.int64)), watched.last_scores
-        (array([1]), array([[0., 1., 0., 0.]], dtype=float32))
-    """
-
-    def __init__(self, policy: LoadedPolicy) -> None:
-        self.last_scores: npt.NDArray[np.float32] | None = None
-        inner = policy._policy
-        if isinstance(inner, ScoresPolicy):
-            inner = copy.copy(inner)
-            inner._scores, inner._generators = self._keep(inner._scores), {}
-        super().__init__(inner)
-        self.name = policy.name
-
-    def _keep(self, scores: Callable[[Any], Array]) -> Callable[[Any], Array]:
-        def kept(observations: Any) -> Array:
-            values = np.asarray(scores(observations))
-            self.last_scores = values.astype(np.float32) if values.ndim == 2 else None
-            return values
-
-        return kept
 
 
 def play_games(

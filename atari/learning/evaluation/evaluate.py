@@ -7,7 +7,7 @@ from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol
 from atari.learning.evaluation.results import GameResult, Result, versions
 from atari.learning.policies import load_policy
 from atari.policy import LoadedPolicy
+from atari.policy.choice import Choice
 from atari.policy.needs import needs_of
 from atari.recording.replay.record_replay import RecordVectorReplay
 from atari.task import Task
@@ -165,19 +166,7 @@ def record_games(
     """
     (found,), protocol = resolve_games(game), find_protocol(protocol)
     loaded = _policy(policy, found.id, {})
-    return record_task(loaded, played_task(found, protocol, loaded), protocol.epsilon, seeds, path)
-
-
-def record_task(
-    policy: LoadedPolicy, task: Task, epsilon: float, seeds: Sequence[int], path: str | Path
-) -> list[tuple[float, int]]:
-    """Record whole games of the task that an evaluation plays, see `record_games`."""
-    player = EvaluatedPolicy(policy, task, epsilon)
-    with closing(RecordVectorReplay(player.make(1), path)) as envs:
-        played = _Games(envs, player, np.array(seeds, np.int64), lambda done: None)
-        while played.active.any():
-            played.step()
-    return [(score, frames) for score, frames, _ in filter(None, played.ended)]
+    return EvaluatedPolicy(loaded, played_task(found, protocol, loaded), protocol.epsilon).record(seeds, path)
 
 
 def episode_seed(seed: int, game: str, episode: int) -> int:
@@ -241,6 +230,8 @@ class EvaluatedPolicy:
         self._policy, self._epsilon = policy, epsilon
         self._generators: dict[int, np.random.Generator] = {}
         needs = needs_of(policy, task.definition)
+        self.stored_observations: Literal["seen", "screen"] = "screen" if needs.task is None else "seen"
+        """The observations of data sets of its games, unless a user names others: see `write_dataset`."""
         self._options = needs.options
         every = tuple(action.name for action in task.action_set)
         self._names = every if needs.actions is None else needs.actions
@@ -291,6 +282,24 @@ class EvaluatedPolicy:
                 if generator.random() < self._epsilon:
                     chosen[row] = generator.integers(self._every)
         return chosen
+
+    def choices(self, seed: int, steps: int) -> npt.NDArray[np.uint8]:
+        """How `act` has chosen the action of each step of the game of a seed, (steps,), see `Choice`."""
+        choices = np.full(steps, Choice.of(self._policy), np.uint8)
+        generator = np.random.default_rng([seed, 1])
+        for step in range(steps if self._epsilon > 0 else 0):
+            if generator.random() < self._epsilon:
+                generator.integers(self._every)
+                choices[step] = Choice.EXPLORATION
+        return choices
+
+    def record(self, seeds: Sequence[int], path: str | Path) -> list[tuple[float, int]]:
+        """Record whole games in a replay, see `record_games`."""
+        with closing(RecordVectorReplay(self.make(1), path)) as envs:
+            played = _Games(envs, self, np.array(seeds, np.int64), lambda done: None)
+            while played.active.any():
+                played.step()
+        return [(score, frames) for score, frames, _ in filter(None, played.ended)]
 
 
 @dataclass(frozen=True)

@@ -212,9 +212,7 @@ def shadow_env(options: VectorOptions, index: int) -> AtariEnv:
     alone = task.emulator_task() if task.preprocessed else task.replace(max_episode_steps=None)
     if options.mixed:
         alone = alone.replace(actions="full")
-    if task.seeding == "ale":
-        return AtariEnv(alone.replace(frameskip=task.frameskip), rom=options.rom)
-    env = AtariEnv(alone, rom=options.rom)
+    env = AtariEnv(alone.replace(frameskip=task.frameskip) if task.seeding == "ale" else alone, rom=options.rom)
     env.whole_task = task
     return env
 

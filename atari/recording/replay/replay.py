@@ -28,6 +28,7 @@ from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
 from atari.recording.replay.header import emulator_task, game_of_header
+from atari.recording.replay.observations import Observed, ObservedReplay, Walk
 from atari.recording.replay.players import PlayersRunner, make_core
 from atari.recording.replay.results import Divergence, EpisodeSummary, Frame, Verification, difference, frames_of
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
@@ -436,6 +437,47 @@ class Replay:
         played = emulator_task(self.options, self.game)
         return AtariEnv(played, **options, core=core, rom=self.rom)
 
+    def observations(self, task: Task | None = None, *, core: str = "native") -> Iterator[Observed]:
+        """Play the replay, and yield what an agent of a task sees at each step.
+
+        If the recorded environment has the task's frame skip, beginnings, lives and limits, the steps are the recorded
+        steps, and observations are that environment's, to the bit, if the task is its own. Otherwise an agent of the
+        task watches the game, such as a person's: its first observation is the first frame, a step is a frame skip of
+        the task, and lost lives begin the stack anew as the task says. After a restored snapshot the stack begins anew.
+
+        Args:
+            task: the task, of the recorded game; None is the recorded task.
+            core: the core to play the replay on.
+
+        Raises:
+            ValueError: the task is of another game, or has observations that a replay does not determine (sound, a
+                delay that was drawn); or the environment was in wrappers that the recorded task does not have.
+
+        Example:
+            >>> import atari
+            >>> from atari.recording import RecordReplay, Replay
+            >>> with RecordReplay(atari.make("pong", preset="dqn2015"), "game.a26r") as env:
+            ...     first, info = env.reset(seed=0)
+            ...     second = env.step(2)[0]
+            ...     third = env.step(2)[0]
+            >>> steps = list(Replay.load("game.a26r").observations())
+            >>> [bool((step.observation == seen).all()) for step, seen in zip(steps, [first, second])]
+            [True, True]
+            >>> task = atari.Task.of("pong", obs_type="ram")
+            >>> next(Replay.load("game.a26r").observations(task)).observation.shape
+            (128,)
+        """
+        return self.observed(task, core).steps()
+
+    def observed(self, task: Task | None = None, core: str = "native") -> ObservedReplay:
+        """The replay on a new core, with the observations of a task; see `observations`."""
+        recorded = self.task
+        task = recorded if task is None else task
+        if task.definition != self.game:
+            raise ValueError(f"{self.path} is a replay of {self.game.id}, and the task is one of {task.game}")
+        played = self.seek(0, core=core)
+        return ObservedReplay(task, recorded, played, self.walk(played), self.steps > 0)
+
     @property
     def task(self) -> Task:
         """The task that was played, with the wrappers that `atari.make` has put around the recorded environment.
@@ -456,7 +498,7 @@ class Replay:
             played = {"task": json_text.parse(self.header["task"], f"the task of {self.path}")}
         return {**played, "core_seeds": list(self.seeds), "package": PACKAGE}
 
-    def walk(self, core: Core) -> Iterator[tuple[Event, Iterator[Call]]]:
+    def walk(self, core: Core) -> Walk:
         """Yield each event with an iterator that makes its calls on `core`; exhaust it before the next event.
 
         Raises:

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from atari.learning import PROTOCOLS, EvaluationProtocol, Result, ScoresPolicy, evaluate, load_policy
-from atari.learning.diagnosis.plays import Plays, WatchedPolicy, play_games
+from atari.learning.diagnosis.plays import Plays, play_games
 from atari.learning.evaluation.evaluate import episode_seed
 from atari.learning.evaluation.played import played_task, resolve_games
 from atari.policy import LoadedPolicy
+from atari.policy.watched import WatchedPolicy
 
 
 class At:
