@@ -1,6 +1,7 @@
 """Rows of text with aligned columns; `Table`, which also shows in a notebook; facts by name."""
 
 import html
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -54,10 +55,13 @@ class Table:
         note = f"<p>{html.escape(self.note)}</p>" if self.note else ""
         if note and not self.rows:
             return note
-        head = "".join(f"<th>{html.escape(title)}</th>" for title in self.columns)
-        body = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(_text(cell))}</td>" for cell in row) + "</tr>" for row in self.rows
+        words = [any(re.search("[A-Za-z]", _text(row[at])) for row in self.rows) for at in range(len(self.columns))]
+        align = [' style="text-align:left"' if left else "" for left in words]  # Jupyter has all cells to the right
+        head, *rows = (
+            "".join(f"<{tag}{style}>{html.escape(_text(cell))}</{tag}>" for cell, style in zip(row, align, strict=True))
+            for tag, row in (("th", self.columns), *(("td", row) for row in self.rows))
         )
+        body = "".join(f"<tr>{row}</tr>" for row in rows)
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{note}"
 
 
