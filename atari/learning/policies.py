@@ -59,6 +59,10 @@ def load_policy(source: Any, *, sample: bool = False) -> LoadedPolicy:
             (n, actions), floats, or actions (n,), integers.
         sample: draw actions with the probabilities softmax(scores) of a network, instead of the highest score.
 
+    Returns:
+        The policy, a function of observations and lanes. Its format decides which of `scores`, `values`,
+        `probabilities`, `features` and `network` it has, see `ScoresPolicy` and the table in docs/evaluation.md.
+
     Raises:
         FileNotFoundError: the file or folder does not exist.
         TypeError: the object is no policy.
