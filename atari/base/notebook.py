@@ -7,6 +7,7 @@ replay must stop at a size limit.
 
 import base64
 import html
+import re
 import struct
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
@@ -15,6 +16,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from atari.base.text_table import Table
 
 ByteArray = npt.NDArray[np.uint8]
 
@@ -95,6 +98,27 @@ def facts(title: str, rows: Sequence[tuple[str, Any]], note: str = "") -> str:
     )
     below = f"<p>{html.escape(note)}</p>" if note else ""
     return f"<p><strong>{html.escape(title)}</strong></p>{below}<table><tbody>{body}</tbody></table>"
+
+
+def report(text: str) -> str:
+    """HTML of what an object prints: a title line, sentences, and tables, which have an empty line before and after.
+
+    A table is a paragraph of columns as `text_table.aligned` makes them, with two or more spaces between them in all
+    lines; its first line has the titles.
+    """
+    title, _, rest = text.partition("\n")
+    return f"<p><strong>{html.escape(title)}</strong></p>" + "".join(map(_paragraph, rest.split("\n\n")))
+
+
+def _paragraph(text: str) -> str:
+    lines = text.strip("\n").split("\n")
+    width = max(map(len, lines))
+    used = "".join("x" if any(line[at : at + 1].strip() for line in lines) else " " for at in range(width))
+    columns = [slice(*match.span()) for match in re.finditer(r"x+( x+)*", used)]
+    if len(lines) > 1 and len(columns) > 1:
+        head, *rows = ([line[column].strip() for column in columns] for line in lines)
+        return f'<div style="margin:1em 0">{Table.of(head, rows)._repr_html_()}</div>'
+    return "".join(f"<p>{html.escape(line)}</p>" for line in lines)
 
 
 def pooled(images: Iterable[ByteArray], size: int) -> Iterator[ByteArray]:

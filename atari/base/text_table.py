@@ -1,6 +1,7 @@
 """Rows of text with aligned columns; `Table`, which also shows in a notebook; facts by name."""
 
 import html
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -28,29 +29,40 @@ class Table:
     Attributes:
         columns: the titles of the columns.
         rows: the rows, each with a cell for each column.
+        note: a line below the rows; without rows it is shown alone.
     """
 
     columns: tuple[str, ...]
     rows: tuple[tuple[Any, ...], ...]
+    note: str = ""
 
     @classmethod
-    def of(cls, columns: Iterable[str], rows: Iterable[Sequence[Any]]) -> "Table":
+    def of(cls, columns: Iterable[str], rows: Iterable[Sequence[Any]], note: str = "") -> "Table":
         """A table of any iterables."""
-        return cls(tuple(columns), tuple(map(tuple, rows)))
+        return cls(tuple(columns), tuple(map(tuple, rows)), note)
 
     def __str__(self) -> str:
+        if self.note and not self.rows:
+            return self.note
         columns = list(zip(*self.rows, strict=True)) if self.rows else [()] * len(self.columns)
         numeric = [all(isinstance(cell, int) or cell is None for cell in column) for column in columns]
-        return "\n".join(aligned([self.columns, *(tuple(map(_text, row)) for row in self.rows)], numeric.__getitem__))
+        lines = aligned([self.columns, *(tuple(map(_text, row)) for row in self.rows)], numeric.__getitem__)
+        return "\n".join([*lines, *filter(None, [self.note])])
 
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{html.escape(title)}</th>" for title in self.columns)
-        body = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(_text(cell))}</td>" for cell in row) + "</tr>" for row in self.rows
+        note = f"<p>{html.escape(self.note)}</p>" if self.note else ""
+        if note and not self.rows:
+            return note
+        words = [any(re.search("[A-Za-z]", _text(row[at])) for row in self.rows) for at in range(len(self.columns))]
+        align = [' style="text-align:left"' if left else "" for left in words]  # Jupyter has all cells to the right
+        head, *rows = (
+            "".join(f"<{tag}{style}>{html.escape(_text(cell))}</{tag}>" for cell, style in zip(row, align, strict=True))
+            for tag, row in (("th", self.columns), *(("td", row) for row in self.rows))
         )
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        body = "".join(f"<tr>{row}</tr>" for row in rows)
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{note}"
 
 
 def _text(cell: Any) -> str:

@@ -1,5 +1,6 @@
 """`Ram`: the bytes of RAM by the names that a game's labels give them."""
 
+import html
 import reprlib
 from collections.abc import Iterator
 from typing import Any
@@ -121,6 +122,13 @@ class Ram:
         games = ", ".join(game.id for game in self._lanes)
         lanes = "" if self._access.single else f", {len(self._games)} lanes"
         return f"Ram({games}, {len(self)} labels{lanes})"
+
+    def _repr_html_(self) -> str | None:
+        """The table, for a notebook; None where the RAM cannot be read, as after `close`."""
+        try:
+            return f"<p><strong>{html.escape(repr(self))}</strong></p>{self.table()._repr_html_()}"
+        except (gymnasium.error.ClosedEnvironmentError, RuntimeError):
+            return None
 
     def keys(self) -> list[str]:
         """The names of the labels."""

@@ -1,6 +1,5 @@
 """`Search`: finds the bytes of RAM that behave as a value does, filter by filter, while a game is played."""
 
-import html
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -31,19 +30,6 @@ class Filter:
 
     call: str
     left: int
-
-
-@dataclass(frozen=True, repr=False)
-class Candidates(Table):
-    """A table with a line below it."""
-
-    note: str = ""
-
-    def __str__(self) -> str:
-        return f"{super().__str__()}\n{self.note}" if self.rows else self.note
-
-    def _repr_html_(self) -> str:
-        return (super()._repr_html_() if self.rows else "") + f"<p>{html.escape(self.note)}</p>"
 
 
 @dataclass(frozen=True)
@@ -253,10 +239,10 @@ class Search:
         del self.filters[step.filters :]
         return self
 
-    def table(self) -> Candidates:
+    def table(self) -> Table:
         """The remaining places with their last values in `history`; it shows in notebooks."""
         if not len(self._places):
-            return Candidates(("place",), (), f"no candidates: {self.emptied_by}")
+            return Table(("place",), (), f"no candidates: {self.emptied_by}")
         states = np.stack(self._kept) if self._states is None else self._states[: self._state + 1]
         values = self._places.values(states[-_COLUMNS:])
         columns = self._places.columns()
@@ -271,7 +257,7 @@ class Search:
         )
         left = len(columns)
         note = f"{left} candidates" + (f"; {_ROWS} are shown" if left > _ROWS else "")
-        return Candidates(("place", "index", "label", *[""] * (len(values) - 1), "now"), rows, note)
+        return Table(("place", "index", "label", *[""] * (len(values) - 1), "now"), rows, note)
 
     def __repr__(self) -> str:
         if self.emptied_by:

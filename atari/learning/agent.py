@@ -62,7 +62,8 @@ class Agent(ABC):
         fast: options found by measurement, for pixels, as `options_class.of` takes them.
         sample: whether the policy draws its actions; otherwise it takes the action with the highest score.
         steps: agent steps so far, of all environments together.
-        network: the network with the weights; its method `scores` rates the actions.
+        network: the network with the weights; its method `scores` rates the actions, and `values`, if it has one, the
+            states.
         environments: the environments that the agent plays.
         memory: a replay memory; None for an agent without one.
 

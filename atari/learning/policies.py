@@ -59,6 +59,10 @@ def load_policy(source: Any, *, sample: bool = False) -> LoadedPolicy:
             (n, actions), floats, or actions (n,), integers.
         sample: draw actions with the probabilities softmax(scores) of a network, instead of the highest score.
 
+    Returns:
+        The policy, a function of observations and lanes. Its format decides which of `scores`, `values`,
+        `probabilities`, `features` and `network` it has, see `ScoresPolicy` and the table in docs/evaluation.md.
+
     Raises:
         FileNotFoundError: the file or folder does not exist.
         TypeError: the object is no policy.
@@ -132,6 +136,7 @@ class _Random(ScoresPolicy):
 
     def __init__(self) -> None:
         super().__init__(np.asarray, sample=True, name="random")
+        self._methods = set()  # it only draws
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
         generators = [self.generator(lane) for lane in lanes.tolist()]
@@ -226,12 +231,17 @@ def _sb3(file: Path, facts: Mapping[str, Any], sample: bool) -> Policy:
         raise ValueError(f"{file} cannot be loaded as a model of {name}: {error}") from error
     environment = _of_space(file, model.observation_space, actions)
     steps = facts.get("num_timesteps")
-    if sample and name not in ("PPO", "A2C"):
+    logits = name in ("PPO", "A2C")
+    if sample and not logits:
         raise ValueError(f"{file} is a model of {name}, which has no probabilities of actions; leave sample=True out")
     return ScoresPolicy(
         scores,
         sample=sample,
         accepted=_accepted(model.observation_space),
+        logits=logits,
+        values=_sb3_values(model) if logits else lambda observations: scores(observations).max(1),
+        features=_last_hidden(model.policy, scores),
+        network=model.policy,
         name=f"{name} ({file.name})",
         environment=environment,
         training_frames=4 * int(steps) if isinstance(steps, int) and steps > 0 else None,
@@ -279,6 +289,24 @@ def _sb3_scores(model: Any, name: str) -> Any:
             return policy.quantile_net(tensor).mean(dim=1).numpy()
 
     return scores
+
+
+def _sb3_values(model: Any) -> Any:
+    """The function that returns the values of an actor-critic."""
+    torch = import_module("torch")
+
+    def values(observations: Any) -> Any:
+        tensor, _ = model.policy.obs_to_tensor(observations)
+        with torch.no_grad():
+            return model.policy.predict_values(tensor)[:, 0].numpy()
+
+    return values
+
+
+def _last_hidden(network: Any, scores: Any) -> Any:
+    from atari.learning.hidden import last_hidden  # here, because it imports PyTorch
+
+    return last_hidden(network, scores)
 
 
 def _of_space(file: Path, space: Any, actions: int) -> dict[str, Any]:
@@ -343,7 +371,7 @@ def _network(module: Any, name: str, sample: bool, **facts: Any) -> ScoresPolicy
         returned = returned.cpu()
         return returned.float().numpy() if returned.is_floating_point() else returned.numpy()
 
-    return ScoresPolicy(scores, sample=sample, **facts)
+    return ScoresPolicy(scores, sample=sample, features=_last_hidden(module, scores), network=module, **facts)
 
 
 def _failed(name: str, observations: Any, error: Exception) -> ValueError:

@@ -12,6 +12,7 @@ import torch
 from atari.env.settings import image_shape
 from atari.learning.agent import Agent, kept_agent, read_options
 from atari.learning.evaluation.protocols import EvaluationProtocol
+from atari.learning.hidden import last_hidden
 from atari.learning.run_folder import RunFolder
 from atari.policy import Accepted, ScoresPolicy
 
@@ -60,13 +61,18 @@ def run_policy(path: Path, sample: bool) -> ScoresPolicy:
         "protocol": training_protocol(folder),
     }
 
-    def scores(observations: Any) -> npt.NDArray[np.float32]:
-        with torch.no_grad():
-            values: npt.NDArray[np.float32] = network.scores(torch.from_numpy(observations)).numpy()
-        return values
+    def of_arrays(function: Any) -> Any:
+        def computed(observations: Any) -> npt.NDArray[np.float32]:
+            with torch.no_grad():
+                result: npt.NDArray[np.float32] = function(torch.from_numpy(observations)).numpy()
+            return result
+
+        return computed
 
     torch.set_num_threads(1)
-    return ScoresPolicy(scores, **facts)
+    scores = of_arrays(network.scores)
+    values = of_arrays(network.values) if hasattr(network, "values") else None  # an agent of the user's may have none
+    return ScoresPolicy(scores, values=values, features=last_hidden(network, scores), network=network, **facts)
 
 
 def training_protocol(folder: RunFolder) -> EvaluationProtocol:

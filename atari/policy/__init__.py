@@ -10,9 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.base.validation import check_integer
+from atari.policy.inside import METHODS, OptionalMethod, absent
 from atari.task import Task
 
 Array = npt.NDArray[Any]
+Floats = npt.NDArray[np.float32]
 
 
 @runtime_checkable
@@ -42,6 +44,8 @@ class Policy(Protocol):
       that can be pickled; and `load(weights)`. `atari.integrations.ray.RolloutActors` calls them.
     - `begin_episodes(lanes)`: called where the environment begins an episode, with a new stack, in the same game after
       a lost life.
+    - `scores(observations)`, `values(observations)`, `probabilities(observations)`, `features(observations)` and
+      `network`: see `ScoresPolicy`. A policy that lacks one has no such attribute.
 
     Example:
         >>> from atari.learning import evaluate
@@ -90,6 +94,8 @@ class LoadedPolicy:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):  # a copy without attributes yet, or a special method of Python
             raise AttributeError(name)
+        if name in METHODS and not hasattr(self._policy, name):
+            raise absent(self.name, name)
         return getattr(self._policy, name)
 
     def begin(self, game: str, actions: Sequence[str], lanes: npt.NDArray[np.int64], seeds: Array) -> None:
@@ -226,11 +232,18 @@ _CAUSE = "make the environment with the policy's task or environment, and give a
 class ScoresPolicy:
     """A policy from a function that returns a score for each action: action values, or logits.
 
+    The methods `scores`, `values`, `probabilities` and `features` compute observations (n, ...) uint8, as the policy's
+    task gives them, of any number of environments at once, and change no state. A policy without the functions that a
+    method needs lacks the attribute, and `hasattr` is false.
+
     Args:
         scores: a function of observations (n, ...) uint8 that returns scores (n, actions), or actions (n,), integers.
         sample: whether actions are drawn with the probabilities softmax(scores), with a generator for each game;
             otherwise the action with the highest score is taken.
-        accepted: the observations that the function takes; None leaves the check to the function.
+        accepted: the observations that the functions take; None leaves the check to the functions.
+        logits: whether the scores are logits even if actions are not drawn, so that there are `probabilities`.
+        values, features: functions of observations for the methods of these names.
+        network: the network of all these functions.
         name, task, environment, training_frames, game, games, protocol: see `Policy`.
 
     Example:
@@ -239,6 +252,8 @@ class ScoresPolicy:
         >>> policy = ScoresPolicy(lambda observations: np.eye(4)[[1] * len(observations)], name="fire")
         >>> evaluate(policy, "breakout", "dopamine", episodes=1, seed=0)["breakout"].scores
         (0.0,)
+        >>> policy.scores(np.zeros((1, 4, 84, 84), np.uint8)), hasattr(policy, "values")
+        (array([[0., 1., 0., 0.]], dtype=float32), False)
     """
 
     def __init__(
@@ -247,6 +262,10 @@ class ScoresPolicy:
         *,
         sample: bool = False,
         accepted: Accepted | None = None,
+        logits: bool = False,
+        values: Callable[[Any], Array] | None = None,
+        features: Callable[[Any], Array] | None = None,
+        network: Any = None,
         name: str = "",
         task: Task | None = None,
         environment: Mapping[str, Any] | None = None,
@@ -258,6 +277,9 @@ class ScoresPolicy:
         self._scores = scores
         self.sample = sample
         self._accepted = accepted
+        self._values, self._features, self._network = values, features, network
+        given = {"values": values, "probabilities": sample or logits or None, "features": features, "network": network}
+        self._methods = {"scores", *(method for method, one in given.items() if one is not None)}
         self._generators: dict[int, np.random.Generator] = {}
         self._begun: tuple[str, tuple[str, ...]] | None = None
         self.name = name
@@ -294,6 +316,74 @@ class ScoresPolicy:
     def restore(self, state: Any) -> None:
         """Continue with the generators of `state`."""
         self._generators = state
+
+    @OptionalMethod
+    def scores(self, observations: Any) -> Floats:
+        """A score of each action, (n, actions) float32: action values, or logits.
+
+        Raises:
+            TypeError, ValueError: the observations are not as the task gives them; or the policy returns actions.
+        """
+        return self._computed(self._scores, observations, ("n", "actions"))
+
+    @OptionalMethod
+    def values(self, observations: Any) -> Floats:
+        """The value of each state, (n,) float32: the critic's, or the highest action value.
+
+        It is in the units of the training: of clipped rewards, discounted.
+
+        Raises:
+            AttributeError, TypeError, ValueError: the policy has no values; or see `scores`.
+        """
+        return self._computed(self._values, observations, ("n",))
+
+    @OptionalMethod
+    def probabilities(self, observations: Any) -> Floats:
+        """The probability of each action, (n, actions) float32: softmax(scores), with which a policy draws.
+
+        Action values are no logits, so a policy that takes the highest action value has no probabilities.
+
+        Raises:
+            AttributeError, TypeError, ValueError: the policy has no probabilities; or see `scores`.
+        """
+        scores = self.scores(observations)
+        powers = np.exp(scores - scores.max(1, keepdims=True))
+        return np.asarray(powers / powers.sum(1, keepdims=True))
+
+    @OptionalMethod
+    def features(self, observations: Any) -> Floats:
+        """The last hidden layer, (n, width) float32: the input of the linear layer that gives the scores.
+
+        Raises:
+            AttributeError, TypeError, ValueError: the policy has no features; or see `scores`.
+        """
+        return self._computed(self._features, observations, ("n", "width"))
+
+    @property
+    def network(self) -> Any:
+        """The `torch.nn.Module` itself, not a copy: new weights of it are the policy's.
+
+        Raises:
+            AttributeError: the policy has none.
+        """
+        if "network" not in self._methods:
+            raise absent(self.name or type(self).__name__, "network")
+        return self._network
+
+    def _computed(self, function: Callable[[Any], Array] | None, observations: Any, axes: tuple[str, ...]) -> Floats:
+        """The result of a function of the policy, checked to have a row for each observation."""
+        assert function is not None  # an `OptionalMethod` calls this
+        part = next(iter(observations.values())) if isinstance(observations, Mapping) else observations
+        count = next(iter(np.shape(part)), 0)
+        if self._accepted is not None:
+            self._accepted.check(self.name, observations, count)
+        result = np.asarray(function(observations))
+        if result.dtype.kind != "f" or result.ndim != len(axes) or len(result) != count:
+            raise ValueError(
+                f"{self.name or 'the policy'} must return floats ({', '.join(axes)}) here, for {count} observations, "
+                f"got {result.dtype} {result.shape}"
+            )
+        return result.astype(np.float32)
 
     def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> Array:
         """The actions (n,) for observations (n, ...) of some lanes.

@@ -15,6 +15,11 @@ from atari.task.resolution import fields_of, fields_of_id
 
 def describe(task: TaskData) -> str:
     """The nearest ID and preset in the first line, then a table of all that the task decides."""
+    return "\n".join([summary(task), *(line for name, text in facts(task) for line in fact_lines(name, [text]))])
+
+
+def facts(task: TaskData) -> list[tuple[str, str]]:
+    """All that the task decides, by name."""
     rows = [
         ("observation", _observation(task)),
         ("frame skip", skip_text(task.frameskip)),
@@ -30,7 +35,7 @@ def describe(task: TaskData) -> str:
         rows.append(("changed by", ", ".join(one.name for one in task.interventions)))
     if task.seeding == "ale":
         rows.append(("seeds", "as in ale-py's vector environment"))
-    return "\n".join([summary(task), *(line for name, text in rows for line in fact_lines(name, [text]))])
+    return rows
 
 
 def summary(task: TaskData) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 
 from typing_extensions import Unpack
 
+from atari.base import notebook
 from atari.base.frozen import FrozenDict
 from atari.games.catalog import games
 from atari.games.game import Game
@@ -17,7 +18,7 @@ from atari.games.pettingzoo import Environment, find_environment
 from atari.games.players import pettingzoo_options
 from atari.task import json_form
 from atari.task.data import TaskData
-from atari.task.description import describe
+from atari.task.description import describe, facts, summary
 from atari.task.fields import DEFAULTS, GROUPS, ROWS, TaskOptions
 from atari.task.presets import find_preset
 from atari.task.resolution import OPTIONS, catalogue_name, fields_of, fields_of_id, is_id, translate
@@ -111,6 +112,9 @@ class Task(TaskData):
 
     def __str__(self) -> str:
         return describe(self)
+
+    def _repr_html_(self) -> str:
+        return notebook.facts(summary(self), facts(self))
 
 
 def _with_attributes(doc: str) -> str:

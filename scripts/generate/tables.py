@@ -20,11 +20,12 @@ import numpy.typing as npt
 
 import atari
 from atari.base.typed_table import in_text
+from atari.policy.inside import FORMATS, METHODS, SAMPLED
 from atari.task import PRESETS, fields
 from atari.task.env_ids import FAMILIES, Family
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-DOCUMENTS = ("ids.md", "presets.md", "tasks.md", "learning.md")
+DOCUMENTS = ("ids.md", "presets.md", "tasks.md", "learning.md", "evaluation.md")
 TABLE = re.compile(r"(<!-- table: ([\w.]+) -->\n)(.*?)(\n<!-- end -->)", re.DOTALL)
 
 Fields = Mapping[str, Any]
@@ -128,7 +129,18 @@ def fast() -> str:
     return "\n".join([*lines, "", f"From RAM: {ram}."])
 
 
+def inside() -> str:
+    """A row for each format of policies, a column for each method that shows more than actions."""
+    lines = [f"| format | {' | '.join(f'`{method}`' for method in METHODS)} |", "|---" * (len(METHODS) + 1) + "|"]
+    for name, methods in FORMATS.items():
+        sampled = {"probabilities": "sampled"} if name in SAMPLED else {}
+        cells = ("yes" if method in methods else sampled.get(method, "") for method in METHODS)
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
 TABLES: Mapping[str, Callable[[], str]] = {
+    "policies.inside": inside,
     "learning.fast": fast,
     "ids.families": families,
     "presets.sources": sources,

@@ -13,6 +13,8 @@ from replay_tools import record
 
 import atari
 from atari.base import notebook
+from atari.base.text_table import aligned
+from atari.lab import Ram
 from atari.lab.inspector.inspection import Inspection
 from atari.lab.widget import static_html
 from atari.recording import Replay
@@ -145,3 +147,35 @@ def test_an_animation_ends_before_it_is_too_large(monkeypatch: pytest.MonkeyPatc
 def test_an_animation_needs_an_image() -> None:
     with pytest.raises(ValueError, match="needs an image"):
         notebook.animation([], 30)
+
+
+def test_a_report_has_the_tables_that_print_shows() -> None:
+    rows = [("game", "mean", "difference"), ("as given", "1,000.5 [1, 2]", ""), ("<b> & c", "-3.0", "+4.0")]
+    table = "\n".join(aligned(rows, bool))
+    page = notebook.report(f"policy <x>, seed 0\nprotocol y\n\n{table}\n\n- a  note\n- another")
+    assert page.startswith("<p><strong>policy &lt;x&gt;, seed 0</strong></p><p>protocol y</p><div")
+    assert re.findall(r"<th(?: [^>]*)?>(.*?)</th>", page) == ["game", "mean", "difference"]
+    cells = re.findall(r"<td[^>]*>(.*?)</td>", page)
+    assert cells == ["as given", "1,000.5 [1, 2]", "", "&lt;b&gt; &amp; c", "-3.0", "+4.0"]
+    assert page.endswith("<p>- a  note</p><p>- another</p>")
+    assert [("text-align:left" in tag) for tag in re.findall("<td[^>]*>", page)] == [True, False, False] * 2
+
+
+def test_a_task_shows_what_it_decides() -> None:
+    task = atari.Task.of("pong", preset="dqn2015", frameskip=3)
+    page = task._repr_html_()
+    assert "pong: Pong, as &#x27;pong&#x27; with preset=&#x27;dqn2015&#x27;, but frameskip=3" in page
+    assert '<th style="text-align:left">frame skip</th><td style="text-align:left">3 frames a step</td>' in page
+    names = [line.strip().split("  ")[0] for line in str(task).splitlines()[1:]]
+    assert re.findall(r"<th[^>]*>(.*?)</th>", page) == names
+
+
+def test_ram_shows_its_labels() -> None:
+    env = atari.make("breakout")
+    env.reset(seed=0)
+    ram = Ram(env)
+    page = ram._repr_html_()
+    assert "<strong>Ram(breakout, " in page
+    assert '<td style="text-align:left">lives</td><td>57</td><td style="text-align:left">0xB9</td><td>5</td>' in page
+    env.close()
+    assert ram._repr_html_() is None

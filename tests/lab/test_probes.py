@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import atari
-from atari.lab.probes import majority, play_episodes, probe, split_episodes
+from atari.lab.probes import majority, play_episodes, probe, probe_table, ridge_probe, split_episodes
 from atari.lab.probes.data import EpisodeStates, ProbeData
-from atari.lab.probes.probe import weighted_f1
+from atari.lab.probes.results import weighted_f1
 from atari.learning import load_policy
 
 LABELS = {"player_x": 3, "ball_x": 4, "score": 0x85, "never": 6}
@@ -103,6 +103,44 @@ def test_training_stops_early_and_keeps_the_best(data: ProbeData, torch: Any) ->
     assert len(calls) == sum(-(-len(split) // 256) for split in (data.train, data.validation, data.test))
 
 
+def numbers(seen: Any) -> Any:
+    """Features in which player_x is linear, and ball_x is not."""
+    player, ball = seen[:, :8].argmax(1), seen[:, 8:12].argmax(1)
+    return np.stack([3.0 * player - 5, (ball - 1.5) ** 2], 1)
+
+
+def test_a_ridge_probe_reads_numbers_and_classes(data: ProbeData) -> None:
+    pytest.importorskip("sklearn", reason="scikit-learn is not installed")
+    result = ridge_probe(lambda seen: seen, data)
+    assert result.r2["player_x"] > 0.999
+    assert result.r2["ball_x"] > 0.999
+    assert result.f1["player_x"] == result.f1["ball_x"] == result.accuracy["ball_x"] == 1
+    assert abs(result.r2["score"]) < 0.1
+    assert result.f1["score"] < 0.1
+    assert result == ridge_probe(lambda seen: seen, data)
+    linear = ridge_probe(numbers, data)
+    assert linear.r2["player_x"] > 0.999
+    assert abs(linear.r2["ball_x"]) < 0.1
+    assert linear.f1["player_x"] < 1  # a line of one feature is highest at the first or the last value
+
+
+def test_a_table_of_several_probes(data: ProbeData) -> None:
+    pytest.importorskip("sklearn", reason="scikit-learn is not installed")
+    results = {"all": ridge_probe(lambda seen: seen, data), "<numbers>": ridge_probe(numbers, data)}
+    table = probe_table(results)
+    assert table.columns == ("label", "category", "R2 all", "R2 <numbers>", "F1 all", "F1 <numbers>")
+    assert table.rows[0][:3] == ("player_x", "agent_localization", "1.000")
+    assert table.rows[-1][1] == "all categories"
+    assert table.note == "left out, because their bytes hardly change: never"
+    assert table.note in str(table)
+    assert "F1 &lt;numbers&gt;" in table._repr_html_()
+    assert str(results["all"]) == str(probe_table({"": results["all"]}))
+    with pytest.raises(ValueError, match="results must be of the same data"):
+        probe_table({"all": results["all"], "other": majority(split_episodes(made_up(), {"ball_x": 4}))})
+    with pytest.raises(ValueError, match="at least one"):
+        probe_table({})
+
+
 def test_the_majority_baseline(data: ProbeData) -> None:
     result = majority(data)
     assert result.accuracy["player_x"] == pytest.approx(1 / 8, abs=0.05)
@@ -189,6 +227,7 @@ def test_what_load_policy_loads_plays() -> None:
         (lambda: play_episodes("pong", 32, obs_type="ram"), ValueError, "'dict' or 'rgb_dict', not 'ram'"),
         (lambda: majority(made_up()), TypeError, "data must be a ProbeData"),
         (lambda: probe(lambda seen: seen, made_up()), TypeError, "data must be a ProbeData"),
+        (lambda: ridge_probe(lambda seen: seen, made_up()), TypeError, "data must be a ProbeData"),
     ],
 )
 def test_what_is_refused(use: Callable[[], object], error: type[Exception], text: str) -> None:
@@ -207,6 +246,14 @@ def test_what_is_refused(use: Callable[[], object], error: type[Exception], text
 def test_wrong_features(data: ProbeData, torch: Any, encoder: Any, options: dict[str, Any], text: str) -> None:
     with pytest.raises(ValueError, match=text):
         probe(encoder, data, **options)
+
+
+def test_without_scikit_learn_the_error_names_it(data: ProbeData, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "sklearn.linear_model", None)
+    with pytest.raises(
+        gymnasium.error.DependencyNotInstalled, match=r"ridge_probe needs scikit-learn: .* install scikit-learn"
+    ):
+        ridge_probe(lambda seen: seen, data)
 
 
 def test_without_torch_the_error_names_the_extra(data: ProbeData, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,57 +1,18 @@
-"""`probe`: the training of the linear classifiers, and their F1 scores."""
+"""`probe`: AtariARI's training of the linear classifiers."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from atari.base.extras import import_extra, install_extra
-from atari.base.text_table import Table
 from atari.base.validation import check_integer
-from atari.cores import ByteArray
-from atari.lab.atari_ari import CATEGORIES, categories
-from atari.lab.probes.data import ProbeData, Split, check_data
-
-Encoder = Callable[[ByteArray], Any]
+from atari.lab.probes.data import ProbeData, check_data
+from atari.lab.probes.features import Encoder, features_of
+from atari.lab.probes.results import ProbeResult, result_of
 
 CLASSES = 256
 _BATCH = 256
-
-
-@dataclass(frozen=True)
-class ProbeResult:
-    """The scores on the test states by label, weighted over its values: `f1` and `accuracy`, 0..1."""
-
-    f1: Mapping[str, float]
-    accuracy: Mapping[str, float]
-
-    @property
-    def category_f1(self) -> dict[str, float]:
-        """The mean of the F1 scores of the labels in each of AtariARI's categories that has any."""
-        found = {
-            category: [score for name, score in self.f1.items() if category in categories(name)]
-            for category in CATEGORIES
-        }
-        return {category: float(np.mean(scores)) for category, scores in found.items() if scores}
-
-    @property
-    def mean_f1(self) -> float:
-        """The mean over the categories."""
-        return float(np.mean(list(self.category_f1.values()) or list(self.f1.values())))
-
-    def table(self) -> Table:
-        """The F1 score of each label and category; it prints, and shows in notebooks."""
-        rows = [(name, ", ".join(categories(name)), f"{self.f1[name]:.3f}") for name in self.f1]
-        rows += [("mean", category, f"{score:.3f}") for category, score in self.category_f1.items()]
-        return Table.of(("label", "category", "F1"), [*rows, ("mean", "all categories", f"{self.mean_f1:.3f}")])
-
-    def __str__(self) -> str:
-        return str(self.table())
-
-    def _repr_html_(self) -> str:
-        return self.table()._repr_html_()
 
 
 def probe(
@@ -96,7 +57,7 @@ def probe(
     for name, value in (("epochs", epochs), ("patience", patience), ("batch_size", batch_size)):
         check_integer(name, value, 1, 2**31)
     torch = import_extra("torch", f"probes need PyTorch: {install_extra('learn')}")
-    features = [_features(torch, encoder, split) for split in (data.train, data.validation, data.test)]
+    features = [torch.from_numpy(features_of(encoder, split)) for split in (data.train, data.validation, data.test)]
     generator = torch.Generator().manual_seed(seed)
     training = _Training(torch, features[0].shape[1], len(data.names), learning_rate, generator)
     inputs, targets = features[0], torch.from_numpy(data.train.labels).long()
@@ -107,7 +68,7 @@ def probe(
         if not training.keep_best(accuracy, patience):
             break
     training.restore_best()
-    return _result(data, training.predict(features[2]))
+    return result_of(data, training.predict(features[2]))
 
 
 def majority(data: ProbeData) -> ProbeResult:
@@ -122,15 +83,7 @@ def majority(data: ProbeData) -> ProbeResult:
     """
     check_data(data)
     most = [np.bincount(column, minlength=CLASSES).argmax() for column in data.train.labels.T]
-    return _result(data, np.tile(np.array(most), (len(data.test), 1)))
-
-
-def weighted_f1(predicted: npt.NDArray[Any], truth: npt.NDArray[Any]) -> float:
-    """The F1 scores of the classes, weighted by how often each is true."""
-    counts = [np.bincount(x, minlength=CLASSES) for x in (predicted[predicted == truth], predicted, truth)]
-    hits, guesses, support = counts
-    scores = 2 * hits / np.maximum(guesses + support, 1)
-    return float((scores * support).sum() / support.sum())
+    return result_of(data, np.tile(np.array(most), (len(data.test), 1)))
 
 
 class _Training:
@@ -175,30 +128,3 @@ class _Training:
 
     def restore_best(self) -> None:
         self._weight, self._bias = self._best
-
-
-def _features(torch: Any, encoder: Encoder, split: Split) -> Any:
-    """The features of a split, (n, width) float32."""
-    parts = []
-    for start in range(0, len(split), _BATCH):
-        observations = split.observations[start : start + _BATCH]
-        with torch.no_grad():
-            part = torch.as_tensor(encoder(observations)).detach().float().cpu()
-        if part.ndim < 1 or len(part) != len(observations):
-            raise ValueError(
-                f"the encoder must return {len(observations)} rows for {len(observations)} observations, got "
-                f"{tuple(part.shape)}"
-            )
-        parts.append(part.reshape(len(part), -1))
-    features = torch.cat(parts)
-    if not torch.isfinite(features).all():
-        raise ValueError("the encoder returned features that are not finite")
-    return features
-
-
-def _result(data: ProbeData, predicted: npt.NDArray[np.int64]) -> ProbeResult:
-    columns = list(zip(data.names, predicted.T, data.test.labels.T, strict=True))
-    return ProbeResult(
-        f1={name: weighted_f1(guesses, truth.astype(np.int64)) for name, guesses, truth in columns},
-        accuracy={name: float((guesses == truth).mean()) for name, guesses, truth in columns},
-    )

@@ -146,6 +146,10 @@ class QNetwork(nn.Module):
 
     scores = forward
 
+    def values(self, observations: Tensor) -> Tensor:
+        """The highest value of an action, (batch,)."""
+        return self(observations).amax(1)
+
 
 class DQN(Agent):
     """Environments, replay memory, network, target network and optimiser."""

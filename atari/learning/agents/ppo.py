@@ -133,6 +133,10 @@ class ActorCritic(nn.Module):
         """The logits alone."""
         return self.policy(self.encoder(observations))
 
+    def values(self, observations: Tensor) -> Tensor:
+        """The values alone."""
+        return self.value(self.encoder(observations))[:, 0]
+
 
 class Rollout:
     """A worker's share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""

@@ -124,6 +124,10 @@ class QNetwork(nn.Module):
 
     scores = forward
 
+    def values(self, observations: Tensor) -> Tensor:
+        """The highest value of an action, (batch,)."""
+        return self(observations).amax(1)
+
 
 class Rollout:
     """A worker's share of the environments, and arrays (horizon, environments, ...) of the steps played in them."""

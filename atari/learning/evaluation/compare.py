@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from atari.base import durable
+from atari.base import durable, notebook
 from atari.base.text_table import aligned
 from atari.base.validation import check_integer
 from atari.games.catalog import games
@@ -51,7 +51,7 @@ class Row:
     scores: Mapping[str, tuple[float, ...]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
     """Agents beside each other, see `compare`. Its text has two tables."""
 
@@ -81,6 +81,12 @@ class Comparison:
         return "\n".join(
             [title, "", *aligned(overview, bool), "", *aligned(table, bool), "", *(f"- {note}" for note in self.notes)]
         )
+
+    def __repr__(self) -> str:
+        return f"Comparison({', '.join(row.name for row in self.rows)}, {len(self.games)} games)"
+
+    def _repr_html_(self) -> str:
+        return notebook.report(str(self))
 
     def to_json(self) -> dict[str, Any]:
         """The whole comparison as the types of JSON."""

@@ -12,7 +12,7 @@ from pathlib import Path
 from statistics import fmean, median, pstdev
 from typing import Any
 
-from atari.base import durable, json_text
+from atari.base import durable, json_text, notebook
 from atari.base.text_table import aligned
 from atari.base.typed_table import check_table, check_type
 from atari.games.catalog import games
@@ -23,7 +23,7 @@ FORMAT = "atari evaluation 3"
 _LARGEST = 64 << 20
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class GameResult:
     """The results of one game in a `Result`."""
 
@@ -34,6 +34,9 @@ class GameResult:
     seeds: tuple[int, ...]
     observation: Mapping[str, Any] = field(default_factory=dict)
     task: Mapping[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"GameResult({self.game!r}, {len(self.scores)} games, mean {self.mean:,.1f})"
 
     @property
     def mean(self) -> float:
@@ -69,7 +72,7 @@ class GameResult:
         return sum(self.truncated)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """The result of `evaluate`. It prints as a table.
 
@@ -123,6 +126,14 @@ class Result:
             every = sum(len(one.scores) for one in self.games)
             lines += ["", f"{truncated:,} of {every:,} games did not end within {self.protocol.max_frames:,} frames"]
         return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        games = [one.game for one in self.games]
+        listed = ", ".join(games if len(games) < 4 else [*games[:2], f"{len(games) - 2} more"])
+        return f"Result({self.policy!r}, {listed}, protocol {self.protocol.name!r}, seed {self.seed})"
+
+    def _repr_html_(self) -> str:
+        return notebook.report(str(self))
 
     def to_json(self) -> dict[str, Any]:
         """The whole result as the types of JSON."""

@@ -1,6 +1,7 @@
 """The diagnosis as a whole: what it says, that it is the same every time, its page, its command, and its refusals."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -62,9 +63,24 @@ def test_the_command(capsys: Capture, tmp_path: Path, monkeypatch: pytest.Monkey
     assert len(facts["scores"]) == 2
 
 
+def test_the_command_prints_probes(capsys: Capture) -> None:
+    pytest.importorskip("sklearn", reason="scikit-learn is not installed")
+    run = str(Path(__file__).parents[3] / "examples" / "breakout-pqn")
+    _, head, *lines, left_out = read(capsys, "diagnose", run, "--probes", "4000").splitlines()
+    assert re.split("  +", head)[2:] == ["R2 trained", "R2 random", "R2 pixels", "F1 trained", "F1 random", "F1 pixels"]
+    (ball,) = (line for line in lines if line.startswith("ball_x"))
+    trained, random, *_ = map(float, ball.split()[2:])
+    assert trained > random + 0.1
+    assert left_out.startswith("left out, because their bytes hardly change: ")
+    found = json.loads(read(capsys, "diagnose", run, "--probes", "4000", "--json"))
+    assert found["trained"]["r2"]["ball_x"] == pytest.approx(trained, abs=1e-3)
+
+
 @pytest.mark.parametrize(
     ("words", "text"),
     [
+        (["random", "pong", "--probes"], "policy random has no features; these have: run folders of PPO"),
+        (["random", "pong", "--probes", "--seconds", "1"], "leave --seconds out"),
         (["random"], "does not say which game it plays"),
         (["nothing.zip", "pong"], "nothing.zip"),
         (["random", "pong", "--protocol", "dopamin"], "did you mean 'dopamine'"),

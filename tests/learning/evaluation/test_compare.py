@@ -211,6 +211,11 @@ def test_files_and_text(tmp_path):
     assert (content["rows"][0]["name"], content["human"]) == ("mine", "noop57")
     assert "dopamine/rainbow     5  199,000,000" in str(comparison)
     assert "google/dopamine, Apache-2.0" in str(comparison)
+    assert repr(comparison) == "Comparison(mine, dopamine/rainbow, 2 games)"
+    page = comparison._repr_html_()
+    assert page.startswith("<p><strong>human-normalised scores (table noop57) of 2 games</strong></p>")
+    assert page.count("<table>") == 2
+    assert '<td style="text-align:left">dopamine/rainbow</td><td>5</td><td>199,000,000</td>' in page
     assert "16,256.9" in str(compare(result(games=["video_pinball"]), "dopamine/rainbow"))
 
 

@@ -38,6 +38,18 @@ def test_the_table():
     )
 
 
+def test_what_a_notebook_and_a_debugger_show():
+    assert repr(result()) == "Result('mine', pong, breakout, protocol 'dopamine', seed 3)"
+    assert repr(result()["pong"]) == "GameResult('pong', 3 games, mean 1.2)"
+    many = replace(result(), games=tuple(GameResult(name, (1.0,), (4,), (False,), (0,)) for name in "abcd"))
+    assert repr(many) == "Result('mine', a, b, 2 more, protocol 'dopamine', seed 3)"
+    page = replace(result(), policy="<script>")._repr_html_()
+    assert page.startswith("<p><strong>policy &lt;script&gt;, seed 3</strong></p><p>protocol dopamine: sticky actions")
+    assert page.count("<table>") == 1
+    assert '<td style="text-align:left">pong</td><td>3</td><td>1.2</td>' in page
+    assert page.endswith("<p>1 of 4 games did not end within 108,000 frames</p>")
+
+
 def test_the_table_names_what_differs_from_the_games_own():
     intervention = {"name": "lazy_enemy", "description": "-", "source": "-", "writes": []}
     task = {"mode": 1, "difficulty": 0, "interventions": [intervention], "frameskip": 3}
