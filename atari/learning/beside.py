@@ -89,7 +89,7 @@ def _part(game: str, named: Mapping[str, GameResult], videos: list[str]) -> str:
     score_figure({game: named}).savefig(text, format="svg")
     shown = "".join(videos)
     median = f"<h3>The game with the median score</h3>\n<div class=beside>{shown}</div>" if shown else ""
-    table = f'<div class="wide"><table>{"".join(lines)}</table></div>'
+    table = f"<div class=wide><table>{''.join(lines)}</table></div>"
     return f"<h2>{html.escape(game)}</h2>\n{table}\n<svg{text.getvalue().partition('<svg')[2]}\n{median}"
 
 
@@ -103,8 +103,6 @@ def _cells(row: tuple[str, ...]) -> str:
 
 _PAGE = """\
 <style>
-  .wide { overflow-x: auto; }
-  .wide th, .wide td { white-space: nowrap; overflow-wrap: normal; font-variant-numeric: tabular-nums; }
   h1, li { overflow-wrap: anywhere; }
   .beside { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 17rem), 1fr)); gap: 1rem; }
   figure { margin: 0; }

@@ -137,20 +137,23 @@ def plan(
     named: dict[str, str] = {}
     combinations = [dict(zip(grid, values, strict=True)) for values in product(*grid.values())]
     for game in games:
-        for chosen in combinations:
-            for seed in seeds:
-                options = resolve(game, seed, chosen)
-                parts = (options.task.game, *map("=".join, _values(options, chosen).items()), f"seed{seed}")
-                run = TrainingRun(folder / "-".join(map(_in_name, parts)), game, options, chosen)
-                other = named.setdefault(options.task.game, game)
-                if other == game and chosen and run.path in [one.path for one in runs if one.chosen != chosen]:
-                    raise ValueError(f"the grid has {run.combination} twice; leave one of the values out")
-                if other != game or run.path in [one.path for one in runs]:
-                    raise ValueError(
-                        f"{options.task.game} is named twice, as {other!r} and {game!r}; leave one of them out"
-                    )
-                runs.append(run)
+        own = [_run(game, seed, chosen, folder, resolve) for chosen in combinations for seed in seeds]
+        id_ = own[0].options.task.game
+        if id_ in named:
+            raise ValueError(f"{id_} is named twice, as {named[id_]!r} and {game!r}; leave one of them out")
+        named[id_] = game
+        if twice := [run for run in own if [one.path for one in own].count(run.path) > 1]:
+            raise ValueError(
+                f"the sweep has {twice[0].name} twice; leave one of the seeds, or of the grid's values, out"
+            )
+        runs += own
     return runs
+
+
+def _run(game: str, seed: int, chosen: Chosen, folder: Path, resolve: Resolve) -> TrainingRun:
+    options = resolve(game, seed, chosen)
+    parts = (options.task.game, *map("=".join, _values(options, chosen).items()), f"seed{seed}")
+    return TrainingRun(folder / "-".join(map(_in_name, parts)), game, options, chosen)
 
 
 def _values(options: TrainingOptions, chosen: Chosen) -> dict[str, str]:

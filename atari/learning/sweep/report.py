@@ -57,7 +57,7 @@ def compare_runs(
     frames = planned_frames(runs)
     own: dict[str, list[Result]] = {}
     for run, result in zip(runs, results, strict=True):
-        agent, trained = f"{name} {run.combination}".strip(), frames if frames else result.training_frames
+        agent, trained = run.combination or name, frames if frames else result.training_frames
         own.setdefault(agent, []).append(replace(result, policy=agent, training_frames=trained))
     if not {run.options.task.game for run in runs} & {*Published.human_scores()}:
         return None
@@ -134,7 +134,7 @@ def _grid_of(runs: Sequence[TrainingRun]) -> dict[str, list[str]]:
 def _grid_table(runs: Sequence[TrainingRun], results: Sequence[Result]) -> str:
     head, *rows = (tuple(map(html.escape, row)) for row in grid_rows(runs, results))
     lines = [f"<tr{' class=best' if row[-1] else ''}><td>{'<td>'.join(row)}" for row in rows]
-    table = f"<table><tr><th>{'<th>'.join(head)}{''.join(lines)}</table>"
+    table = f"<div class=wide><table><tr><th>{'<th>'.join(head)}{''.join(lines)}</table></div>"
     return f"<h2>By option</h2>\n<p>Mean over seeds, in brackets the interval of 95 %.</p>\n{table}"
 
 
@@ -160,7 +160,7 @@ def _table(runs: Sequence[TrainingRun], results: Sequence[Result]) -> str:
         link = f'<a href="{name}/report.html">{name}</a>' if (run.path / "report.html").exists() else name
         numbers = (played.mean, played.std, min(played.scores), max(played.scores))
         rows.append(f"<tr><td>{link}<td>{len(played.scores)}" + "".join(f"<td>{number:,.1f}" for number in numbers))
-    return f"<table>{''.join(rows)}</table>"
+    return f"<div class=wide><table>{''.join(rows)}</table></div>"
 
 
 _PAGE = """\
