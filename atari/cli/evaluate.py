@@ -24,7 +24,7 @@ from atari.learning import (
 from atari.learning.evaluation.compare import Comparison, budget_faults
 from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol, refusal
-from atari.learning.evaluation.results import GameResult, score_tables
+from atari.learning.evaluation.results import GameResult, estimates_of, score_tables
 from atari.learning.evaluation.variants import AXES, find_axes
 from atari.learning.policy_folder import is_policy_folder, policies_in
 from atari.policy import LoadedPolicy
@@ -120,7 +120,7 @@ def _evaluate(args: argparse.Namespace) -> int:
     elif args.plot:
         from atari.learning.evaluation.plot import plot_scores  # here, because it imports Matplotlib
 
-        plot_scores(_tables(results), args.plot)
+        plot_scores(estimates_of(_tables(results)), args.plot)
     _print(args, results, not_played, comparison)
     return 0
 

@@ -13,7 +13,7 @@ from gymnasium.error import DependencyNotInstalled
 from atari.learning.evaluation.evaluate import record_games
 from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import EvaluationProtocol
-from atari.learning.evaluation.results import GameResult, score_rows
+from atari.learning.evaluation.results import GameResult, estimates_of, score_rows
 from atari.learning.pages import write_page
 from atari.recording import Replay
 
@@ -86,7 +86,7 @@ def _part(game: str, named: Mapping[str, GameResult], videos: list[str]) -> str:
     head, *rows = (tuple(html.escape(str(cell)) for cell in row) for row in score_rows("", named))
     lines = [f"<tr>{''.join(f'<th>{cell}' for cell in head)}", *(f"<tr>{_cells(row)}" for row in rows)]
     text = io.StringIO()
-    score_figure({game: named}).savefig(text, format="svg")
+    score_figure(estimates_of({game: named})).savefig(text, format="svg")
     shown = "".join(videos)
     median = f"<h3>The game with the median score</h3>\n<div class=beside>{shown}</div>" if shown else ""
     table = f"<div class=wide><table>{''.join(lines)}</table></div>"

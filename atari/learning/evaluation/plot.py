@@ -9,8 +9,7 @@ import numpy as np
 
 from atari.base import durable
 from atari.base.extras import import_extra, install_extra
-from atari.learning.evaluation.results import GameResult
-from atari.learning.evaluation.statistics import profile
+from atari.learning.evaluation.statistics import Estimate, profile
 
 Figure = import_extra("matplotlib.figure", f"plots need Matplotlib: {install_extra('learn')}").Figure
 
@@ -38,7 +37,7 @@ def plot(comparison: Any, file: Path) -> None:
     _save(figure, file)
 
 
-def plot_scores(games: Mapping[str, Mapping[str, GameResult]], file: Path) -> None:
+def plot_scores(games: Mapping[str, Mapping[str, Estimate]], file: Path) -> None:
     """Draw the figure of `score_figure` into a file.
 
     Raises:
@@ -48,13 +47,13 @@ def plot_scores(games: Mapping[str, Mapping[str, GameResult]], file: Path) -> No
     _save(score_figure(games), file)
 
 
-def score_figure(games: Mapping[str, Mapping[str, GameResult]]) -> Any:
+def score_figure(games: Mapping[str, Mapping[str, Estimate]]) -> Any:
     """Mean scores with their intervals, one below the other: a part for each game, with its variants or agents."""
     heights = [0.9 + 0.26 * len(named) for named in games.values()]
     figure = Figure(figsize=(7.5, sum(heights)), layout="constrained")
     parts = figure.subplots(len(games), 1, height_ratios=heights, squeeze=False)[:, 0]
     for axis, (game, named) in zip(parts, games.items(), strict=True):
-        estimates = [one.estimate for one in named.values()]
+        estimates = list(named.values())
         for number, one in enumerate(estimates):
             low, high = (one.value if limit is None else limit for limit in (one.low, one.high))
             axis.plot([low, high], [number] * 2, color="C0", linewidth=2, alpha=0.5)

@@ -209,7 +209,7 @@ class Result:
         """
         from atari.learning.evaluation.plot import plot_scores  # here, because it imports Matplotlib
 
-        plot_scores({one.game: self.variants(one.game) for one in self.games}, Path(file))
+        plot_scores(estimates_of({one.game: self.variants(one.game) for one in self.games}), Path(file))
 
     def to_json(self) -> dict[str, Any]:
         """The whole result as the types of JSON."""
@@ -249,6 +249,11 @@ class Result:
 
 _NOT_PLAYED = (*GROUPS["game"], *GROUPS["reward"])
 """Fields of a task that no protocol decides."""
+
+
+def estimates_of(tables: Mapping[str, Mapping[str, GameResult]]) -> dict[str, dict[str, Estimate]]:
+    """By game, the mean scores of variants or agents by name."""
+    return {game: {name: one.estimate for name, one in named.items()} for game, named in tables.items()}
 
 
 def score_rows(title: str, named: Mapping[str, GameResult]) -> list[tuple[object, ...]]:
