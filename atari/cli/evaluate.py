@@ -1,8 +1,10 @@
-"""`atari evaluate`: whole games of a policy by an evaluation protocol, beside published results."""
+"""`atari evaluate`: whole games of policies by an evaluation protocol, beside each other and published results."""
 
 import argparse
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,6 @@ from atari.cli.printing import print_json, print_table
 from atari.learning import (
     GAME_SETS,
     PROTOCOLS,
-    Policy,
     Published,
     Result,
     compare,
@@ -23,6 +24,10 @@ from atari.learning import (
 from atari.learning.evaluation.compare import Comparison, budget_faults
 from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol, refusal
+from atari.learning.evaluation.results import GameResult, estimates_of, score_tables
+from atari.learning.evaluation.variants import AXES, find_axes
+from atari.learning.policy_folder import is_policy_folder, policies_in
+from atari.policy import LoadedPolicy
 from atari.task.arguments import add_task, show_task
 from atari.task.fields import OF_GAME
 from atari.task.parser import number, seed
@@ -57,14 +62,31 @@ def register(commands: Commands) -> None:
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="seed of the games, below 2**32 (default: 0)")
     parser.add_argument("--num-envs", type=number(int, 1), metavar="N", help="games at a time (default: up to 64)")
     parser.add_argument("--sample", action="store_true", help="draw the actions of stochastic policies")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="save the result, JSON")
+    parser.add_argument(
+        "--variants",
+        metavar="AXES",
+        help=f"play variants of each game, too, with one change at a time: {', '.join(AXES)}; modes*difficulties is a "
+        "product",
+    )
+    parser.add_argument(
+        "--beside",
+        action="append",
+        default=[],
+        metavar="SOURCE",
+        help="another policy that plays the same games, or a folder of policies; may be repeated",
+    )
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="save the result, JSON; or a page of the scores, .html"
+    )
     parser.add_argument(
         "--compare", action="append", default=[], metavar="NAME", help="a published agent, such as dopamine/rainbow"
     )
     parser.add_argument("--frames", type=number(int, 1), metavar="N", help="compare at N frames of training")
     parser.add_argument("--human", default="noop57", metavar="TABLE", help="human scores (default: noop57)")
     parser.add_argument("--mixed", action="store_true", help="compare although protocols or budgets differ")
-    parser.add_argument("--plot", type=Path, metavar="FILE", help="draw the comparison: .svg, .png, .pdf")
+    parser.add_argument(
+        "--plot", type=Path, metavar="FILE", help="draw the scores, or the comparison of --compare: .svg, .png, .pdf"
+    )
     add_task(parser, OF_GAME, preset=False)
     parser.add_argument("--list", action="store_true", help="show protocols, sets of games and published agents")
 
@@ -78,22 +100,28 @@ def _evaluate(args: argparse.Namespace) -> int:
         return 2
     _check_before_playing(args)
     games = find_played(args, args.games, None if args.games else load_policy(args.source))
-    policies = _policies(args, games)
-    trained = {getattr(policy, "training_frames", None) for policy in policies.values()}
+    agents, not_played = _agents(args, games)
+    policies = [policy for agent in agents for policy in agent.policies.values()]
+    trained = {getattr(policy, "training_frames", None) for policy in policies}
     frames = args.frames or (trained.pop() if len(trained) == 1 else None)
     check_comparable(args.compare, args.mixed, lambda agent: budget_faults(agent, frames))
     for game in games:
-        if show_task(args, games_of(policies[game.id], game, args.protocol)[0]):
+        if show_task(args, games_of(agents[0].policies[game.id], game, args.protocol)[0]):
             return 0
-    result = _play(args, games, policies)
+    results = _play(args, games, agents, not_played)
+    own = results if args.beside else next(iter(results.values()))
     comparison = None
-    if args.output:
-        result.save(args.output)
     if args.compare:
-        comparison = compare(result, args.compare, frames=args.frames, human=args.human, mixed=args.mixed)
-        if args.plot:
-            comparison.plot(args.plot)
-    _print(args, result, comparison)
+        comparison = compare(own, args.compare, frames=args.frames, human=args.human, mixed=args.mixed)
+    if args.output:
+        _save(args, games, agents, results, not_played)
+    if args.plot and comparison is not None:
+        comparison.plot(args.plot)
+    elif args.plot:
+        from atari.learning.evaluation.plot import plot_scores  # here, because it imports Matplotlib
+
+        plot_scores(estimates_of(_tables(results)), args.plot)
+    _print(args, results, not_played, comparison)
     return 0
 
 
@@ -102,9 +130,15 @@ def _check_before_playing(args: argparse.Namespace) -> None:
     protocol = find_protocol(args.protocol)
     Published.human_scores(args.human)
     check_comparable(args.compare, args.mixed, lambda agent: list(filter(None, [refusal(protocol, agent)])))
-    if args.plot:
-        if not args.compare:
-            raise ValueError("--plot draws a comparison; name a published agent with --compare")
+    if args.variants:
+        find_axes(args.variants)
+        if args.beside or args.compare:
+            raise ValueError(
+                "--variants are of one agent, and compared with its scores; leave --beside and --compare out"
+            )
+    if args.beside and args.output and not _is_page(args):
+        raise ValueError(f"--beside saves a page, as -o scores.html, got {args.output}; --json prints all results")
+    if args.plot or _is_page(args):
         import atari.learning.evaluation.plot  # noqa: F401 - raises an error without Matplotlib
     for file in (args.output, args.plot):
         if file and not file.absolute().parent.is_dir():
@@ -118,43 +152,164 @@ def check_comparable(names: Sequence[str], mixed: bool, faults_of: Callable[[Pub
             raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
 
 
-def _policies(args: argparse.Namespace, games: tuple[EvaluatedGame, ...]) -> dict[str, Policy]:
-    policies: dict[str, Policy] = {}
-    loaded: dict[str, Policy] = {}
-    for game in games:
-        source = args.source.replace("{game}", game.id)
-        if source not in loaded:
-            loaded[source] = load_policy(source, sample=args.sample)
-        policies[game.id] = loaded[source]
-    return policies
+@dataclass(frozen=True)
+class _Agent:
+    """A policy for each game. The errors of a policy that was found `in_folder` do not end the command."""
+
+    name: str
+    policies: Mapping[str, LoadedPolicy]
+    in_folder: bool
 
 
-def _play(args: argparse.Namespace, games: tuple[EvaluatedGame, ...], policies: dict[str, Policy]) -> Result:
+def _agents(args: argparse.Namespace, games: Sequence[EvaluatedGame]) -> tuple[list[_Agent], dict[str, str]]:
+    """The agents of a command line, and the names of those in folders that cannot play, with the reasons."""
+    agents: list[_Agent] = []
+    not_played: dict[str, str] = {}
+    for source in (args.source, *args.beside):
+        found: Iterable[tuple[str, LoadedPolicy | str]] = [(source, "")]
+        if in_folder := is_policy_folder(source):
+            found = policies_in(Path(source), args.sample)
+        for name, policy in found:
+            if name in [agent.name for agent in agents]:
+                raise ValueError(f"{name} is named twice among the agents; leave one of them out")
+            if in_folder and isinstance(policy, str):
+                not_played[name] = policy
+                continue
+            own = _policies(name, games, args.sample) if isinstance(policy, str) else {one.id: policy for one in games}
+            try:
+                for game in games:
+                    games_of(own[game.id], game, args.protocol)
+            except _REFUSED as error:
+                if not in_folder:
+                    raise
+                not_played[name] = str(error)
+            else:
+                agents.append(_Agent(name, own, in_folder))
+    if not agents:
+        reasons = "; ".join(f"{name}: {reason}" for name, reason in not_played.items())
+        raise ValueError(f"no policy of {args.source} can play: {reasons}")
+    return agents, not_played
+
+
+_REFUSED = (TypeError, ValueError, OSError)
+"""Errors of a policy that does not fit the games, or returns no actions."""
+
+
+def _policies(source: str, games: Sequence[EvaluatedGame], sample: bool) -> dict[str, LoadedPolicy]:
+    sources = {game.id: source.replace("{game}", game.id) for game in games}
+    loaded = {one: load_policy(one, sample=sample) for one in dict.fromkeys(sources.values())}
+    return {game: loaded[one] for game, one in sources.items()}
+
+
+def _play(
+    args: argparse.Namespace, games: Sequence[EvaluatedGame], agents: Sequence[_Agent], not_played: dict[str, str]
+) -> dict[str, Result]:
+    """The results of the agents by name. The number of games is printed before the first one."""
+    results: dict[str, Result] = {}
+    try:
+        for agent in agents:
+            try:
+                results[agent.name] = _play_one(args, games, agent, len(agents) if agent is agents[0] else 0)
+            except _REFUSED as error:
+                if not agent.in_folder:
+                    raise
+                not_played[agent.name] = str(error)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt("before all games had ended; nothing is saved") from None
+    if not results:
+        raise ValueError(f"no policy could play: {not_played}")
+    return results
+
+
+def _play_one(args: argparse.Namespace, games: Sequence[EvaluatedGame], agent: _Agent, agents: int) -> Result:
     with ProgressBar(unit=" games", disable=None) as bar:
 
         def progress(done: int, total: int) -> None:
+            if done == 0 and agents and (args.variants or args.beside):
+                episodes = args.episodes or find_protocol(args.protocol).episodes
+                counts = f"policies: {agents}, tasks: {total // episodes}, games of each: {episodes:,}"
+                print(f"{agents * total:,} games ({counts})", file=sys.stderr, flush=True)
             bar.total = total
             bar.update(done - bar.n)
 
-        try:
-            return evaluate(
-                policies,
-                games,
-                args.protocol,
-                episodes=args.episodes,
-                seed=args.seed,
-                num_envs=args.num_envs,
-                progress=progress,
-            )
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt("before all games had ended; nothing is saved") from None
+        return evaluate(
+            agent.policies,
+            games,
+            args.protocol,
+            variants=args.variants,
+            episodes=args.episodes,
+            seed=args.seed,
+            num_envs=args.num_envs,
+            progress=progress,
+        )
 
 
-def _print(args: argparse.Namespace, result: Result, comparison: Comparison | None) -> None:
-    if args.json:
-        print_json({"result": result.to_json(), "comparison": comparison and comparison.to_json()})
+def _is_page(args: argparse.Namespace) -> bool:
+    return args.output is not None and args.output.suffix == ".html"
+
+
+def _tables(results: Mapping[str, Result]) -> dict[str, dict[str, GameResult]]:
+    """By game, the results of the agents; those of the variants if there is one agent."""
+    first = next(iter(results.values()))
+    names = dict.fromkeys(one.game for one in first.games)
+    if len(results) == 1:
+        return {game: first.variants(game) for game in names}
+    return {game: {name: result[game] for name, result in results.items()} for game in names}
+
+
+def _about(results: Mapping[str, Result]) -> list[str]:
+    """Sentences on how the games were played."""
+    first = next(iter(results.values()))
+    notes = [f"{name}: {note}" for name, result in results.items() for note in result.notes]
+    return [f"protocol {first.protocol}; seed {first.seed}", *notes]
+
+
+def _save(
+    args: argparse.Namespace,
+    games: Sequence[EvaluatedGame],
+    agents: Sequence[_Agent],
+    results: Mapping[str, Result],
+    not_played: Mapping[str, str],
+) -> None:
+    """Save the only result, or a page; with videos, unless it has variants."""
+    if not _is_page(args):
+        next(iter(results.values())).save(args.output)
         return
-    print(result)
+    from atari.learning.beside import median_game, write_scores
+
+    videos = {
+        (game.id, agent.name): median_game(
+            agent.policies[game.id], game, result.protocol, result[game.id], agent.name if args.beside else ""
+        )
+        for agent in agents
+        if (result := results.get(agent.name)) and not args.variants
+        for game in games
+    }
+    title = f"{' and '.join(results)} in {', '.join(game.id for game in games)}"
+    about = _about(results)
+    write_scores(args.output, title, _tables(results), about=about, videos=videos, not_played=not_played)
+
+
+def _print(
+    args: argparse.Namespace,
+    results: Mapping[str, Result],
+    not_played: Mapping[str, str],
+    comparison: Comparison | None,
+) -> None:
+    first, compared = next(iter(results.values())), comparison and comparison.to_json()
+    if args.json and args.beside:
+        every = {name: result.to_json() for name, result in results.items()}
+        print_json({"results": every, "not_played": not_played, "comparison": compared})
+        return
+    if args.json:
+        print_json({"result": first.to_json(), "comparison": compared})
+        return
+    if args.beside:
+        about, *notes = _about(results)
+        notes += [f"{name}: not played: {reason}" for name, reason in not_played.items()]
+        print("\n".join([about, "", *score_tables(_tables(results)), *([""] if notes else []), *notes]))
+    else:
+        print(first)
     if comparison is not None:
         print(f"\n{comparison}")
     for file in (args.output, args.plot):

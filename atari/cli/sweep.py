@@ -1,4 +1,4 @@
-"""Sweeps of `atari train`: several games or seeds, each training in a process of its own.
+"""Sweeps of `atari train`: several games, seeds or values of options, each training in a process of its own.
 
 As a program, `python -m atari.cli.sweep WORDS` is `atari WORDS` in such a process: it ends as after Ctrl-C when its
 stdin ends, as it does when the sweep is killed.
@@ -11,6 +11,7 @@ import shutil
 import sys
 import threading
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,8 +25,9 @@ from atari.task.parser import Parser, number
 
 if TYPE_CHECKING:
     from atari.learning.agent import AgentCode
+    from atari.learning.sweep.plan import Chosen
 
-FLAGS = ("--seeds", "--jobs")
+FLAGS = ("--seeds", "--grid", "--jobs")
 """Flags that make a training a sweep."""
 
 
@@ -33,15 +35,24 @@ def add_sweep(parser: argparse.ArgumentParser) -> None:
     """Add the flags that may also precede the agent."""
     parser.add_argument("--seeds", metavar="SEEDS", help="a sweep: train with each of these seeds, such as 0-2 or 0,7")
     parser.add_argument(
+        "--grid",
+        action="append",
+        metavar="OPTION=VALUES",
+        help="a sweep: train with each of these values of an option, such as learning_rate=1e-4,3e-4; several of these "
+        "flags train with all combinations",
+    )
+    parser.add_argument(
         "--jobs", type=number(int, 1, 1024), metavar="N", help="a sweep: processes at a time (default: 1)"
     )
 
 
 def is_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str]) -> bool:
-    """Whether a command line of `atari train`, without the agent, names several games or seeds."""
+    """Whether a command line of `atari train`, without the agent, names several games, seeds or values."""
     from atari.learning.command import game_among
 
-    if args.seeds is not None or args.jobs is not None or any(word.partition("=")[0] in FLAGS for word in words):
+    if (args.seeds, args.jobs, args.grid) != (None, None, None) or any(
+        word.partition("=")[0] in FLAGS for word in words
+    ):
         return True
     if not any("," in word or word in GAME_SETS for word in words):
         return False
@@ -53,21 +64,23 @@ def run_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str])
     """Do the sweep of a command line, without the agent: GAMES, flags of the sweep and options of the trainings."""
     import atari.learning.evaluation.plot  # noqa: F401 - raises an error without Matplotlib, before the trainings
     from atari.learning.command import training_options
-    from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, plan
+    from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_grid, find_seeds, plan
+    from atari.learning.sweep.processes import grid_words
     from atari.learning.sweep.report import comparable_agents, planned_frames
 
     args, games, options = _parsed(args, code, words)
     protocol = find_protocol(args.protocol)
     folder = args.folder or Path("runs", f"{code.name}-sweep")
 
-    def resolve(game: str, seed: int) -> Any:
-        return training_options(code, [game, *options, "--seed", str(seed)], _program(code))
+    def resolve(game: str, seed: int, chosen: "Chosen") -> Any:
+        words = [game, *options, *grid_words(chosen), "--seed", str(seed)]
+        return training_options(code, words, _program(code))
 
     seeds = find_seeds("0" if args.seeds is None else args.seeds)
-    runs = plan(find_games(games), seeds, folder, resolve)
+    runs = plan(find_games(games), seeds, folder, resolve, find_grid(args.grid or ()))
     check_protocol(runs, protocol)
     check_folder(folder, code, runs, resolve)
-    frames = planned_frames(runs[0].options)
+    frames = planned_frames(runs)
 
     def faults_of(agent: Published) -> list[str]:
         return list(filter(None, [refusal(protocol, agent), *budget_faults(agent, frames)]))
@@ -119,7 +132,11 @@ def _do(args: argparse.Namespace, code: "AgentCode", options: Sequence[str], fol
     folder.mkdir(parents=True, exist_ok=True)
     lock = durable.lock_file(folder / "sweep.lock", f"a sweep writes into {folder}; wait for its end, or stop it")
     with lock, ctrl_c_as_event() as stop:
-        agent, *words = keep_programs(folder, [code.name if code.program is None else str(code.program), *options])
+        values = [value for run in runs for value in run.chosen.values()]
+        named = code.name if code.program is None else str(code.program)
+        agent, *kept = keep_programs(folder, [named, *options, *values])
+        words, copies = kept[: len(options)], iter(kept[len(options) :])
+        runs = [replace(run, chosen={name: next(copies) for name in run.chosen}) for run in runs]
         protocol = find_protocol(args.protocol)
         episodes = protocol.episodes if args.episodes is None else args.episodes
         command = (sys.executable, "-m", "atari.cli.sweep")
@@ -137,13 +154,16 @@ def _finish(
     args: argparse.Namespace, agent: str, folder: Path, runs: Sequence[Any], settings: Any, to: Sequence[str]
 ) -> int:
     from atari.learning.sweep.processes import evaluation_of
-    from atari.learning.sweep.report import compare_runs, write_report
+    from atari.learning.sweep.report import compare_runs, grid_rows, write_report
 
     results = [result for run in runs if (result := evaluation_of(run, settings)) is not None]
     comparison = compare_runs(f"{agent} ({folder.name})", runs, results, to, args.mixed)
     report = write_report(folder, agent, runs, settings, results, comparison)
     if args.json:
-        shown = [{"run": run.path, "evaluation": result.to_json()} for run, result in zip(runs, results, strict=True)]
+        shown = [
+            {"run": run.path, "grid": run.values, "evaluation": result.to_json()}
+            for run, result in zip(runs, results, strict=True)
+        ]
         print_json({"runs": shown, "comparison": comparison and comparison.to_json(), "report": report})
         return 0
     rows: list[Sequence[object]] = [("run", "games", "mean", "std")]
@@ -152,6 +172,9 @@ def _finish(
         rows.append((run.name, len(played.scores), f"{played.mean:,.1f}", f"{played.std:,.1f}"))
     print(f"protocol {settings.protocol}\n")
     print_table(rows)
+    if runs[0].chosen:
+        print()
+        print_table(grid_rows(runs, results))
     if comparison is not None:
         print(f"\n{comparison}")
     print(f"\n{report.absolute()}")

@@ -21,7 +21,8 @@ def register(commands: Commands) -> None:
     parser = add_command(commands, "train", _train, "let an agent learn to play a game")
     parser.usage = (
         "atari train AGENT GAME [options]\n       atari train --resume RUN [--total-steps N] [options]\n"
-        "       atari train AGENT GAMES --seeds SEEDS [--jobs N] [-o FOLDER] [--protocol NAME] [options]"
+        "       atari train AGENT GAMES --seeds SEEDS [--grid OPTION=VALUES] [--jobs N] [-o FOLDER] [--protocol NAME] "
+        "[options]"
     )
     parser.epilog = (
         "`atari train ppo --help` shows the options of an agent, and those that change what is played. "
@@ -105,8 +106,8 @@ def _train(args: argparse.Namespace) -> int:
     from atari.learning.run_folder import RunFolder
 
     if args.resume is not None:
-        if args.seeds is not None or args.jobs is not None:
-            raise ValueError("--seeds and --jobs are for new trainings; leave them out beside --resume")
+        if args.seeds is not None or args.jobs is not None or args.grid:
+            raise ValueError("--seeds, --grid and --jobs are for new trainings; leave them out beside --resume")
         args = _parse_after_resume(args)
         if args.total_steps is not None:
             with RunFolder.open(args.resume, lock=True) as run:

@@ -233,7 +233,7 @@ def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | Non
     return parser
 
 
-_OF_SWEEPS = ("--seeds", "--jobs", "--protocol", "--episodes", "--compare", "--mixed")
+_OF_SWEEPS = ("--seeds", "--grid", "--jobs", "--protocol", "--episodes", "--compare", "--mixed")
 _SWEEP = (
     f"{', '.join(_OF_SWEEPS)} are for a sweep, `atari train AGENT GAMES --seeds 0-2`; one training has --seed, and "
     "`atari evaluate RUN --protocol NAME` evaluates it"

@@ -101,6 +101,9 @@ _STYLE = """
   table { border-collapse: collapse; font-size: 0.85rem; }
   th, td { text-align: left; padding: 0.15rem 1rem 0.15rem 0; border-bottom: 1px solid var(--line);
     vertical-align: top; overflow-wrap: anywhere; }
+  .wide { overflow-x: auto; }
+  .wide th, .wide td { white-space: nowrap; overflow-wrap: normal; font-variant-numeric: tabular-nums; }
+  img { max-width: 100%; }
 """
 
 _HEAD = """\

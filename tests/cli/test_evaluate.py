@@ -86,7 +86,12 @@ def test_lists(capsys):
             "dopamine/rainbow is not comparable: the first scores",
         ),
         (("random", "pong", "--human", "noop"), "noop57"),
-        (("random", "pong", "--plot", "a.svg"), "--compare"),
+        (("random", "freeway", "--variants", "modess"), "must be one of 'modes', 'difficulties'"),
+        (("random", "pong", "--variants", "modes", "--beside", "noop"), "leave --beside and --compare out"),
+        (("random", "pong", "--beside", "noop", "-o", "a.json"), "as -o scores.html, got a.json; --json prints"),
+        (("random", "pong", "--beside", "random"), "random is named twice among the agents"),
+        (("random", "pong", "--beside", "nosuch.zip"), "there is no file nosuch.zip"),
+        (("random", "pong", "--beside", "."), "has no policies: no run folders and no files .onnx"),
         (("random", "pong", "-o", "nosuch/a.json"), "there is no folder"),
         (("nosuch:act", "pong"), "cannot be imported"),
     ],
@@ -113,3 +118,63 @@ def test_sources_by_game(capsys, tmp_path):
     content = read_json(capsys, *words)
     assert [game["game"] for game in content["result"]["games"]] == ["pong"]
     json.dumps(content)
+
+
+def test_variants_are_counted_before_the_first_game_and_are_rows(capsys, tmp_path):
+    words = ("evaluate", "idle:act", "freeway", "--variants", "difficulties,modes*difficulties", "--episodes", "2")
+    assert main([*words, "--protocol", "dopamine", "-o", "result.json"]) == 0
+    shown = capsys.readouterr()
+    assert shown.err == "32 games (policies: 1, tasks: 16, games of each: 2)\n"
+    result = Result.load(tmp_path / "result.json")
+    assert str(result) in shown.out
+    assert len(result.variants("freeway")) == 16
+    assert re.search(
+        r"^mode=1, difficulty=1 +2 +0\.0 \[0\.0, 0\.0\] +\+0\.0 \[\+0\.0, \+0\.0\]", shown.out, re.MULTILINE
+    )
+
+
+def test_a_page_and_a_figure_of_variants(capsys, tmp_path):
+    pytest.importorskip("matplotlib")
+    words = ("evaluate", "idle:act", "freeway", "--variants", "difficulties", "--episodes", "1")
+    assert main([*words, "--protocol", "dopamine", "-o", "page.html", "--plot", "figure.svg"]) == 0
+    page = (tmp_path / "page.html").read_text()
+    assert "<td>difficulty=1" in page
+    assert "freeway: mean score" in (tmp_path / "figure.svg").read_text()
+    assert "<video" not in page
+
+
+def test_agents_beside_each_other(capsys, tmp_path):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "folder" / "model.zip").write_bytes(b"PK")
+    (tmp_path / "folder" / "notes.txt").write_text("not a policy")
+    words = ("evaluate", "idle:act", "pong", "--beside", "random", "--beside", "folder", "--episodes", "2")
+    assert main([*words, "--protocol", "dopamine"]) == 0
+    shown = capsys.readouterr()
+    assert shown.err == "4 games (policies: 2, tasks: 1, games of each: 2)\n"
+    scores = evaluate("random", "pong", "dopamine", episodes=2)["pong"]
+    assert re.search(rf"^random +2 +{scores.mean:.1f} \[.*\] +\+{scores.mean + 21:.1f} \[", shown.out, re.MULTILINE)
+    assert "model.zip: not played: model.zip may be a model of Stable-Baselines3" in shown.out
+    assert "notes.txt" not in shown.out
+    content = json.loads(_json_of(capsys, *words, "--protocol", "dopamine", "--compare", "dopamine/rainbow"))
+    assert list(content["results"]) == ["idle:act", "random"]
+    assert list(content["not_played"]) == ["model.zip"]
+    assert [row["name"] for row in content["comparison"]["rows"]] == ["idle:act", "random", "dopamine/rainbow"]
+
+
+def _json_of(capsys, *words):
+    assert main([*words, "--json"]) == 0
+    return capsys.readouterr().out
+
+
+def test_the_page_of_agents_has_the_game_with_the_median_score_of_each(capsys, tmp_path):
+    pytest.importorskip("matplotlib")
+    pytest.importorskip("av")
+    words = ("evaluate", "idle:act", "pong", "--beside", "random", "--episodes", "3", "-o", "page.html")
+    assert main([*words, "--protocol", "dopamine"]) == 0
+    page = (tmp_path / "page.html").read_text()
+    assert page.count('<video controls loop muted playsinline src="data:video/mp4;base64,') == 2
+    scores = evaluate("random", "pong", "dopamine", episodes=3)["pong"]
+    middle = sorted(range(3), key=lambda number: scores.scores[number])[1]
+    assert f"random: {scores.median:,.1f}, game {middle}" in page
+    assert "<td>idle:act<td>3<td>-21.0 [-21.0, -21.0]<td>" in page
+    assert 'src="http' not in page

@@ -24,6 +24,7 @@ from atari.learning.evaluation.statistics import (
     estimate_of_episodes,
     estimate_of_runs,
     human_normalised,
+    mean_estimate,
 )
 
 
@@ -39,6 +40,7 @@ class Row:
         iqm: the interquartile mean over games and runs.
         protocol: how the scores came about.
         scores: by game, the scores of runs, not normalised.
+        means: by game, the mean of the scores with its interval: of the episodes of one run, or of several runs.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Row:
     iqm: Estimate
     protocol: str
     scores: Mapping[str, tuple[float, ...]]
+    means: Mapping[str, Estimate]
 
 
 @dataclass(frozen=True, repr=False)
@@ -76,8 +79,10 @@ class Comparison:
             overview.append((row.name, "?" if row.runs is None else row.runs, frames, row.median, row.mean, row.iqm))
         table: list[Sequence[object]] = [("game", "random", "human", *(row.name for row in self.rows))]
         for game in self.games:
-            means = (f"{np.mean(row.scores[game]):,.1f}" for row in self.rows)
+            means = (f"{row.means[game]:,.1f}" for row in self.rows)
             table.append((game, *(f"{score:,.1f}" for score in self.references[game]), *means))
+        if len(self.rows) > len(self.games):
+            table = list(zip(*table, strict=True))
         return "\n".join(
             [title, "", *aligned(overview, bool), "", *aligned(table, bool), "", *(f"- {note}" for note in self.notes)]
         )
@@ -115,7 +120,7 @@ class Comparison:
 
 def compare(
     results: Result | Sequence[Result] | Mapping[str, Result | Sequence[Result]],
-    to: str | Sequence[str] = ("dopamine/rainbow",),
+    to: str | Sequence[str] | None = None,
     *,
     frames: int | None = None,
     human: str = "noop57",
@@ -123,7 +128,7 @@ def compare(
     repetitions: int = 2000,
     seed: int = 0,
 ) -> Comparison:
-    """Put results of evaluations beside published results, on the games that all of them have.
+    """Put results of evaluations beside each other and beside published results, on the games that all of them have.
 
     A normalised score is (score - random) / (human - random). With one result of each game, the bootstrap draws its
     episodes again, and the intervals are about this policy. With several results of a game, from trainings with
@@ -131,17 +136,19 @@ def compare(
 
     Results of policies with different names are different agents, with a row each. Trainings of one agent, whose
     policies have different names, such as paths, are given by the agent's name: `compare({"mine": [result, other]})`.
+    `compare({"mine": result, "theirs": other})` has two agents.
 
     Most published scores are of training games, with exploration. The notes say so.
 
-    Scores are compared at equal budgets of training, and nothing is extrapolated: a budget after the last or before the
-    first score of a published agent is refused. With `mixed`, the agent has its last scores before that budget, or else
-    its first scores, and its row has their frames.
+    Scores are compared with published ones at equal budgets of training, and nothing is extrapolated: a budget after
+    the last or before the first score of a published agent is refused. With `mixed`, the agent has its last scores
+    before that budget, or else its first scores, and its row has their frames.
 
     Args:
         results: results of `evaluate`. Those of one policy's name are one agent's: other games, or other trainings. A
             mapping has the results of each agent by a name for it.
-        to: names of published agents, see `Published.names`; () is none.
+        to: names of published agents, see `Published.names`; () is none. None is "dopamine/rainbow" beside one agent,
+            and none beside several.
         frames: emulator frames of training at which to compare; None is the `training_frames` of the results. If both
             are not known, published agents have their final scores.
         human: the table of human and random scores, see `Published.human_scores`.
@@ -152,8 +159,9 @@ def compare(
     Returns:
         A `Comparison`, which prints as two tables, with methods `save(file)` (JSON) and `plot(file)`.
 
-        - `rows`: the agents, the evaluated ones first: `name`, `runs`, `frames`, `protocol`, `scores` by game, and
-            `median`, `mean` and `iqm` with `value`, `low` and `high`, the interval of 95 %;
+        - `rows`: the agents, the evaluated ones first: `name`, `runs`, `frames`, `protocol`, `scores` and `means` by
+            game, and `median`, `mean` and `iqm`; these and each of `means` have `value`, `low` and `high`, the interval
+            of 95 %;
         - `games`: the games that are compared;
         - `human`: the name of the human table, and `references`: by game, the scores of random play and of a human;
         - `mixed`: whether protocols or budgets differ;
@@ -162,7 +170,8 @@ def compare(
     Raises:
         TypeError, ValueError: an argument is of the wrong kind, such as a result in place of a published agent, a name
             is not known (the nearest is suggested), the protocols or budgets differ, the human table is for another
-            protocol, a game was played in another mode or with interventions, or no game is left.
+            protocol, a game was played in another mode or with interventions, a result has variants, or no game is
+            left.
 
     Example:
         >>> from atari.learning import compare, evaluate
@@ -173,14 +182,16 @@ def compare(
     """
     agents = _agents(results)
     results = [result for own in agents.values() for result in own]
-    to = _check_published(to)
+    to = _check_published(to, len(agents))
     others = [Published(name) for name in to]
     repetitions = check_integer("repetitions", repetitions, 1, 100_000)
     seed = check_integer("seed", seed, 0, 2**32 - 1)
     references = Published.human_scores(human)
     faults: list[str] = []
     protocol = _common_protocol(results, faults)
-    frames = _common_frames(results, frames, faults)
+    mixes = any(len({result.training_frames for result in own}) > 1 for own in agents.values())
+    if others or mixes or frames is not None:
+        frames = _common_frames(results, frames, faults)
     faults += [*_human_faults(human, protocol), *_game_faults(results)]
     for other in others:
         found = (refusal(protocol, other), *budget_faults(other, frames))
@@ -213,7 +224,8 @@ def _notes(
     yield from (f"MIXED: {fault}" for fault in faults)
     if left_out:
         yield f"left out, because not all have scores of them: {', '.join(left_out)}"
-    yield from (f"{row.name}: {row.protocol}" for row in comparison.rows)
+    for protocol in dict.fromkeys(row.protocol for row in comparison.rows):
+        yield f"{', '.join(row.name for row in comparison.rows if row.protocol == protocol)}: {protocol}"
     for other in others:
         if frames is not None and not budget_faults(other, frames):
             first, last = other.interval(frames)
@@ -239,10 +251,18 @@ def _check_results(results: Any) -> list[Result]:
     results = [results] if isinstance(results, Result) else results
     if not isinstance(results, Sequence) or not results or not all(isinstance(one, Result) for one in results):
         raise TypeError(f"results must be a Result of evaluate(), or several, got {results!r:.100}")
+    for result in results:
+        if len({one.game for one in result.games}) < len(result.games):
+            raise ValueError(
+                f"the result of {result.policy} has variants, which it compares itself: print it; results without "
+                "variants are compared with others"
+            )
     return list(results)
 
 
-def _check_published(to: Any) -> list[str]:
+def _check_published(to: Any, agents: int) -> list[str]:
+    if to is None:
+        return [] if agents > 1 else ["dopamine/rainbow"]
     names: list[Any] = [to] if isinstance(to, (str, Result)) else list(to)
     if any(isinstance(name, Result) for name in names):
         raise TypeError(
@@ -338,6 +358,10 @@ def _own_row(
         frames=trained.pop() if frames is None and len(trained) == 1 else frames,
         protocol=f"{results[0].protocol}; {count:,} games, played after the training",
         scores={game: tuple(scores.tolist()) for game, scores in runs.items()},
+        means={
+            game: mean_estimate(several[0].scores if len(several) == 1 else runs[game], **bootstrap)
+            for game, several in played.items()
+        },
         **estimates,
     )
 
@@ -351,5 +375,6 @@ def _published_row(other: Published, references: References, frames: int | None,
         frames=_frames_at(other, frames),
         protocol=f"{other.title}, {other.protocol['phase']}; {other.source['repo']}, {other.source['licence']}",
         scores={game: tuple(values.tolist()) for game, values in scores.items()},
+        means={game: mean_estimate(values, **bootstrap) for game, values in scores.items()},
         **estimate_of_runs(human_normalised(scores, references), **bootstrap),
     )

@@ -1,6 +1,7 @@
 """`evaluate`: a policy plays a fixed number of whole games by a named protocol."""
 
 import json
+import sys
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
@@ -17,6 +18,7 @@ from atari.base.validation import check_integer, check_name
 from atari.learning.evaluation.played import EvaluatedGame, played_task, resolve_games
 from atari.learning.evaluation.protocols import MAX_EPISODES, EvaluationProtocol, find_protocol
 from atari.learning.evaluation.results import GameResult, Result, versions
+from atari.learning.evaluation.variants import find_axes, variants_of
 from atari.learning.policies import load_policy
 from atari.policy import LoadedPolicy
 from atari.policy.choice import Choice
@@ -47,6 +49,7 @@ def evaluate(
     games: GameLike | EvaluatedGame | Sequence[GameLike | EvaluatedGame],
     protocol: str | EvaluationProtocol = "machado2018",
     *,
+    variants: str | Sequence[str] | None = None,
     episodes: int | None = None,
     seed: int = 0,
     num_envs: int | None = None,
@@ -83,12 +86,17 @@ def evaluate(
             trained in. The policy decides the observations, see `Policy`. A policy without `task` or `environment` gets
             RAM if `games` is an ID or a `Task` of RAM, else the images of the protocol's preset. If the protocol has
             all 18 actions and the policy was trained with the game's minimal actions, its actions are translated.
-        episodes: whole games of each game; None is the protocol's number.
+        variants: axes, by which the task of each game is also played with one change at a time: "modes",
+            "difficulties", "interventions" (each of the package for the game, added to the task's) and "delays" (of 3,
+            6 and 12 frames, of actions and of observations), with commas between. Only "modes*difficulties" plays a
+            product. All variants of a game have the same seeds. They are in `Result.variants`.
+        episodes: whole games of each game and variant; None is the protocol's number.
         seed: the seed of all games, 0..2**32-1.
         num_envs: games that are played at a time; None is up to 64.
         num_threads: threads of the vector environment; 0 is one for each core of the machine, with `workers` one.
-        progress: called with the number of games that have ended and the number of all games, after each end of a game;
-            with `workers` after each task.
+        progress: called with the number of games that have ended and the number of all games, before the first game and
+            after each end of a game; with `workers` after each task. Without it, the number of games of an evaluation
+            with variants is printed on stderr before the first.
         workers: "ray", the cluster of Ray that this process is connected to; or an object with a method
             `map(function, tasks)`, such as `concurrent.futures.ProcessPoolExecutor`; None is this process. Workers must
             be able to import the policy's modules, and to read the files of its source.
@@ -116,15 +124,24 @@ def evaluate(
     lanes = _lanes(num_envs, -(-episodes // parts))
     elsewhere = None if workers is None else find_workers(workers)
     loaded: dict[Any, LoadedPolicy] = {}
-    policies = [_policy(policy, game.id, loaded) for game in chosen]
-    played = [played_task(game, protocol, own) for game, own in zip(chosen, policies, strict=True)]
+    axes = None if variants is None else find_axes(variants)
+    policies: list[LoadedPolicy] = []
+    played: list[Task] = []
+    for game in chosen:
+        own = _policy(policy, game.id, loaded)
+        given = played_task(game, protocol, own)
+        tasks = (given,) if axes is None else variants_of(given, axes)
+        played += tasks
+        policies += [own] * len(tasks)
     players = [EvaluatedPolicy(own, task, protocol.epsilon) for own, task in zip(policies, played, strict=True)]
     seeds = [tuple(episode_seed(seed, task.game, episode) for episode in range(episodes)) for task in played]
     work = [
-        _Work(_source(policy, task.game), task, protocol.epsilon, own[part::parts], lanes, num_threads)
-        for task, own in zip(played, seeds, strict=True)
+        _Work(_source(policy, task.game), task, protocol.epsilon, each[part::parts], lanes, num_threads)
+        for task, each in zip(played, seeds, strict=True)
         for part in range(parts)
     ]
+    if axes is not None and progress is None:
+        print(f"{len(played)} tasks, {episodes:,} games of each: {len(played) * episodes:,} games", file=sys.stderr)
     done = _play_all(work, [player for player in players for _ in range(parts)], elsewhere, progress)
     results = [_joined(done[start : start + parts]) for start in range(0, len(done), parts)]
     frames = {getattr(one, "training_frames", None) for one in policies}
@@ -321,6 +338,7 @@ def _play_all(
     results: list[GameResult] = []
     elsewhere = None if workers is None else iter(workers.map(_play_elsewhere, work))
     total, before = sum(len(part.seeds) for part in work), 0
+    _report(progress, before, total)(0)
     for part, player in zip(work, players, strict=True):
         report = _report(progress, before, total)
         if elsewhere is None:

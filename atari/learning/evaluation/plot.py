@@ -1,6 +1,7 @@
-"""The plot of a comparison."""
+"""Plots of comparisons, and of mean scores of variants or agents."""
 
 import io
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from atari.base import durable
 from atari.base.extras import import_extra, install_extra
-from atari.learning.evaluation.statistics import profile
+from atari.learning.evaluation.statistics import Estimate, profile
 
 Figure = import_extra("matplotlib.figure", f"plots need Matplotlib: {install_extra('learn')}").Figure
 
@@ -33,7 +34,40 @@ def plot(comparison: Any, file: Path) -> None:
     if comparison.mixed:
         title = f"MIXED PROTOCOLS OR BUDGETS, not a fair comparison. {title}"
     figure.suptitle(title, fontsize=11, color="firebrick" if comparison.mixed else "black")
-    path, image = Path(file), io.BytesIO()
+    _save(figure, file)
+
+
+def plot_scores(games: Mapping[str, Mapping[str, Estimate]], file: Path) -> None:
+    """Draw the figure of `score_figure` into a file.
+
+    Raises:
+        ValueError: the file's ending names no format that Matplotlib knows.
+        OSError: the file cannot be written.
+    """
+    _save(score_figure(games), file)
+
+
+def score_figure(games: Mapping[str, Mapping[str, Estimate]]) -> Any:
+    """Mean scores with their intervals, one below the other: a part for each game, with its variants or agents."""
+    heights = [0.9 + 0.26 * len(named) for named in games.values()]
+    figure = Figure(figsize=(7.5, sum(heights)), layout="constrained")
+    parts = figure.subplots(len(games), 1, height_ratios=heights, squeeze=False)[:, 0]
+    for axis, (game, named) in zip(parts, games.items(), strict=True):
+        estimates = list(named.values())
+        for number, one in enumerate(estimates):
+            low, high = (one.value if limit is None else limit for limit in (one.low, one.high))
+            axis.plot([low, high], [number] * 2, color="C0", linewidth=2, alpha=0.5)
+            axis.plot(one.value, number, "o", color="C1" if number == 0 else "C0", markersize=5)
+        axis.axvline(estimates[0].value, color="C1", linewidth=0.8, linestyle="--")
+        axis.set_yticks(range(len(named)), list(named), fontsize=8)
+        axis.set_ylim(len(named) - 0.4, -0.6)
+        axis.set_title(f"{game}: mean score, interval of 95 %", fontsize=10)
+        axis.grid(axis="x", alpha=0.3)
+    return figure
+
+
+def _save(figure: Any, path: Path) -> None:
+    image = io.BytesIO()
     figure.savefig(image, dpi=150, format=path.suffix[1:] or None)
     durable.write_file(path, image.getvalue())
 

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields
 from importlib.metadata import version
+from itertools import combinations
 from os import PathLike
 from pathlib import Path
 from statistics import fmean, median, pstdev
@@ -16,8 +17,12 @@ from atari.base import durable, json_text, notebook
 from atari.base.text_table import aligned
 from atari.base.typed_table import check_table, check_type
 from atari.games.catalog import games
+from atari.learning.evaluation.played import EvaluatedGame, played_task
 from atari.learning.evaluation.protocols import EvaluationProtocol
-from atari.task.fields import DEFAULTS, OF_GAME
+from atari.learning.evaluation.statistics import Estimate, mean_estimate
+from atari.learning.evaluation.variants import variant_name
+from atari.task import Task
+from atari.task.fields import DEFAULTS, FIELDS, GROUPS, OF_GAME
 
 FORMAT = "atari evaluation 3"
 _LARGEST = 64 << 20
@@ -57,6 +62,21 @@ class GameResult:
             return math.inf
 
     @property
+    def estimate(self) -> Estimate:
+        """The mean score with its interval of 95 %, by a bootstrap over the games."""
+        return mean_estimate(self.scores)
+
+    def difference(self, other: "GameResult") -> Estimate:
+        """The mean score minus that of other games with equal seeds, with the interval of the differences by seed.
+
+        Raises:
+            ValueError: the games have other seeds.
+        """
+        if self.seeds != other.seeds:
+            raise ValueError(f"a difference is of games with equal seeds, and these of {self.game} have others")
+        return mean_estimate([own - theirs for own, theirs in zip(self.scores, other.scores, strict=True)])
+
+    @property
     def changes(self) -> dict[str, Any]:
         """Mode, difficulty, interventions and delays of the task, those that differ from the game's own.
 
@@ -83,13 +103,17 @@ class Result:
     - `truncated`: whether the protocol's limit of frames has stopped each game; `truncations` is their number;
     - `seeds`: the seed of each game;
     - `game`: the game's id; `observation`: the options of the policy's observations; `task`: the task that was played,
-      as the object of `Task.to_json`, empty if it is not known or its game has no file.
+      as the object of `Task.to_json`, empty if it is not known or its game has no file;
+    - `estimate`: the mean with its interval of 95 %; `difference(other)`: the same of the differences to other games
+      with equal seeds, such as those of another policy or variant.
+
+    With variants, this is the task as given, and `result.variants("pong")` has all of them by name.
 
     Attributes:
         policy: the policy's name.
         protocol: the protocol with all its numbers.
         seed: the seed of the evaluation.
-        games: the results of the games, in the order of the evaluation.
+        games: the results of the games, in the order of the evaluation; the variants of a game follow it.
         training_frames: emulator frames of the policy's training; None is not known.
         versions: the versions of packages, by name.
 
@@ -114,18 +138,81 @@ class Result:
                 return one
         raise KeyError(f"there is no result of {game!r}; there are some of {', '.join(one.game for one in self.games)}")
 
+    def variants(self, game: str | None = None) -> dict[str, GameResult]:
+        """The results of a game by the name of the variant, such as "mode=1", after the task "as given".
+
+        Args:
+            game: the game's id; None is the only game.
+
+        Raises:
+            KeyError: there is no result of this game.
+            ValueError: `game` is None, and there are several games.
+
+        Example:
+            >>> from atari.learning import evaluate
+            >>> result = evaluate("noop", "freeway", "dopamine", variants="difficulties", episodes=1, progress=print)
+            0 2
+            1 2
+            2 2
+            >>> list(result.variants()), result.variants()["difficulty=1"].mean
+            (['as given', 'difficulty=1'], 0.0)
+        """
+        listed = {one.game for one in self.games}
+        if game is None and len(listed) > 1:
+            raise ValueError(f"there are results of several games; name one of {', '.join(sorted(listed))}")
+        base = self[self.games[0].game if game is None else game]
+        return {variant_name(base.task, one.task): one for one in self.games if one.game == base.game}
+
     def __str__(self) -> str:
-        rows: list[Sequence[object]] = [("game", "games", "mean", "std", "median", "min", "max", "truncated")]
-        for one in self.games:
-            numbers = (one.mean, one.std, one.median, min(one.scores), max(one.scores))
-            rows.append((one.game, len(one.scores), *(f"{number:,.1f}" for number in numbers), one.truncations))
-        lines = [f"policy {self.policy}, seed {self.seed}", f"protocol {self.protocol}", "", *aligned(rows, bool)]
-        if changed := [f"{one.game} was played with {_in_words(one.changes)}" for one in self.games if one.changes]:
-            lines += ["", *changed]
+        lines = [f"policy {self.policy}, seed {self.seed}", f"protocol {self.protocol}", ""]
+        given = [self[game] for game in dict.fromkeys(one.game for one in self.games)]
+        if len(given) == len(self.games):
+            rows: list[Sequence[object]] = [("game", "games", "mean", "std", "median", "min", "max", "truncated")]
+            for one in given:
+                numbers = (one.mean, one.std, one.median, min(one.scores), max(one.scores))
+                rows.append((one.game, len(one.scores), *(f"{number:,.1f}" for number in numbers), one.truncations))
+            lines += aligned(rows, bool)
+        else:
+            lines += score_tables({one.game: self.variants(one.game) for one in given})
+        notes = self.notes
+        return "\n".join([*lines, *([""] if notes else []), *notes])
+
+    @property
+    def notes(self) -> list[str]:
+        """Sentences on everything in which the games differ from the protocol, and on truncated games."""
+        given = [self[game] for game in dict.fromkeys(one.game for one in self.games)]
+        notes = [f"{one.game} was played with {_in_words(changed)}" for one in given if (changed := self._unlike(one))]
+        counts = dict.fromkeys(f"{len(one.scores):,}" for one in self.games)
+        if {*counts} != {f"{self.protocol.episodes:,}"}:
+            notes.append(
+                f"{' or '.join(counts)} games of each, and {self.protocol.name} has {self.protocol.episodes:,}"
+            )
         if truncated := sum(one.truncations for one in self.games):
             every = sum(len(one.scores) for one in self.games)
-            lines += ["", f"{truncated:,} of {every:,} games did not end within {self.protocol.max_frames:,} frames"]
-        return "\n".join(lines)
+            notes.append(f"{truncated:,} of {every:,} games did not end within {self.protocol.max_frames:,} frames")
+        return notes
+
+    def _unlike(self, one: GameResult) -> dict[str, Any]:
+        """The fields in which the task that was played differs from the protocol's in the game as it comes."""
+        protocol, own = self.protocol, games.get(one.game)
+        if own is None or not one.task:
+            return one.changes
+        task = Task.of(own) if protocol.task is None else protocol.task
+        usual = json.loads(played_task(EvaluatedGame.of_policy(task), protocol, None).to_json())
+        shown = [name for name in FIELDS if name in OF_GAME or name not in _NOT_PLAYED]
+        return {name: one.task[name] for name in shown if name in one.task and one.task[name] != usual[name]}
+
+    def plot(self, file: str | PathLike[str]) -> None:
+        """Draw the mean scores with their intervals, of each game and its variants; the file's ending is the format.
+
+        Raises:
+            gymnasium.error.DependencyNotInstalled: Matplotlib is not installed.
+            ValueError: Matplotlib does not know the format.
+            OSError: the file cannot be written.
+        """
+        from atari.learning.evaluation.plot import plot_scores  # here, because it imports Matplotlib
+
+        plot_scores(estimates_of({one.game: self.variants(one.game) for one in self.games}), Path(file))
 
     def __repr__(self) -> str:
         games = [one.game for one in self.games]
@@ -171,6 +258,32 @@ class Result:
             raise ValueError(f"{path} is damaged: {error}") from None
 
 
+_NOT_PLAYED = (*GROUPS["game"], *GROUPS["reward"])
+"""Fields of a task that no protocol decides."""
+
+
+def estimates_of(tables: Mapping[str, Mapping[str, GameResult]]) -> dict[str, dict[str, Estimate]]:
+    """By game, the mean scores of variants or agents by name."""
+    return {game: {name: one.estimate for name, one in named.items()} for game, named in tables.items()}
+
+
+def score_rows(title: str, named: Mapping[str, GameResult]) -> list[tuple[object, ...]]:
+    """A table of variants or agents with equal seeds: means with intervals, and differences to the first row."""
+    rows: list[tuple[object, ...]] = [(title, "games", "mean score", "difference", "median", "max", "truncated")]
+    base = next(iter(named.values()))
+    for name, one in named.items():
+        difference = "" if one is base else f"{one.difference(base):+,.1f}"
+        others = (f"{one.median:,.1f}", f"{max(one.scores):,.1f}", one.truncations)
+        rows.append((name, len(one.scores), f"{one.estimate:,.1f}", difference, *others))
+    return rows
+
+
+def score_tables(tables: Mapping[str, Mapping[str, GameResult]]) -> list[str]:
+    """The lines of a table for each game, of its variants or of agents by name."""
+    lines = [line for game, named in tables.items() for line in (*aligned(score_rows(game, named), bool), "")]
+    return [*lines, "[the interval of 95 %]; a difference is to the first row, of games with equal seeds"]
+
+
 _KINDS: dict[str, Any] = {
     "format": str, "policy": str, "protocol": dict, "seed": int, "games": list, "training_frames": int | None,
     "versions": dict,
@@ -183,8 +296,8 @@ _KINDS_OF_GAME = {
 def _checked_result(content: dict[str, Any]) -> Result:
     check_table(content, "it", _KINDS)
     games = tuple(_checked_game(one) for one in content["games"])
-    if not games or len({one.game for one in games}) < len(games):
-        raise ValueError("games must have each game once, and at least one")
+    if not games or any(one.task == other.task for one, other in combinations(games, 2) if one.game == other.game):
+        raise ValueError("games must have each game, or each of its variants, once, and at least one")
     own = {name: value for name, value in content.items() if name != "format"}
     return Result(**{**own, "protocol": EvaluationProtocol.from_json(content["protocol"]), "games": games})
 

@@ -4,7 +4,7 @@ Scores are a mapping from game to the normalised scores of its runs, (runs,) flo
 of runs.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,8 +27,21 @@ class Estimate:
     high: float | None = None
 
     def __str__(self) -> str:
-        interval = "" if self.low is None or self.high is None else f" [{self.low:.3f}, {self.high:.3f}]"
-        return f"{self.value:.3f}{interval}"
+        return format(self, ".3f")
+
+    def __format__(self, spec: str) -> str:
+        """The number and its limits, each by the format of a number."""
+        interval = "" if self.low is None or self.high is None else f" [{self.low:{spec}}, {self.high:{spec}}]"
+        return f"{self.value:{spec}}{interval}"
+
+
+def mean_estimate(values: Sequence[float] | Floats, repetitions: int = 2000, seed: int = 0) -> Estimate:
+    """The mean of values, with the interval of a bootstrap; there is none for one value."""
+    every = np.asarray(values, np.float64)
+    if len(every) < 2:
+        return Estimate(float(every.mean()))
+    drawn = _means_drawn_again(every, repetitions, np.random.default_rng(seed))
+    return Estimate(float(every.mean()), *map(float, np.percentile(drawn, (2.5, 97.5))))
 
 
 def human_normalised(scores: Scores, references: References) -> dict[str, Floats]:
@@ -73,11 +86,17 @@ def _several(scores: Scores) -> bool:
     return any(len(values) > 1 for values in scores.values())
 
 
+_MOST_DRAWN = 1 << 20
+"""Values that are drawn at a time."""
+
+
 def _means_drawn_again(values: Floats, repetitions: int, generator: np.random.Generator) -> Floats:
     """Means of drawings with replacement of all values, (repetitions, 1)."""
     means = np.empty((repetitions, 1))
-    for row in means:  # not all at once: there may be a million episodes
-        row[:] = values[generator.integers(len(values), size=len(values))].mean()
+    rows = max(1, _MOST_DRAWN // len(values))
+    for first in range(0, repetitions, rows):  # not all at once: there may be a million episodes
+        part = means[first : first + rows]
+        part[:, 0] = values[generator.integers(len(values), size=(len(part), len(values)))].mean(-1)
     return means
 
 

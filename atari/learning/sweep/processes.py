@@ -9,11 +9,14 @@ from threading import Event
 from typing import Any
 
 from atari.base import durable
+from atari.base.typed_table import in_text
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.evaluation.results import Result
 from atari.learning.run_folder import RunFolder
 from atari.learning.run_log import read_last_row
-from atari.learning.sweep.plan import TrainingRun
+from atari.learning.sweep.plan import Chosen, TrainingRun
+from atari.task.fields import ROWS, TYPES
+from atari.task.parser import flags_of
 
 _POLL = 0.2
 """Seconds between two looks at the processes."""
@@ -58,6 +61,18 @@ class Progress:
         return read_last_row(self.run.path / "log.csv")
 
 
+def grid_words(chosen: Chosen) -> list[str]:
+    """Values of a grid as words of `atari train`, such as "--gamma=0.99"."""
+    return [word for name, value in chosen.items() for word in _words(name, in_text(value))]
+
+
+def _words(name: str, text: str) -> list[str]:
+    flag = flags_of(name)[0] if name in ROWS else f"--{name.replace('_', '-')}"
+    if TYPES.get(name) is bool and text in ("true", "false"):
+        return [flag if text == "true" else flag.replace("--", "--no-", 1)]
+    return [f"{flag}={text}"]
+
+
 def evaluation_file(run: TrainingRun, settings: Settings) -> Path:
     """The file of the evaluation of a run."""
     return run.path / f"evaluation-{settings.protocol.name}.json"
@@ -81,7 +96,7 @@ def next_step(run: TrainingRun, settings: Settings) -> tuple[str, tuple[str, ...
     """
     train = ("train", "--games", str(settings.games))
     if not (run.path / "config.json").exists():
-        own = ("--seed", str(run.options.seed), "-o", str(run.path))
+        own = (*grid_words(run.chosen), "--seed", str(run.options.seed), "-o", str(run.path))
         return "training", (*train, settings.agent, run.game, *settings.words, *own)
     complete = "ended" in RunFolder.open(run.path).config
     if not complete or (settings.games and not (run.path / "report.html").exists()):

@@ -274,7 +274,7 @@ def test_progress_and_sources_by_game(tmp_path, monkeypatch):
     seen, games = [], ["pong", "breakout"]
     options = {"episodes": 2, "progress": lambda *counts: seen.append(counts)}
     result = evaluate("{game}_policy:act", games, short("dopamine", 100), **options)
-    assert seen == [(1, 4), (2, 4), (3, 4), (4, 4)]
+    assert seen == [(0, 4), (1, 4), (2, 4), (3, 4), (4, 4)]
     assert result.policy == "{game}_policy:act"
     assert [one.game for one in result.games] == games
 

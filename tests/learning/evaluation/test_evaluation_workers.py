@@ -58,7 +58,7 @@ def test_progress_is_reported_after_each_task():
     reported = []
     options = {"episodes": 5, "workers": Here(), "parts": 2}
     evaluate("noop", ["pong", "qbert"], PROTOCOL, progress=lambda *counts: reported.append(counts), **options)
-    assert reported == [(3, 10), (5, 10), (8, 10), (10, 10)]
+    assert reported == [(0, 10), (3, 10), (5, 10), (8, 10), (10, 10)]
 
 
 def test_workers_with_another_version_are_refused():

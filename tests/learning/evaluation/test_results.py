@@ -34,6 +34,7 @@ def test_the_table():
         "pong          3   1.2  17.2     3.5  -21.0  21.0          1\n"
         "breakout      1   1.0   0.0     1.0    1.0   1.0          0\n"
         "\n"
+        "3 or 1 games of each, and dopamine has 100\n"
         "1 of 4 games did not end within 108,000 frames"
     )
 
@@ -56,7 +57,7 @@ def test_the_table_names_what_differs_from_the_games_own():
     usual = {"mode": 0, "difficulty": 0, "interventions": []}
     pong, breakout = result().games
     changed = replace(result(), games=(replace(pong, task=task), replace(breakout, task=usual)))
-    assert "\npong was played with mode=1, interventions=['lazy_enemy']\n" in str(changed)
+    assert "\npong was played with mode=1, frameskip=3, interventions=['lazy_enemy']\n" in str(changed)
     assert "breakout was played" not in str(changed)
     own = replace(pong, game="own", task={**usual, "difficulty": 1})
     assert "own was played with mode=0, difficulty=1" in str(replace(result(), games=(own,)))
@@ -117,7 +118,7 @@ def with_game(**changes):
         "no seed": (without("seed"), "needs the key 'seed'"),
         "no protocol": (without("protocol"), "needs the key 'protocol'"),
         "no games": (changed(games=[]), "at least one"),
-        "a game twice": (changed(games=changed()["games"][:1] * 2), "each game once"),
+        "a game twice": (changed(games=changed()["games"][:1] * 2), "once, and at least one"),
         "a game is no object": (changed(games=[1]), "a game must be a table, got 1"),
         "other numbers": (with_protocol(epsilon=0.5), "needs another name"),
         "unknown number": (with_protocol(luck=1), "luck"),

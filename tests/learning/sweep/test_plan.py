@@ -10,6 +10,7 @@ import pytest
 
 pytest.importorskip("torch")
 
+from atari.base.frozen import FrozenDict
 from atari.learning import GAME_SETS, PROTOCOLS
 from atari.learning.agent import agent_code
 from atari.learning.agents.ppo import PPO
@@ -17,9 +18,11 @@ from atari.learning.options import option_from_text
 from atari.learning.sweep.plan import check_folder, check_protocol, find_games, find_seeds, keep_programs, plan
 from atari.learning.training import Training
 
+NO_GRID: Any = FrozenDict()
 
-def resolve(game: str, seed: int, **options: Any) -> Any:
-    return PPO.options_class.of(game, seed=seed, **{"num_envs": 4, "minibatch": 64, "horizon": 16, **options})
+
+def resolve(game: str, seed: int, chosen: Any = NO_GRID, **options: Any) -> Any:
+    return PPO.options_class.of(game, seed=seed, **{"num_envs": 4, "minibatch": 64, "horizon": 16, **options, **chosen})
 
 
 @pytest.mark.parametrize(
@@ -78,7 +81,7 @@ def test_wrong_games(games: list[str], error: str, seeds: list[int], tmp_path: P
 
 
 def test_a_protocol_that_does_not_fit_is_refused_before_the_first_training(tmp_path: Path) -> None:
-    runs = plan(["pong"], [0], tmp_path, lambda game, seed: resolve(game, seed, frameskip=3))
+    runs = plan(["pong"], [0], tmp_path, lambda game, seed, chosen: resolve(game, seed, frameskip=3))
     with pytest.raises(ValueError, match="protocol 'dopamine' plays 4 frames an action, the policy 3"):
         check_protocol(runs, PROTOCOLS["dopamine"])
     check_protocol(runs, replace(PROTOCOLS["dopamine"], name="mine", frame_skip=3))

@@ -15,8 +15,8 @@ from atari.learning.sweep.report import comparable_agents, compare_runs, planned
 
 
 def runs_of(games: list[str], seeds: list[int], total_steps: int, **options: Any) -> list[TrainingRun]:
-    def resolve(game: str, seed: int) -> Any:
-        return PPO.options_class.of(game, seed=seed, total_steps=total_steps, **options)
+    def resolve(game: str, seed: int, chosen: Any) -> Any:
+        return PPO.options_class.of(game, seed=seed, total_steps=total_steps, **options, **chosen)
 
     return plan(games, seeds, Path("runs"), resolve)
 
@@ -32,7 +32,7 @@ def results_of(runs: list[TrainingRun], protocol: str, frames: list[int]) -> lis
 def test_the_frames_are_those_of_the_planned_steps() -> None:
     for options, frames in (({}, 4000), ({"frameskip": (2, 5)}, 3000), ({"stop_score": 18.0}, None)):
         (run,) = runs_of(["pong"], [0], 1000, **options)
-        assert planned_frames(run.options) == frames
+        assert planned_frames([run]) == frames
 
 
 def test_agents_have_all_games_of_the_sweep_at_its_frames() -> None:

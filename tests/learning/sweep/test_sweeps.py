@@ -18,13 +18,14 @@ torch = pytest.importorskip("torch")
 from cli_tools import Capture, Patch  # noqa: E402
 from small_trainings import sweep_in_this_process  # noqa: E402
 
+from atari.base.frozen import FrozenDict  # noqa: E402
 from atari.cli import main  # noqa: E402
 from atari.learning import PROTOCOLS, RunFolder  # noqa: E402
 from atari.learning.agent import agent_code  # noqa: E402
 from atari.learning.command import training_options  # noqa: E402
 from atari.learning.run_log import read_last_row  # noqa: E402
 from atari.learning.sweep.plan import plan  # noqa: E402
-from atari.learning.sweep.processes import Settings, do_runs  # noqa: E402
+from atari.learning.sweep.processes import Settings, do_runs, grid_words  # noqa: E402
 from atari.learning.training import Training  # noqa: E402
 
 TINY = (
@@ -34,10 +35,12 @@ TINY = (
 SWEEP = "--jobs 2 -o runs --games 0 --episodes 1 --protocol dopamine".split()
 WORDS = ["train", "ppo", "pong", "--seeds", "0,3", *SWEEP, *TINY]
 NAMES = ["pong-seed0", "pong-seed3"]
+NO_GRID: Any = FrozenDict()
 
 
-def resolve(game: str, seed: int) -> Any:
-    return training_options(agent_code("ppo"), [game, *TINY, "--seed", str(seed)], "atari train ppo")
+def resolve(game: str, seed: int, chosen: Any = NO_GRID) -> Any:
+    words = [game, *TINY, *grid_words(chosen), "--seed", str(seed)]
+    return training_options(agent_code("ppo"), words, "atari train ppo")
 
 
 def wait_for(what: Any, seconds: float = 120) -> None:
@@ -120,8 +123,14 @@ def test_a_sweep_that_is_killed_ends_as_one_that_was_not(tmp_path: Path, monkeyp
         (["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbw"], "dopamine/rainbow"),
         (["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbow"], "protocol 'dopamine' has its environ"),
         (["ppo", "pong", "--seeds", "0", "--compare", "cleanba/cleanba_ppo_8gpu"], "scores only at 200,000,000 frames"),
-        (["--resume", "runs/pong", "--seeds", "0"], "--seeds and --jobs are for new trainings; leave them out beside"),
-        (["--seeds", "0", "--resume", "runs/pong"], "--seeds and --jobs are for new trainings; leave them out beside"),
+        (
+            ["--resume", "runs/pong", "--seeds", "0"],
+            "--seeds, --grid and --jobs are for new trainings; leave them out beside",
+        ),
+        (
+            ["--seeds", "0", "--resume", "runs/pong"],
+            "--seeds, --grid and --jobs are for new trainings; leave them out beside",
+        ),
         # With the usage
         (["ppo", "pong,breakuot"], "did you mean 'breakout'?"),
         (["ppo", "pong", "--seeds", "0", "--clip", "x"], "argument --clip"),
