@@ -1,5 +1,7 @@
 """`ReplayMemory.from_dataset`: a memory gives the observations that the agent got, to the bit."""
 
+import gzip
+import re
 import weakref
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from documents import page
 
 import atari
 from atari.lab import dataset_reader, write_dataset
@@ -18,6 +21,7 @@ from atari.task import Task
 
 pytest.importorskip("h5py", reason="h5py is not installed")
 
+PAGE = "recipes/offline-dqn.md"
 STEPS = 150
 TASKS: dict[str, dict[str, Any]] = {
     "whole games": {"preset": "dqn2015", "episodic_life": False},
@@ -232,3 +236,37 @@ def test_other_sources(lives: tuple[Path, dict[int, dict[str, Any]]]) -> None:
         ReplayMemory.from_dataset(path / "screens.h5")
     with pytest.raises(FileNotFoundError):
         ReplayMemory.from_dataset(path / "none.h5")
+
+
+def test_dqn_replay(tmp_path: Path) -> None:
+    """The program of the documentation reads Dopamine's layout."""
+    (program,) = re.findall(r"^```python\n(import gzip.*?)^```$", "\n".join(page(PAGE)), re.MULTILINE | re.DOTALL)
+    defined: dict[str, Any] = {}
+    exec(program, defined)
+    lengths, random = (5, 1, 7), np.random.default_rng(0)
+    count = sum(3 + length for length in lengths)
+    columns = {
+        "observation": np.zeros((count, 84, 84), np.uint8),
+        "action": np.zeros(count, np.int32),
+        "reward": np.zeros(count, np.float32),
+        "terminal": np.zeros(count, np.uint8),
+    }
+    row = 0
+    for length in lengths:  # Dopamine puts three rows of zeros before each game
+        game = slice(row + 3, row + 3 + length)
+        columns["observation"][game] = random.integers(1, 256, (length, 84, 84))
+        columns["action"][game], columns["reward"][game] = random.integers(0, 18, length), random.random(length)
+        row = game.stop
+        columns["terminal"][row - 1] = 1
+    for name, column in columns.items():
+        with gzip.open(tmp_path / f"$store$_{name}_ckpt.0.gz", "wb") as file:
+            np.save(file, column)
+    memory = defined["read_dqn_replay"](tmp_path, 0)
+    rows = [row for row in range(count) if columns["observation"][row].any()]
+    batch = memory.sample(1000)
+    for steps, name in ((batch.actions, "action"), (batch.rewards, "reward"), (batch.terminations, "terminal")):
+        found = dict(zip(batch.indices.tolist(), steps.tolist(), strict=True))
+        assert [found[index] for index in sorted(found)] == columns[name][rows[:-1]].tolist()
+    stacks = dict(zip(batch.indices.tolist(), batch.observations, strict=True))
+    wanted = [columns["observation"][row - 3 : row + 1] for row in rows[:-1]]
+    assert np.array_equal([stacks[index] for index in sorted(stacks)], wanted)
