@@ -112,7 +112,24 @@ class StoredDataset:
             seen, seeds = facts["observations"], facts.get("seeds") or ()
             for index, (number, arrays) in enumerate(_READERS[self._format](self._module, file)):
                 stack = {name: seen[name] for name in ("stack_num", "padding") if name in seen}
-                yield StoredEpisode(number, seeds[index] if index < len(seeds) else None, **arrays, **stack)
+                episode = StoredEpisode(number, seeds[index] if index < len(seeds) else None, **arrays, **stack)
+                arrays.clear()  # a caller can drop the episode before the next is read
+                yield episode
+                del episode
+
+    def stacks(self) -> Iterator[npt.NDArray[np.uint8]]:
+        """Read the array `stack` of each episode, (n + 1,) uint8, without its frames from HDF5 and Parquet.
+
+        Raises:
+            ValueError: the data set does not have what an agent saw.
+        """
+        if (kind := self.facts["observations"]["kind"]) != "seen":
+            raise ValueError(
+                f'{self.files[0]} has observations={kind!r}, not what the agent saw; write it with observations="seen" '
+                "(--observations seen)"
+            )
+        for file in self.files:
+            yield from _STACKS[self._format](self._module, file)
 
     def _facts_of(self, file: str | Path) -> dict[str, Any]:
         texts = _FACTS[self._format](self._module, file)
@@ -168,9 +185,18 @@ def _hdf5_facts(h5py: Any, file: Path) -> dict[str, Any]:
 def _hdf5_episodes(h5py: Any, file: Path) -> Iterator[tuple[int, dict[str, Any]]]:
     names = ("frames", "stack", "ram", "actions", "rewards", "terminations", "truncations", "chosen")
     with h5py.File(file) as root:
-        for number in sorted(int(name.removeprefix("episode_")) for name in root):
+        for number in _hdf5_numbers(root):
             group = root[f"episode_{number}"]
             yield number, {name: group[name][()] if name in group else None for name in names}
+
+
+def _hdf5_stacks(h5py: Any, file: Path) -> Iterator[npt.NDArray[np.uint8]]:
+    with h5py.File(file) as root:
+        yield from (root[f"episode_{number}/stack"][()] for number in _hdf5_numbers(root))
+
+
+def _hdf5_numbers(root: Any) -> list[int]:
+    return sorted(int(name.removeprefix("episode_")) for name in root)
 
 
 def _parquet_facts(parquet: Any, file: Path) -> dict[str, Any]:
@@ -179,21 +205,30 @@ def _parquet_facts(parquet: Any, file: Path) -> dict[str, Any]:
 
 
 def _parquet_episodes(parquet: Any, file: Path) -> Iterator[tuple[int, dict[str, Any]]]:
-    names = {"rewards": "reward", "terminations": "terminated", "truncations": "truncated", "chosen": "chosen"}
     with parquet.ParquetFile(file, page_checksum_verification=True) as opened:
         columns = [name for name in opened.schema_arrow.names if not name.startswith("label.")]
         for group in range(opened.num_row_groups):
-            table = opened.read_row_group(group, columns)
-            steps = table.slice(0, len(table) - 1)
-            arrays = {name: steps[column].to_numpy() for name, column in names.items()}
-            actions = steps["action"]
-            several = actions.type.num_fields > 0  # (radius, angle, fire)
-            arrays["actions"] = np.array(actions.to_pylist(), np.float32) if several else actions.to_numpy()
-            arrays["ram"] = np.array([np.frombuffer(row.as_py(), np.uint8) for row in table["ram"]])
-            frames = [_image(frame.as_py()) for frame in table["frame"]] if "frame" in columns else None
-            arrays["frames"] = None if frames is None else np.array(frames)
-            arrays["stack"] = table["stack"].to_numpy() if "stack" in columns else None
-            yield table["episode"][0].as_py(), arrays
+            yield _parquet_episode(opened.read_row_group(group, columns))
+
+
+def _parquet_episode(table: Any) -> tuple[int, dict[str, Any]]:
+    names = {"rewards": "reward", "terminations": "terminated", "truncations": "truncated", "chosen": "chosen"}
+    steps = table.slice(0, len(table) - 1)
+    arrays = {name: steps[column].to_numpy() for name, column in names.items()}
+    actions = steps["action"]
+    several = actions.type.num_fields > 0  # (radius, angle, fire)
+    arrays["actions"] = np.array(actions.to_pylist(), np.float32) if several else actions.to_numpy()
+    arrays["ram"] = np.array([np.frombuffer(row.as_py(), np.uint8) for row in table["ram"]])
+    columns = table.column_names
+    arrays["frames"] = np.array([_image(frame.as_py()) for frame in table["frame"]]) if "frame" in columns else None
+    arrays["stack"] = table["stack"].to_numpy() if "stack" in columns else None
+    return table["episode"][0].as_py(), arrays
+
+
+def _parquet_stacks(parquet: Any, file: Path) -> Iterator[npt.NDArray[np.uint8]]:
+    with parquet.ParquetFile(file, page_checksum_verification=True) as opened:
+        for group in range(opened.num_row_groups):
+            yield opened.read_row_group(group, ["stack"])["stack"].to_numpy()
 
 
 def _image(stored: bytes) -> Array:
@@ -221,5 +256,10 @@ def _minari_episodes(minari: Any, dataset_id: str) -> Iterator[tuple[int, dict[s
         yield int(episode.id), {**arrays, **frames, "chosen": infos["chosen"][:-1]}
 
 
+def _minari_stacks(minari: Any, dataset_id: str) -> Iterator[npt.NDArray[np.uint8]]:
+    return (episode.infos["stack"] for episode in minari.load_dataset(dataset_id).iterate_episodes())
+
+
 _FACTS: Mapping[Format, Any] = {"hdf5": _hdf5_facts, "parquet": _parquet_facts, "minari": _minari_facts}
 _READERS: Mapping[Format, Any] = {"hdf5": _hdf5_episodes, "parquet": _parquet_episodes, "minari": _minari_episodes}
+_STACKS: Mapping[Format, Any] = {"hdf5": _hdf5_stacks, "parquet": _parquet_stacks, "minari": _minari_stacks}

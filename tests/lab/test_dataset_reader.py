@@ -54,6 +54,7 @@ def test_observations(name: str, tmp_path: Path) -> None:
     (last,) = [*dataset][-1].observations()[-1:]
     assert np.array_equal(last, expected[-1])
     assert np.array_equal(next(iter(dataset)).observations(5, 9), got[5:9])
+    assert all(np.array_equal(*pair) for pair in zip(dataset.stacks(), [one.stack for one in dataset], strict=True))
 
 
 def test_each_frame_is_stored_once(tmp_path: Path) -> None:

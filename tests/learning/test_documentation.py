@@ -40,6 +40,7 @@ def test_a_block(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 def test_commands(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Commands of `atari` and scripts run in this process, which has imported PyTorch; other lines run in bash."""
     monkeypatch.chdir(tmp_path)
+    Path("examples").symlink_to(EXAMPLES)
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))  # for the programs that the user trusts
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}:{os.environ['PATH']}")
     sweep_in_this_process(monkeypatch)

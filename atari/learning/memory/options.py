@@ -14,6 +14,7 @@ from atari.base import json_text
 from atari.base.gymnasium_versions import AutoresetMode
 from atari.base.gymnasium_versions import autoreset_mode as known_mode
 from atari.base.validation import check_integer
+from atari.task import Task
 from atari.vector import AtariVectorEnv
 from atari.vector.env import vector_of
 
@@ -216,12 +217,21 @@ def _atari_options(envs: AtariVectorEnv) -> dict[str, Any]:
         raise ValueError("a ReplayMemory stores what the engine writes: leave channels_last and dtype out")
     if envs.batch_size != envs.num_envs:
         raise ValueError("a ReplayMemory stores steps of all environments: leave batch_size out")
+    check_lives(task)
+    return {"padding": task.padding}
+
+
+def check_lives(task: Task) -> None:
+    """Refuse a task whose stacks go on after the end of an episode.
+
+    Raises:
+        ValueError: the task has `life_loss_info` or `seamless_lives`.
+    """
     if task.life_loss_info or task.seamless_lives:
         raise ValueError(
             "a ReplayMemory begins a stack anew after each end: it does not serve life_loss_info, "
             "nor episodic_life of a preset whose stack goes on after a lost life"
         )
-    return {"padding": task.padding}
 
 
 def _check_shape(name: str, shape: Any, least: int = 1) -> Shape:

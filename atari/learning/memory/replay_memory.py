@@ -1,7 +1,7 @@
 """`ReplayMemory` stores the experience of vector environments, each frame once."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, cast
@@ -14,11 +14,15 @@ import atari._emulator as _emulator
 from atari.base.gymnasium_versions import AutoresetMode, autoreset_mode
 from atari.base.validation import check_integer
 from atari.cores.options import SEED_LIMIT
+from atari.lab.dataset_reader import StoredEpisode
 from atari.learning.memory import memory_file
 from atari.learning.memory.batches import Batch, BatchPool, Sequences, array_maker, check_size, make_batch, target_of
+from atari.learning.memory.datasets import open_data, options_of, rows_of
 from atari.learning.memory.options import MemoryOptions, as_numpy, options_for
 from atari.learning.memory.step_arrays import StepArrays
 from atari.learning.memory.stored_memory import StoredMemory, atomic
+from atari.recording.episodes import Source
+from atari.recording.stacks import Stacking
 from atari.task.checks import check_bool
 
 _SEQUENCE_MOST = 2**20
@@ -178,6 +182,101 @@ class ReplayMemory(StoredMemory):
             TypeError, ValueError: the environment's observations are no uint8 arrays, or its options do not fit.
         """
         return cls(capacity, **{**options_for(envs, num_envs), **options})
+
+    @classmethod
+    def from_dataset(
+        cls,
+        source: Source | Iterable[Source],
+        *,
+        capacity: int | None = None,
+        reward_clipping: bool | None = None,
+        **options: Any,
+    ) -> "ReplayMemory":
+        """A memory with the steps of a data set, for learning from recorded games (offline reinforcement learning).
+
+        The data are what an agent saw (`write_dataset(..., observations="seen")`, `atari collect --observations seen`),
+        or replays, whose games are played again, twice. `sample` gives the observations that the agent got, equal to
+        the bit: the data set's task decides their shapes, the stacks and the padding. One episode at a time is in main
+        memory beside the memory itself.
+
+        Episodes end where the agent's did: a lost life that began a new stack is a termination. The data have no
+        observation between such a life and the next: the newest frame of `next_observations` is there the first of the
+        next life, and the step's discount is 0.
+
+        The memory is one of a single environment in NEXT_STEP mode. With a larger `capacity`, `reset` and `add` go on
+        with steps of an environment of the same task.
+
+        Args:
+            source: an HDF5 or Parquet file, a folder of Parquet files, the ID of a Minari dataset; or a replay, or
+                several of one task: `Replay`s or files.
+            capacity: the number of latest steps that are kept, see the class; None is what the data need: their steps,
+                and an observation after the end of each episode but the last.
+            reward_clipping: clip rewards to -1..1; None decides as the task that was played.
+            options: options of the class, except those which the task decides: `num_envs`, `observation_shape`,
+                `stack_num`, `padding`, `autoreset_mode`, `action_shape` and `action_dtype`. A memory with a `path` is
+                flushed.
+
+        Raises:
+            FileNotFoundError: there is no such file or dataset.
+            ValueError: it has no data of what an agent saw, or `capacity` is too small for them; or the task has
+                rewards or lost lives that the memory does not serve. Nothing has been read then but `stack`. Or
+                `compressed_bytes` is too small.
+            TypeError: an option is of the wrong kind, or the task decides it.
+            MemoryError: the machine has too little memory available.
+            gymnasium.error.DependencyNotInstalled: the package that reads the format is not installed.
+
+        Example:
+            >>> import atari
+            >>> from atari.learning import ReplayMemory
+            >>> from atari.recording import RecordReplay
+            >>> with RecordReplay(atari.make("pong", preset="dqn2015"), "game.a26r") as env:
+            ...     observation, info = env.reset(seed=0)
+            ...     for _ in range(10):
+            ...         observation = env.step(2)[0]
+            >>> memory = ReplayMemory.from_dataset("game.a26r", seed=0)
+            >>> len(memory), memory.sample(32, n=3).observations.shape
+            (10, (32, 4, 84, 84))
+        """
+        data = open_data(source)
+        clip = data.task.reward_clipping if reward_clipping is None else check_bool("reward_clipping", reward_clipping)
+        steps, rows = rows_of(data)
+        if capacity is not None and check_integer("capacity", capacity, 1, 2**40) < rows:
+            raise ValueError(
+                f"capacity={capacity} is too small: the data have {steps} steps, which need a capacity of {rows} with "
+                "the observations after ends; leave capacity out, or collect fewer episodes"
+            )
+        decided = options_of(data.task)
+        if given := decided.keys() & options.keys():
+            raise TypeError(f"the task of the data decides {min(given)}; leave it out")
+        memory = cls(rows if capacity is None else capacity, **decided, **options)
+        try:
+            for episode in data:
+                memory._add_episode(episode, clip)
+                del episode  # before the next is read
+            if len(memory) < steps:
+                raise ValueError(
+                    f"compressed_bytes is too small: {len(memory)} of {steps} steps fit; give more, or leave it out"
+                )
+            memory.flush()
+        except BaseException:
+            memory._discard()
+            raise
+        return memory
+
+    def _add_episode(self, episode: StoredEpisode, clip: bool) -> None:
+        assert episode.frames is not None
+        assert episode.stack is not None
+        frames = episode.frames.reshape(len(episode.frames), *self._arrays.frame_shapes[""])
+        begun = episode.stack[1:] == Stacking.BEGUN  # by a step that lost a life
+        rewards = np.clip(episode.rewards, -1, 1) if clip else episode.rewards
+        columns = (episode.actions, rewards, episode.terminations | begun, episode.truncations & ~begun)
+        steps = zip(frames[1:], begun.tolist(), *[column[:, None] for column in columns], strict=True)
+        self.reset(frames[0])
+        for frame, begins, *step in steps:
+            np.copyto(self.frames(), frame)
+            self.add(*step)
+            if begins:
+                self.reset(frame)
 
     @atomic
     def frames(self) -> Any:

@@ -253,6 +253,12 @@ class StoredMemory:
             if self._file is not None:
                 self._file.close()
 
+    def _discard(self) -> None:
+        """Close the memory, and remove its file."""
+        self.close()
+        if self._file is not None:
+            self._file.discard()
+
     def __enter__(self) -> Self:
         return self
 
