@@ -223,6 +223,7 @@ class ReplayMemory(StoredMemory):
                 `compressed_bytes` is too small.
             TypeError: an option is of the wrong kind, or the task decides it.
             MemoryError: the machine has too little memory available.
+            BufferError: the memory has a `path` and autoflush=False, and the data have more steps than `margin`.
             gymnasium.error.DependencyNotInstalled: the package that reads the format is not installed.
 
         Example:
