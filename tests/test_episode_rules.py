@@ -18,6 +18,8 @@ OTHERS = {
     "atari.learning.evaluation.protocols": "evaluation protocols prescribe them",
     "atari.integrations.envpool.spec": "EnvPool's names of them",
     "atari.learning.memory.options": "refuses, by name, what a replay memory does not serve",
+    "atari.learning.memory.datasets": "refuses, by name, what a data set does not say to a replay memory",
+    "atari.recording.replay.observations": "finds in a recording the no-ops and frame skips that an environment drew",
     "atari.integrations.ray.rollout_worker": "refuses, by name, what its learner does not serve",
     "atari.cli.policies": "whether a termination is a report (`life_loss_info`)",
     "atari.play.session": "whether a termination is a report (`life_loss_info`)",
