@@ -47,7 +47,7 @@ def settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Settings:
 
 
 def runs_of(games: list[str]) -> list[TrainingRun]:
-    return plan(games, [0], Path("runs"), lambda game, seed: PPO.options_class.of(game, seed=seed, gamma=0.9))
+    return plan(games, [0], Path("runs"), lambda game, seed, chosen: PPO.options_class.of(game, seed=seed, gamma=0.9))
 
 
 def test_the_steps_of_a_run(settings: Settings) -> None:
