@@ -249,7 +249,7 @@ def _is_page(args: argparse.Namespace) -> bool:
 
 
 def _tables(results: Mapping[str, Result]) -> dict[str, dict[str, GameResult]]:
-    """By game, the results of the agents; those of the variants if there is one agent."""
+    """The results of each game, by agent; with one agent, by variant."""
     first = next(iter(results.values()))
     names = dict.fromkeys(one.game for one in first.games)
     if len(results) == 1:

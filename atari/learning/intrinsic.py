@@ -37,7 +37,7 @@ class IntrinsicReward(Protocol):
 
 
 class IntrinsicRewards:
-    """Adds the rewards of a user's object to those of the environments, and counts them for the log.
+    """Adds the rewards of a user's object to the environments' rewards, and counts them for the log.
 
     Gradients can be computed in the object, although the agents play without them.
 

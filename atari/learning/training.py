@@ -239,7 +239,7 @@ class Training:
         return {"restarts": sum(one.count for one in found), "frontier": max(one.frontier for one in found)}
 
     def _intrinsic(self, row: Mapping[str, float]) -> dict[str, float]:
-        """The columns of the intrinsic rewards beside those of `row`: means over the workers."""
+        """The columns that the intrinsic rewards add to `row`, as means over the workers."""
         found = [one.intrinsic.take_columns() for one in self.agent.environments if one.intrinsic is not None]
         columns = {name: float(sum(one[name] for one in found) / len(found)) for name in (found or [{}])[0]}
         if twice := sorted(columns.keys() & row.keys()):

@@ -321,7 +321,7 @@ def _other_bytes(plays: Plays, kind: _Kind, observations: Array) -> Array:
 def _painted(plays: Plays, kind: _Kind, where: Sequence[Step], observations: Array) -> Array:
     """Images (n, stack, height, width) in which the boxes of a kind's objects are painted with what is around them.
 
-    An image whose box has a part of another object stays as it is: the policy could answer to that.
+    An image stays as it is if the box has a part of another object, because the policy could answer to that object.
     """
     covered = observations.copy()
     stack = observations.shape[1]

@@ -105,7 +105,7 @@ class Result:
     - `game`: the game's id; `observation`: the options of the policy's observations; `task`: the task that was played,
       as the object of `Task.to_json`, empty if it is not known or its game has no file;
     - `estimate`: the mean with its interval of 95 %; `difference(other)`: the same of the differences to other games
-      with equal seeds, such as those of another policy or variant.
+      with equal seeds, such as the results of another policy or variant.
 
     With variants, this is the task as given, and `result.variants("pong")` has all of them by name.
 

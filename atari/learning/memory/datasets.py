@@ -21,7 +21,7 @@ _SERVED = "fill a memory by reset and add from read_dataset"
 
 
 class _Data(Protocol):
-    """What an agent saw in some games: a `StoredDataset`, or replays."""
+    """The games that fill a memory: a `StoredDataset`, or replays."""
 
     @property
     def task(self) -> Task:

@@ -117,7 +117,7 @@ class ObservedReplay:
         Where the game goes on after a lost life, the state is that after the reset.
 
         Raises:
-            ValueError: the recorded frames are not those of the task.
+            ValueError: an environment of the task would have played other frames than the recorded ones.
         """
         state, shown = None, True
         while self.tape.fetch(steps=self.own):
@@ -200,7 +200,7 @@ class ObservedReplay:
 
     def _other_frames(self) -> ValueError:
         return ValueError(
-            f"the recorded frames before frame {self.tape.frame} are not those of {self._task!r}: was this environment "
+            f"{self._task!r} plays other frames than those recorded before frame {self.tape.frame}: was this environment "
             "stepped after the end of an episode without a reset, in wrappers of its own, or its state set from "
             'outside? Observe the replay with another task, or write its screens (observations="screen")'
         )

@@ -184,5 +184,5 @@ def test_frames_of_wrappers_outside_of_the_task_are_refused(tmp_path: Path) -> N
     with RecordReplay(NoopReset(atari.make("breakout"), 20, 10), tmp_path / "a.a26r") as env:
         env.reset(seed=0)
         env.step(1)
-    with pytest.raises(ValueError, match=r"recorded frames before frame .* are not those of"):
+    with pytest.raises(ValueError, match=r"plays other frames than those recorded before frame"):
         list(Replay.load(tmp_path / "a.a26r").observations())
