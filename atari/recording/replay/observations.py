@@ -200,9 +200,9 @@ class ObservedReplay:
 
     def _other_frames(self) -> ValueError:
         return ValueError(
-            f"{self._task!r} plays other frames than those recorded before frame {self.tape.frame}: was this environment "
-            "stepped after the end of an episode without a reset, in wrappers of its own, or its state set from "
-            'outside? Observe the replay with another task, or write its screens (observations="screen")'
+            f"{self._task!r} plays other frames than those recorded before frame {self.tape.frame}: was this "
+            "environment stepped after the end of an episode without a reset, in wrappers of its own, or its state set "
+            'from outside? Observe the replay with another task, or write its screens (observations="screen")'
         )
 
 

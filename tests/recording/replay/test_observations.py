@@ -96,7 +96,7 @@ def test_observations_with_each_field(name: str, tmp_path: Path) -> None:
     task = Task.of(options.pop("game", "breakout"), **options)
     expected = played(task, tmp_path / "a.a26r")
     if name in DRAWN | ENDS_IN_A_RESET:
-        with pytest.raises(ValueError, match=r"observation_delay=.* was drawn|recorded frames before frame"):
+        with pytest.raises(ValueError, match=r"observation_delay=.* was drawn|recorded before frame"):
             check(task, tmp_path / "a.a26r", expected)
     else:
         check(task, tmp_path / "a.a26r", expected, delayed=name == "action_delay")
