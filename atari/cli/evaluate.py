@@ -1,6 +1,7 @@
 """`atari evaluate`: whole games of policies by an evaluation protocol, beside each other and published results."""
 
 import argparse
+import json
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -21,7 +22,7 @@ from atari.learning import (
     evaluate,
     load_policy,
 )
-from atari.learning.evaluation.compare import Comparison, budget_faults
+from atari.learning.evaluation.compare import Comparison, budget_faults, game_faults
 from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol, refusal
 from atari.learning.evaluation.results import GameResult, estimates_of, score_tables
@@ -105,9 +106,11 @@ def _evaluate(args: argparse.Namespace) -> int:
     trained = {getattr(policy, "training_frames", None) for policy in policies}
     frames = args.frames or (trained.pop() if len(trained) == 1 else None)
     check_comparable(args.compare, args.mixed, lambda agent: budget_faults(agent, frames))
-    for game in games:
-        if show_task(args, games_of(agents[0].policies[game.id], game, args.protocol)[0]):
-            return 0
+    tasks = [games_of(agents[0].policies[game.id], game, args.protocol)[0] for game in games]
+    faults = game_faults((task.game, json.loads(task.to_json())) for task in tasks)
+    check_comparable(args.compare, args.mixed, lambda _: faults)
+    if any(show_task(args, task) for task in tasks):
+        return 0
     results = _play(args, games, agents, not_played)
     own = results if args.beside else next(iter(results.values()))
     comparison = None

@@ -86,6 +86,10 @@ def test_lists(capsys):
             "dopamine/rainbow is not comparable: the first scores",
         ),
         (("random", "pong", "--human", "noop"), "noop57"),
+        (
+            ("random", "pong", "--mode", "1", "--protocol", "dopamine", "--compare", "dopamine/rainbow"),
+            "pong is played with another mode than in",
+        ),
         (("random", "freeway", "--variants", "modess"), "must be one of 'modes', 'difficulties'"),
         (("random", "pong", "--variants", "modes", "--beside", "noop"), "leave --beside and --compare out"),
         (("random", "pong", "--beside", "noop", "-o", "a.json"), "as -o scores.html, got a.json; --json prints"),

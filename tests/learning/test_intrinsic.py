@@ -10,7 +10,7 @@ import pytest
 
 torch = pytest.importorskip("torch")
 
-from small_trainings import make_options  # noqa: E402
+from small_trainings import make_options, train, user_without_trust  # noqa: E402
 
 from atari.cli import main  # noqa: E402
 from atari.learning import RunFolder, TrainingEnvironments, load_policy  # noqa: E402
@@ -70,8 +70,7 @@ class Constant:
 @pytest.fixture(autouse=True)
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A user who has not yet trusted any program, in the folder of `my_bonus.py`."""
-    monkeypatch.setattr("atari.learning.programs.user_data_path", lambda *_, **__: tmp_path / "data")
-    monkeypatch.chdir(tmp_path)
+    user_without_trust(tmp_path, monkeypatch)
     Path("my_bonus.py").write_text(SOURCE)
     return tmp_path
 
@@ -80,12 +79,6 @@ def options(agent: str, program: str = "my_bonus.py:Bonus", **given: Any) -> Any
     from atari.learning.options import TrainingOptions, option_from_text
 
     return make_options(agent, intrinsic_reward=option_from_text(TrainingOptions, "intrinsic_reward", program), **given)
-
-
-def train(of: Any, agent: str, path: str) -> RunFolder:
-    with closing(Training.begin(agent, of, Path(path))) as training:
-        training.run()
-    return RunFolder.open(path)
 
 
 def test_the_learner_gets_it_and_the_score_is_without_it() -> None:
@@ -119,7 +112,7 @@ def test_the_learner_gets_it_and_the_score_is_without_it() -> None:
 def test_a_resumed_training_is_equal_to_the_bit(agent: str, own: dict[str, Any]) -> None:
     steps = {"dqn": 1600}.get(agent, 256)
     given = {"total_steps": steps, "checkpoint_minutes": 0.0, **own}
-    whole = train(options(agent, **given), agent, "whole")
+    whole = train(agent, options(agent, **given), "whole")
     with closing(Training.begin(agent, options(agent, **given), Path("stopped"))) as training:
         training.run(stop=AfterUpdates(1))
         assert training.agent.steps < steps
@@ -149,7 +142,7 @@ class AfterUpdates:
 
 def test_it_changes_what_is_learned() -> None:
     runs = [
-        train(make_options("ppo", total_steps=128, intrinsic_reward=made), "ppo", name)
+        train("ppo", make_options("ppo", total_steps=128, intrinsic_reward=made), name)
         for made, name in ((None, "plain"), (Constant, "paid"))
     ]
     assert "intrinsic_reward" not in runs[0].rows()[0]
@@ -172,7 +165,7 @@ def test_the_command_keeps_the_program(home: Path, capsys: pytest.CaptureFixture
 
 def test_a_strangers_program_is_not_executed(home: Path) -> None:
     Path("my_bonus.py").write_text(SOURCE + "\nfrom pathlib import Path\nPath('executed').touch()\n")
-    run = train(options("ppo", total_steps=64), "ppo", "run")
+    run = train("ppo", options("ppo", total_steps=64))
     Path("executed").unlink()
     trusted_file().unlink()
     forget_modules()
@@ -267,7 +260,7 @@ def make_stateless(envs: Any, seed: int) -> Any:
 
 def test_columns_have_names_of_their_own() -> None:
     with pytest.raises(ValueError, match=r"columns\(\) of the intrinsic reward has 'loss', a column of the log"):
-        train(make_options("ppo", intrinsic_reward=WithLoss), "ppo", "run")
+        train("ppo", make_options("ppo", intrinsic_reward=WithLoss))
 
 
 class FailingReward(Constant):

@@ -2,7 +2,6 @@
 
 import json
 import warnings
-from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,8 @@ import pytest
 
 pytest.importorskip("torch")
 
-from small_trainings import make_options
+import small_trainings
+from small_trainings import SMALL, make_options, user_without_trust
 
 from atari.cli import main
 from atari.learning import RunFolder, load_policy
@@ -41,16 +41,13 @@ class Logger:
 @pytest.fixture(autouse=True)
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A user who has not yet trusted any program, in the folder of `my_logger.py`."""
-    monkeypatch.setattr("atari.learning.programs.user_data_path", lambda *_, **__: tmp_path / "data")
-    monkeypatch.chdir(tmp_path)
+    user_without_trust(tmp_path, monkeypatch)
     Path("my_logger.py").write_text(SOURCE)
     return tmp_path
 
 
 def train(agent: str, logger: Any, path: str = "run", **given: Any) -> RunFolder:
-    with closing(Training.begin(agent, make_options(agent, logger=logger, **given), Path(path))) as training:
-        training.run()
-    return RunFolder.open(path)
+    return small_trainings.train(agent, make_options(agent, logger=logger, **given), path)
 
 
 def seen() -> list[dict[str, Any]]:
@@ -60,8 +57,6 @@ def seen() -> list[dict[str, Any]]:
 @pytest.mark.parametrize("word", ["my_logger.py:Logger", "my_logger:Logger"])
 @pytest.mark.parametrize("agent", AGENTS)
 def test_it_gets_each_row(agent: str, word: str) -> None:
-    from small_trainings import SMALL
-
     own = [f"--{name.replace('_', '-')}={value}" for name, value in SMALL[agent].items()]
     steps = {"dqn": 2000}.get(agent, 256)
     words = ["train", agent, "pong", "--fast", *own, "--total-steps", str(steps), "--logger", word, "-o", "run"]

@@ -1,5 +1,6 @@
 """Trainings of about a second."""
 
+from contextlib import closing
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import pytest
 
 from atari.cli import main
+from atari.learning import RunFolder
 from atari.learning.agents import find_agent
 from atari.learning.options import FAST_RAM
 
@@ -32,6 +34,21 @@ def make_options(agent: str, game: Any = "pong", **given: Any) -> Any:
     if agent == "dqn":  # it must learn before it ends
         options["learning_starts"] = min(options["learning_starts"], options["total_steps"] // 2)
     return found.options_class.of(game, **options)
+
+
+def train(agent: str, options: Any, path: str | Path = "run") -> RunFolder:
+    """The run of a whole training."""
+    from atari.learning.training import Training  # here, because it imports PyTorch
+
+    with closing(Training.begin(agent, options, Path(path))) as training:
+        training.run()
+    return RunFolder.open(path)
+
+
+def user_without_trust(tmp_path: Path, patch: pytest.MonkeyPatch) -> None:
+    """A user who has not yet trusted any program, and works in an empty folder."""
+    patch.setattr("atari.learning.programs.user_data_path", lambda *_, **__: tmp_path / "data")
+    patch.chdir(tmp_path)
 
 
 class _Here:

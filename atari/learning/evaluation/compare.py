@@ -1,7 +1,7 @@
 """`compare`: results of evaluations beside published ones, in human-normalised scores."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -15,7 +15,7 @@ from atari.base.validation import check_integer
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences, refusal
 from atari.learning.evaluation.published import Published, read_table
-from atari.learning.evaluation.results import Result
+from atari.learning.evaluation.results import Result, changes_of
 from atari.learning.evaluation.statistics import (
     Estimate,
     Floats,
@@ -192,14 +192,17 @@ def compare(
     mixes = any(len({result.training_frames for result in own}) > 1 for own in agents.values())
     if others or mixes or frames is not None:
         frames = _common_frames(results, frames, faults)
-    faults += [*_human_faults(human, protocol), *_game_faults(results)]
+    faults += [
+        *_human_faults(human, protocol),
+        *game_faults((one.game, one.task) for result in results for one in result.games),
+    ]
     for other in others:
         found = (refusal(protocol, other), *budget_faults(other, frames))
         faults += [f"{other.name}: {fault}" for fault in found if fault]
     if faults and not mixed:
         raise ValueError(f"these are not comparable: {'; '.join(faults)}; mixed=True compares them, and says so")
     games_of = [{one.game for result in own for one in result.games} for own in agents.values()]
-    played, shared = set.union(*games_of), set.intersection(*games_of)
+    every, shared = set.union(*games_of), set.intersection(*games_of)
     known = [{game for game in shared & {*other.games} if len(_scores_at(other, game, frames))} for other in others]
     common = [game for game in references if game in shared.intersection(*known)]
     if not common:
@@ -211,7 +214,7 @@ def compare(
         *(_published_row(other, references, frames, bootstrap) for other in others),
     ]
     comparison = Comparison(tuple(rows), tuple(common), human, references, bool(faults), ())
-    return replace(comparison, notes=tuple(_notes(comparison, faults, sorted(played - set(common)), others, frames)))
+    return replace(comparison, notes=tuple(_notes(comparison, faults, sorted(every - set(common)), others, frames)))
 
 
 def _notes(
@@ -282,11 +285,15 @@ def _common_protocol(results: Sequence[Result], faults: list[str]) -> Evaluation
     return first
 
 
-def _game_faults(results: Sequence[Result]) -> list[str]:
-    """The games that were played in another mode or difficulty, with interventions or with delays, in words."""
-    played = [one for result in results for one in result.games if one.game in games and one.changes]
+def game_faults(played: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str]:
+    """The games that are played in another mode or difficulty, with interventions or with delays, in words.
+
+    Args:
+        played: the id of each game, and its task as the object of `Task.to_json`.
+    """
+    changed = [(game, changes) for game, task in played if game in games and (changes := changes_of(game, task))]
     return [
-        f"{one.game} was played with another {' and '.join(one.changes)} than in scores of others" for one in played
+        f"{game} is played with another {' and '.join(changes)} than in scores of others" for game, changes in changed
     ]
 
 

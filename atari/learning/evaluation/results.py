@@ -82,9 +82,7 @@ class GameResult:
 
         Of a game that is not in the package's catalogue, its mode and difficulty, too.
         """
-        own = games.get(self.game)
-        usual = {**DEFAULTS, **({"mode": own.default_mode, "difficulty": 0} if own is not None else {})}
-        return {name: value for name in OF_GAME if (value := self.task.get(name)) not in (None, [], usual[name])}
+        return changes_of(self.game, self.task)
 
     @property
     def truncations(self) -> int:
@@ -260,6 +258,13 @@ class Result:
 
 _NOT_PLAYED = (*GROUPS["game"], *GROUPS["reward"])
 """Fields of a task that no protocol decides."""
+
+
+def changes_of(game: str, task: Mapping[str, Any]) -> dict[str, Any]:
+    """The `GameResult.changes` of a task, an object of `Task.to_json`."""
+    own = games.get(game)
+    usual = {**DEFAULTS, **({"mode": own.default_mode, "difficulty": 0} if own is not None else {})}
+    return {name: value for name in OF_GAME if (value := task.get(name)) not in (None, [], usual[name])}
 
 
 def estimates_of(tables: Mapping[str, Mapping[str, GameResult]]) -> dict[str, dict[str, Estimate]]:

@@ -76,7 +76,7 @@ def test_games_of_another_mode_or_with_interventions_are_not_compared(changes, t
     if not changes:
         assert not compare(played, "dopamine/rainbow").mixed
         return
-    with pytest.raises(ValueError, match=f"breakout was played with another {text}"):
+    with pytest.raises(ValueError, match=f"breakout is played with another {text}"):
         compare(played, "dopamine/rainbow")
     assert f"another {text}" in compare(played, "dopamine/rainbow", mixed=True).notes[0]
 
