@@ -1,5 +1,8 @@
 """Trainings of about a second."""
 
+import subprocess
+import sys
+import time
 from contextlib import closing
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,6 +14,7 @@ from atari.cli import main
 from atari.learning import RunFolder
 from atari.learning.agents import find_agent
 from atari.learning.options import FAST_RAM
+from atari.learning.run_log import read_last_row
 
 SUPPORT = str(Path(__file__).parent)
 """The folder of this module, for programs that import it."""
@@ -64,3 +68,14 @@ class _Here:
 def sweep_in_this_process(patch: pytest.MonkeyPatch) -> None:
     """Let sweeps start no processes."""
     patch.setattr("atari.learning.sweep.processes.subprocess", SimpleNamespace(Popen=_Here, PIPE=None))
+
+
+def kill_after_a_row(words: list[str], log: Path, seconds: float = 120) -> None:
+    """Run `atari` with some words, and kill it when a log has a row."""
+    process = subprocess.Popen([sys.executable, "-m", "atari", *words], stdout=subprocess.DEVNULL)
+    end = time.monotonic() + seconds
+    while not read_last_row(log):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    process.kill()
+    process.wait()

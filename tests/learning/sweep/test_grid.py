@@ -1,6 +1,7 @@
 """Grids: their texts, their runs, the words of their commands, their table, and a whole sweep."""
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import pytest
 pytest.importorskip("torch")
 
 from cli_tools import Capture, Patch, refused
-from small_trainings import sweep_in_this_process
+from small_trainings import kill_after_a_row, sweep_in_this_process
 
 from atari.cli import main
 from atari.learning import PROTOCOLS, Result, RunFolder
@@ -22,7 +23,7 @@ from atari.learning.sweep.report import compare_runs, grid_rows
 from atari.learning.training import Training
 
 TINY = (
-    "--total-steps 1024 --num-envs 8 --horizon 32 --minibatch 256 --games 0 --episodes 1 --protocol dopamine "
+    "--total-steps 1024 --num-envs 8 --horizon 32 --minibatch 256 --checkpoint-minutes 0 --games 0 --episodes 1 --protocol dopamine "
     "--network small --img-height 42 --img-width 42"
 ).split()
 
@@ -141,13 +142,16 @@ def test_an_option_of_the_grid_is_no_flag_too(tmp_path: Path, monkeypatch: Patch
     refused(capsys, words, "argument --gamma: it is given twice; leave one of them out", 2)
 
 
-def test_a_sweep_over_a_grid(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_a_sweep_over_a_grid_that_is_killed_and_goes_on(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     monkeypatch.chdir(tmp_path)
     sweep_in_this_process(monkeypatch)
     words = ["train", "--json", "--grid", "gamma=0.9,0.99", "ppo", "pong", "--grid", "learning-rate=1e-4", "-o", "runs"]
+    names = [f"pong-gamma={gamma}-learning_rate=0.0001-seed0" for gamma in (0.9, 0.99)]
+    kill_after_a_row([*words, *TINY], Path("runs", names[0], "log.csv"))
+    assert not Path("runs", "report.html").exists()
     assert main([*words, *TINY]) == 0
     capsys.readouterr()  # of the trainings, which are in this process
-    names = [f"pong-gamma={gamma}-learning_rate=0.0001-seed0" for gamma in (0.9, 0.99)]
     assert sorted(path.parent.name for path in Path("runs").glob("*/policy.pt")) == names
     assert [RunFolder.open(Path("runs", name)).config["options"]["gamma"] for name in names] == [0.9, 0.99]
     page = Path("runs", "report.html").read_text()

@@ -2,10 +2,7 @@
 
 import json
 import os
-import signal
-import subprocess
 import sys
-import time
 from contextlib import closing
 from pathlib import Path
 from threading import Event
@@ -16,7 +13,7 @@ import pytest
 torch = pytest.importorskip("torch")
 
 from cli_tools import Capture, Patch  # noqa: E402
-from small_trainings import sweep_in_this_process  # noqa: E402
+from small_trainings import kill_after_a_row, sweep_in_this_process  # noqa: E402
 
 from atari.base.frozen import FrozenDict  # noqa: E402
 from atari.cli import main  # noqa: E402
@@ -43,23 +40,13 @@ def resolve(game: str, seed: int, chosen: Any = NO_GRID) -> Any:
     return training_options(agent_code("ppo"), words, "atari train ppo")
 
 
-def wait_for(what: Any, seconds: float = 120) -> None:
-    end = time.monotonic() + seconds
-    while not what():
-        assert time.monotonic() < end
-        time.sleep(0.02)
-
-
 @pytest.mark.skipif(os.name != "posix", reason="signals")
 def test_a_sweep_that_is_killed_ends_as_one_that_was_not(tmp_path: Path, monkeypatch: Patch, capsys: Capture) -> None:
     """The sweep is killed in its trainings, then a process of one of them; the same command goes on."""
     monkeypatch.chdir(tmp_path)
     runs = plan(["pong"], [0, 3], Path("runs"), resolve)
     assert [run.name for run in runs] == NAMES
-    sweep = subprocess.Popen([sys.executable, "-m", "atari", *WORDS], stderr=subprocess.PIPE)
-    wait_for(lambda: read_last_row(runs[0].path / "log.csv"))
-    sweep.send_signal(signal.SIGKILL)
-    sweep.communicate()
+    kill_after_a_row(WORDS, runs[0].path / "log.csv")
     killed_at = read_last_row(runs[0].path / "log.csv")["step"]
 
     command = (sys.executable, "-m", "atari.cli.sweep")
