@@ -77,6 +77,14 @@ class Episode {
     const OfPlayers<int64_t>& score() const { return score_; }  // the present game's, since the emulator's reset
 
     const ObservationStack& observation() const { return *observation_; }
+    // See ObservationStack::set_draws.
+    void set_draws(bool draws) { observation_->set_draws(draws); }
+    // Returns the number of steps, the first ones of several, whose frames the observation after the last step does not
+    // contain. That is one frame fewer than it could be, because a step that ends an episode may repeat the frame before.
+    size_t undrawn(size_t steps) const {
+        const auto drawn = static_cast<size_t>(observation_->settings().stack_num) + 1;
+        return observation_->planes() && !delays_frames() && steps > drawn ? steps - drawn : 0;
+    }
     // The 128 bytes that the agent sees beside the images.
     const uint8_t* ram() const { return delays_frames() ? oldest_frame() + frame_size_ : game_.ram(); }
 
