@@ -124,6 +124,7 @@ class AtariVectorEnv(VectorState, VectorEnv):
         # Guards all attributes that change, and the engine between a send and its results.
         self._lock = _emulator.CallLock("vector environment")
         self._added = tuple(AddedWrites() for _ in self.games)
+        self._singles = {}
         self.single_action_space = options.action_space()
         self.single_observation_space = options.layout.space(options.observation_space())
         self.action_space = options.batched_action_space()
@@ -473,6 +474,7 @@ class AtariVectorEnv(VectorState, VectorEnv):
         self._phase = "new"
         self._flying = self._out_results = None
         self._buffers = []
+        self._singles = {}
 
     def _open(self) -> _emulator.VectorEngine:
         if self._engine is None:

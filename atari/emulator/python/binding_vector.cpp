@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "bound_emulator.hpp"
 #include "bound_engine.hpp"
 #include "call_lock.hpp"
 #include "state.hpp"
@@ -78,6 +79,10 @@ nb::tuple results_of(const BoundSequence& bound) {
                           sequence.every
                               ? array_over_part(bound, sequence.rams, {lanes, sequence.steps, size_t{kRamSize}})
                               : array_over_part(bound, sequence.rams, {lanes, size_t{kRamSize}}));
+}
+
+uint64_t digest_of(Emulator& core) {
+    return core.locked([](Environment& e) { return image_digest(*e.parts().game); });
 }
 
 struct LentArray {
@@ -174,6 +179,21 @@ void register_vector(nb::module_& m) {
             "(environments, players), the numbers of steps played, (environments,), and the RAMs after the\n"
             "last step, (environments, 128), or after every step, (environments, steps, 128).");
     nb::class_<BoundSnapshot>(m, "MemberSnapshot", "The state of a lane in memory. It can be pickled.")
+        .def_static(
+            "of_bytes",
+            [](Emulator& core, nb::bytes state) {
+                const auto* const data = static_cast<const uint8_t*>(state.data());
+                return BoundSnapshot{nullptr, {data, data + state.size()}, digest_of(core)};
+            },
+            "core"_a, "state"_a, "The snapshot of these bytes of `content`, of the game of a core.")
+        .def(
+            "content",
+            [](const BoundSnapshot& state, Emulator& core) {
+                if (digest_of(core) != (state.snapshot ? image_digest(*state.snapshot->game) : state.image))
+                    throw std::invalid_argument("the snapshot was taken with another ROM image of the game");
+                return bytes_of(state.snapshot ? state.snapshot->bytes() : state.bytes);
+            },
+            "core"_a, "The state as bytes. Raises ValueError if a core of its game has another ROM image.")
         .def("__getstate__",
              [](const BoundSnapshot& state) {
                  if (!state.snapshot) return std::tuple(bytes_of(state.bytes), state.image);

@@ -325,30 +325,16 @@ void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
                {batch.final_game_ended, batch.final_score, batch.final_frames, batch.final_seconds});
 }
 
-namespace {
-
-uint8_t* write_outcome(const Outcome& outcome, uint8_t* out) {
-    *out = static_cast<uint8_t>(outcome.terminated | outcome.truncated << 1 | outcome.ended << 2 |
-                                outcome.game_over << 3 | outcome.out << 4);
-    return out + 1;
-}
-
-}  // namespace
-
 void VectorEngine::save(int environment, uint8_t* out) {
     Lane& restored = lane(environment);
-    restored.save(write_outcome(slot(environment).outcome, out));
+    *out = slot(environment).outcome.saved();
+    restored.save(out + 1);
 }
 
 bool VectorEngine::load(int environment, const uint8_t* in) {
     if (!lane(environment).load(in + 1)) return false;
     Outcome& outcome = slot(environment).outcome;
-    outcome = Outcome{};
-    outcome.terminated = *in & 1;
-    outcome.truncated = *in >> 1 & 1;
-    outcome.ended = *in >> 2 & 1;
-    outcome.game_over = *in >> 3 & 1;
-    outcome.out = static_cast<uint8_t>(*in >> 4 & ((1 << players_) - 1));
+    outcome = Outcome::of_saved(*in, players_);
     outcome.game_steps = lane(environment).episode().game_steps();
     return true;
 }
@@ -356,8 +342,9 @@ bool VectorEngine::load(int environment, const uint8_t* in) {
 std::vector<uint8_t> VectorEngine::LaneSnapshot::bytes() const {
     const std::vector<uint8_t> environment = state.environment.bytes(*game);
     std::vector<uint8_t> bytes(1 + environment.size() + state.episode.size());
-    uint8_t* const out = write_outcome(outcome, bytes.data());
-    std::copy(state.episode.begin(), state.episode.end(), std::copy(environment.begin(), environment.end(), out));
+    bytes[0] = outcome.saved();
+    uint8_t* const end = std::copy(environment.begin(), environment.end(), bytes.data() + 1);
+    std::copy(state.episode.begin(), state.episode.end(), end);
     return bytes;
 }
 
