@@ -86,7 +86,7 @@ class VectorState(Views):
 
         Args:
             indices: the environments; None is all of them.
-            packed: return bytes of about 5 kB each, as that single environment's own `snapshot` returns them; one takes
+            packed: return bytes of 4 to 11 kB each, as that single environment's own `snapshot` returns them; one takes
                 up to a millisecond (added).
 
         Raises:

@@ -15,6 +15,8 @@ FrameLog& FrameHistory::begin_frame(const Tia& start, const TiaWrite* rendered) 
         return log == m.owed[0] || log == m.owed[1] || log == m.last || logs_[log].writes == rendered;
     };
     while (is_needed(m.current)) ++m.current;
+    for (int& shown : m.shown)
+        if (shown == m.current) shown = -1;
     FrameLog& log = logs_[m.current];
     log.start = start;
     m.watched = m.cleared ? m.read : 0xffff;
@@ -27,14 +29,16 @@ FrameLog& FrameHistory::begin_frame(const Tia& start, const TiaWrite* rendered) 
 }
 
 void FrameHistory::give_up_frame(const Marks& before) {
-    const unsigned read = marks_.read;
-    marks_ = before;
-    marks_.read = read;
+    const Marks now = std::exchange(marks_, before);
+    marks_.read = now.read;
+    std::copy_n(now.shown, 2, marks_.shown);
 }
 
 const FrameLog* FrameHistory::pay(int buffer) {
     const int owed = std::exchange(marks_.owed[buffer], -1);
-    return owed < 0 ? nullptr : &logs_[owed];
+    if (owed < 0) return nullptr;
+    marks_.shown[buffer] = owed;
+    return &logs_[owed];
 }
 
 void FrameHistory::clear_latches(const TiaWrite* cxclr) {
@@ -72,10 +76,14 @@ unsigned FrameHistory::find_pending(const ConsoleConfig& config, const TiaWrite*
     return found;
 }
 
-void FrameHistory::snapshot(Snapshot& out) const {
+void FrameHistory::snapshot(Snapshot& out, int whole) const {
     out.marks = marks_;
+    for (int buffer : {0, 1}) {
+        if (const int log = log_of(buffer, whole); log >= 0) out.marks.owed[buffer] = log;
+        out.marks.shown[buffer] = -1;
+    }
     for (int i = 0; i < kLogs; ++i) {
-        out.logs[i].used = i == marks_.owed[0] || i == marks_.owed[1] || i == marks_.pending;
+        out.logs[i].used = i == out.marks.owed[0] || i == out.marks.owed[1] || i == marks_.pending;
         if (!out.logs[i].used) continue;
         const FrameLog& log = logs_[i];
         out.logs[i] = {true, log.start, log.reached, log.replaced, {log.writes, log.writes + log.size}};
