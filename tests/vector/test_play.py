@@ -151,6 +151,26 @@ def test_every_step_has_its_results(case: str, mode: AutoresetMode, stop: bool) 
     assert_same_position(played, stepped)
 
 
+@pytest.mark.parametrize("mode", list(AutoresetMode))
+@pytest.mark.parametrize("stack_num", [None, 1, 4])
+@pytest.mark.parametrize("preset", ["dqn2015", "gymnasium", "baselines"])
+def test_episodes_that_end_near_the_end_of_a_sequence(preset: str, stack_num: int | None, mode: AutoresetMode) -> None:
+    """Lane 0 is three steps ahead; a game has 20 steps, and the last frame of a skip ends it."""
+    played, stepped = pair(preset=preset, stack_num=stack_num, noops=(0, 0), max_frames=80, autoreset_mode=mode)
+    ahead = np.ones((1, 3), int)
+    for steps in range(14, 30):
+        for envs in (played, stepped):
+            envs.reset(seed=1)
+            envs.play(ahead, env_id=[0], every=True)
+        actions = random_actions(played, steps)
+        result = played.play(actions, stop=False)
+        for step in range(steps):
+            last = stepped.step(actions[:, step])
+        assert_equal((result[0], *result[2:4]), (last[0], *last[2:4]), str(steps))
+        for name in last[4]:
+            assert_equal(result[4][name], last[4][name], f"{name} after {steps} steps")
+
+
 def test_several_players() -> None:
     played, stepped = pair("pong", players=2, preset="multiplayer_dqn", zero_sum=True)
     actions = random_actions(played, 30)

@@ -15,8 +15,6 @@ FrameLog& FrameHistory::begin_frame(const Tia& start, const TiaWrite* rendered) 
         return log == m.owed[0] || log == m.owed[1] || log == m.last || logs_[log].writes == rendered;
     };
     while (is_needed(m.current)) ++m.current;
-    for (int& shown : m.shown)
-        if (shown == m.current) shown = -1;
     FrameLog& log = logs_[m.current];
     log.start = start;
     m.watched = m.cleared ? m.read : 0xffff;
@@ -29,9 +27,9 @@ FrameLog& FrameHistory::begin_frame(const Tia& start, const TiaWrite* rendered) 
 }
 
 void FrameHistory::give_up_frame(const Marks& before) {
-    const Marks now = std::exchange(marks_, before);
-    marks_.read = now.read;
-    std::copy_n(now.shown, 2, marks_.shown);
+    const unsigned read = marks_.read;
+    marks_ = before;
+    marks_.read = read;
 }
 
 const FrameLog* FrameHistory::pay(int buffer) {

@@ -37,7 +37,7 @@ class FrameHistory {
         int current = 0;                  // the log of the frame that is running, or that ran last
         int last = -1;                    // the log of the frame before the next one, if that frame was logged
         int owed[2] = {-1, -1};           // by framebuffer: the log to be rendered into it
-        int shown[2] = {-1, -1};          // by framebuffer: the log that was rendered into it, until it is needed again
+        int shown[2] = {-1, -1};          // by framebuffer that is owed none: the log that was rendered into it
         int pending = -1;                 // the log with the first write from which unwatched latches are pending
         std::ptrdiff_t pending_from = 0;  // the index of that write in the log
         unsigned read = 0;                // latches that the game has ever read
@@ -60,17 +60,15 @@ class FrameHistory {
     FrameHistory() : logs_(std::make_unique_for_overwrite<FrameLog[]>(kLogs)) {}
 
     // Begins a frame in a free log, and chooses the latches that it watches. `rendered` is the log that the line cache
-    // needs, or null.
+    // needs, or null. The free log may be one that was shown in the frame's own framebuffer, but not in the other one,
+    // whose frame is the last one.
     FrameLog& begin_frame(const Tia& start, const TiaWrite* rendered);
     FrameLog& current() { return logs_[marks_.current]; }
     // Ends the running frame. Framebuffer `buffer` is owed this frame from now on.
-    void end_frame(int buffer) {
-        marks_.owed[buffer] = marks_.last = marks_.current;
-        marks_.shown[buffer] = -1;
-    }
+    void end_frame(int buffer) { marks_.owed[buffer] = marks_.last = marks_.current; }
 
-    // The marks before `begin_frame` are passed to `give_up_frame`, which restores them. Reads of latches stay noted, and
-    // a log that was overwritten stays so.
+    // The marks before `begin_frame` are passed to `give_up_frame`, which restores them. Reads of latches stay noted. As
+    // the frame's log may have been one that was shown, `break_off` must follow.
     const Marks& marks() const { return marks_; }
     void give_up_frame(const Marks& before);
 
