@@ -230,6 +230,7 @@ def test_observations_do_not_change_while_they_are_held() -> None:
 
 WRONG: dict[str, tuple[dict[str, Any], type[Exception], str]] = {
     "no steps": ({"actions": np.zeros((LANES, 0), int)}, ValueError, r"shape \(3, steps\), with a step or more, got"),
+    "too many steps": ({"actions": np.zeros((LANES, 1_000_001), np.uint8)}, ValueError, "has 1 to 1000000 steps"),
     "one axis": ({"actions": np.zeros(LANES, int)}, ValueError, r"shape \(3, steps\)"),
     "rows": ({"actions": np.zeros((2, 5), int)}, ValueError, r"shape \(3, steps\)"),
     "rows of env_id": ({"env_id": [0]}, ValueError, r"shape \(1, steps\)"),

@@ -79,8 +79,10 @@ class BoundEngine : Exclusive {
                        std::optional<List<const int64_t>> environments, size_t steps, double discount, bool stops,
                        bool every) {
         if (queued()) throw std::invalid_argument("a sequence is played in batches of all environments");
-        if (steps < 1 || steps > kMostSteps || !std::isfinite(discount))
-            throw std::invalid_argument("steps or discount is out of range");
+        if (steps < 1 || steps > kMostSteps)
+            throw std::invalid_argument("a sequence has 1 to " + std::to_string(kMostSteps) + " steps, got " +
+                                        std::to_string(steps));
+        if (!std::isfinite(discount)) throw std::invalid_argument("discount must be finite");
         const auto sequence = std::make_shared<Sequence>();
         sequence->steps = steps;
         sequence->discount = discount;
