@@ -266,8 +266,10 @@ def test_what_does_not_fit_is_refused() -> None:
         (lambda: envs.fork([0], [1]), TypeError, r"is the index of an environment, such as 0, got \[0\]"),  # type: ignore[arg-type]
         *(
             (lambda wrong=wrong: envs.restore([0], wrong), TypeError, no_list)
-            for wrong in ([of_single], pong, of_single, 5, [None], [b""], [3])
+            for wrong in (pong, of_single, 5, [None], [3])
         ),
+        (lambda: envs.restore([0], [of_single]), ValueError, "environment 0 cannot .* noops"),
+        (lambda: envs.restore([0], [b""]), ValueError, "environment 0 cannot .* is empty"),
     ]
     for call, error, text in cases:
         with pytest.raises(error, match=text):
