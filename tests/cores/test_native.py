@@ -205,9 +205,11 @@ def test_other_threads_run_while_frames_are_played() -> None:
 
     other = threading.Thread(target=count)
     other.start()
-    before = rounds
-    core.act(0)
-    during = rounds - before
+    during = calls = 0
+    while during <= 100 and calls < 50:  # a busy machine may give the other thread no time in a call
+        before, calls = rounds, calls + 1
+        core.act(0)
+        during = rounds - before
     playing = False
     other.join()
     assert core.frame_number >= 10_000
