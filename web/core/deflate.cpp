@@ -236,7 +236,7 @@ class Matcher {
         size_t best = 0;
         if (at + 3 > content_.size()) return best;
         int tries = kTries;
-        for (int32_t from = latest_[hash(at)]; from >= 0 && tries > 0;
+        for (int32_t from = latest_[hash(at)]; best < kLongEnough && from >= 0 && tries > 0;
              from = before_[static_cast<size_t>(from)], --tries) {
             const auto start = static_cast<size_t>(from);
             if (at - start > kFurthest) break;
@@ -255,7 +255,8 @@ class Matcher {
 
   private:
     static constexpr size_t kHashes = 4096;
-    static constexpr int kTries = 64;
+    static constexpr int kTries = 32;
+    static constexpr size_t kLongEnough = 64;
 
     size_t hash(size_t at) const {
         return (content_[at] * 0x9e5u ^ content_[at + 1] * 0x1fbu ^ content_[at + 2] * 0x3du) % kHashes;

@@ -1,6 +1,7 @@
 #include "session.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "ale/environment_parts.hpp"
 #include "crc32.hpp"
@@ -36,6 +37,10 @@ PlaySession::PlaySession(std::shared_ptr<const PageGame> game, Options options)
     : game_(std::move(game)), options_(std::move(options)),
       environment_(game_->game, settings_of(*game_, options_), usable_seed(options_.seed, game_->players)),
       framebuffer_(static_cast<size_t>(environment_.height()) * Environment::kWidth) {
+    const uint32_t* const rgb = environment_.parts().game->palette->rgb;
+    for (size_t i = 0; i < rgba_.size(); ++i)
+        rgba_[i] = {static_cast<uint8_t>(rgb[i] >> 16), static_cast<uint8_t>(rgb[i] >> 8), static_cast<uint8_t>(rgb[i]),
+                    255};
     if (game_->players > 2) throw Refused("the page plays games of one or two players");
     if (options_.mode) environment_.set_mode(*options_.mode);
     if (options_.difficulty) environment_.set_difficulty(*options_.difficulty);
@@ -129,14 +134,7 @@ void PlaySession::remove_write(uint64_t slot) {
 
 void PlaySession::screen_rgba(uint8_t* out) {
     environment_.screen(framebuffer_.data());
-    const uint32_t* const rgb = environment_.parts().game->palette->rgb;
-    for (const uint8_t index : framebuffer_) {
-        const uint32_t colour = rgb[index];
-        *out++ = static_cast<uint8_t>(colour >> 16);
-        *out++ = static_cast<uint8_t>(colour >> 8);
-        *out++ = static_cast<uint8_t>(colour);
-        *out++ = 255;
-    }
+    for (size_t i = 0; i < framebuffer_.size(); ++i) std::memcpy(out + 4 * i, &rgba_[framebuffer_[i]], 4);
 }
 
 void PlaySession::screen_ahead(const Actions& actions, int frames, uint8_t* out) {

@@ -101,6 +101,7 @@ class PlaySession {
     bool fresh_ = true;  // nothing has been called since the construction
     OfPlayers<int> rewards_{};
     std::vector<uint8_t> framebuffer_;
+    std::array<std::array<uint8_t, 4>, 256> rgba_{};  // by index of the palette
     std::optional<Recorder> recorder_;
     Rewind<Place> states_;
 };
