@@ -156,9 +156,7 @@ def test_a_recording_that_begins_with_a_state(tmp_path: Path) -> None:
         core.act(i % 18)
     calls = [["restore", packed(core.snapshot())], ["record", "0.0.1"], *([["act", 4]] * 100), ["replay"]]
     game = atari.games["seaquest"]
-    seen = node(
-        "play_calls.mjs", core=core_text(game), image=image("seaquest"), options={"sound": True}, calls=calls
-    )
+    seen = node("play_calls.mjs", core=core_text(game), image=image("seaquest"), options={"sound": True}, calls=calls)
     assert verified(tmp_path, unpacked(seen[-1])).frames_total == 100
 
 

@@ -9,6 +9,8 @@
 namespace atari::web {
 namespace {
 
+// The characters after a backslash, and what they stand for.
+constexpr std::string_view kNames = "\"\\bfnrt/", kMeanings = "\"\\\b\f\n\r\t/";
 constexpr int kMostDepth = 32;
 constexpr size_t kMostDigits = 1000;
 
@@ -81,7 +83,7 @@ class Parser {
                 return found;
             case '"':
                 found.kind = Json::Kind::kText;
-                found.text = parse_text(found.token);
+                found.text = parse_text();
                 return found;
             case 'n': found.kind = Json::Kind::kNull; break;
             case 't': found.kind = Json::Kind::kTrue; break;
@@ -99,10 +101,10 @@ class Parser {
         skip_spaces();
         if (accept(end)) return;
         do {
-            std::string name, token;
+            std::string name;
             skip_spaces();
             if (object) {
-                name = parse_text(token);
+                name = parse_text();
                 if (found.find(name)) damaged("a key is there twice");
                 skip_spaces();
                 if (!accept(":")) damaged("a key has no value");
@@ -127,8 +129,7 @@ class Parser {
         return code;
     }
 
-    std::string parse_text(std::string& token) {
-        const size_t start = at_;
+    std::string parse_text() {
         if (!accept("\"")) damaged("a string is missing");
         std::string decoded;
         while (peek() != '"') {
@@ -138,7 +139,6 @@ class Parser {
                 append_utf8(decoded, next_code_point(text_, at_));
                 continue;
             }
-            static constexpr std::string_view kNames = "\"\\/bfnrt", kMeanings = "\"\\/\b\f\n\r\t";
             if (accept("u")) {
                 uint32_t code = four_digits();
                 if (code >= 0xd800 && code < 0xdc00 && accept("\\u")) {
@@ -156,7 +156,6 @@ class Parser {
             }
         }
         ++at_;
-        token = text_.substr(start, at_ - start);
         return decoded;
     }
 
@@ -184,8 +183,12 @@ class Parser {
         found.token = text_.substr(start, at_ - start);
         if (found.token.size() > kMostDigits) damaged("a number is out of range");
         found.number = std::strtod(found.token.c_str(), nullptr);
-        const double most = whole ? 18446744073709551616.0 : HUGE_VAL;  // 2^64
-        if (std::abs(found.number) >= most) damaged("a number is out of range");
+        // A whole number has at most 64 bits, besides its sign.
+        static constexpr std::string_view kTooLarge = "18446744073709551616";
+        const std::string_view digits = std::string_view(found.token).substr(found.token[0] == '-');
+        if (whole ? digits.size() > kTooLarge.size() || (digits.size() == kTooLarge.size() && digits >= kTooLarge)
+                  : !std::isfinite(found.number))
+            damaged("a number is out of range");
     }
 
     std::string_view text_;
@@ -222,8 +225,8 @@ std::string Json::canonical() const {
         case Kind::kNull: return "null";
         case Kind::kTrue: return "true";
         case Kind::kFalse: return "false";
-        case Kind::kNumber:
-        case Kind::kText: return token;
+        case Kind::kNumber: return token;
+        case Kind::kText: return quoted(text);
         default: break;
     }
     const bool object = kind == Kind::kObject;
@@ -244,9 +247,10 @@ std::string quoted(std::string_view text) {
     std::string out = "\"";
     for (size_t at = 0; at < text.size();) {
         const uint32_t code = next_code_point(text, at);
-        if (code == '"' || code == '\\') {
+        const size_t which = code < 0x80 ? kMeanings.find(static_cast<char>(code)) : std::string_view::npos;
+        if (which != std::string_view::npos && code != '/') {
             out += '\\';
-            out += static_cast<char>(code);
+            out += kNames[which];
             continue;
         }
         if (code >= 0x20 && code < 0x7f) {

@@ -1,5 +1,4 @@
-// JSON that may come from a stranger: bounded in size, depth and numbers. The strings of the result are decoded; the text
-// of each value is kept, so that values can be compared by their canonical text.
+// JSON that may come from a stranger: bounded in size, depth and numbers. Values are compared by their canonical text.
 #pragma once
 
 #include <string>

@@ -127,7 +127,7 @@ class ContentReader {
         if (content_.end) damaged(offset, "a chunk comes after the end");
         switch (kind) {
             case 'H': add_header(payload, offset); break;
-            case 'P': add_play(payload, offset); break;
+            case 'P': content_.plays.push_back(parse_play(payload, offset, content_.frames())); break;
             case 'S': content_.snapshots.emplace_back(payload.begin(), payload.end()); break;
             case 'W': content_.writes.emplace_back(text_of(payload)); break;
             case 'E': content_.end = parse_object(payload, offset); break;
@@ -137,6 +137,7 @@ class ContentReader {
 
     ReplayContent finish() {
         if (!has_header_) damaged(kMagic.size(), "the file ends within its header, and holds nothing");
+        check_events();
         return std::move(content_);
     }
 
@@ -152,22 +153,23 @@ class ContentReader {
                                 ", and this page reads " + std::to_string(reads));
     }
 
-    void add_play(View payload, size_t offset) {
-        PlayChunk play = parse_play(payload, offset, content_.frames());
-        try {
-            const Bytes text = inflate(play.events, kMostEvents);
-            unpacked_ += text.size();
-            parse_events(text);
-        } catch (const Refused& error) {
-            damaged(offset, error.what());
+    // Unpacks the events of all chunks once, so that a damaged one is an error now.
+    void check_events() const {
+        size_t unpacked = 0;
+        for (const PlayChunk& play : content_.plays) {
+            try {
+                const Bytes text = inflate(play.events, kMostEvents);
+                parse_events(text);
+                unpacked += text.size();
+            } catch (const Refused& error) {
+                damaged(play.offset, error.what());
+            }
+            if (unpacked > kMostUnpacked) damaged(play.offset, "the events are too many");
         }
-        if (unpacked_ > kMostUnpacked) damaged(offset, "the events are too many");
-        content_.plays.push_back(std::move(play));
     }
 
     ReplayContent content_;
     bool has_header_ = false;
-    size_t unpacked_ = 0;
 };
 
 }  // namespace

@@ -74,8 +74,7 @@ struct ReplayContent {
     int64_t players() const;
 };
 
-// Reads a file; its events are unpacked once, so that a damaged one is an error now. Throws Refused with the offset of the
-// damage.
+// Reads a file, with its events. Throws Refused with the offset of the damage.
 ReplayContent read_replay(View file);
 
 // The bytes of a file that begins with this header.
