@@ -1,7 +1,8 @@
 // Plays a game by a list of calls, and prints what each call shows or returns, as JSON.
-import { Sums, base64Of, bytesOf, core, input } from "./node_tools.mjs";
+import { Sums, base64Of, bytesOf, core, crc32, input } from "./node_tools.mjs";
 
-const session = core.game(input.core, bytesOf(input.image)).play(input.options);
+const game = core.game(input.core, bytesOf(input.image));
+const session = game.play(input.options);
 const slots = [];
 
 /** Check sums of RAM, screen and sound, and the numbers of a frame; with labels, also their values and the objects. */
@@ -14,7 +15,9 @@ function shown() {
 
 const CALLS = {
   act: (first, second = 0, strength = 1) => (session.act(first, second, strength), shown()),
-  ahead: (frames, action) => (session.screenAhead(frames, action), shown()),
+  ahead: (frames, action) => [crc32(0, session.screenAhead(frames, action)), ...shown()],
+  rgba: () => crc32(0, session.screen()),
+  budget: (bytes) => session.budget(bytes),
   reset: () => (session.reset(), shown()),
   seed: (seed) => (session.seed(seed), shown()),
   mode: (mode) => session.setMode(mode),
