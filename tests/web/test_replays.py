@@ -9,8 +9,11 @@ import pytest
 from web_tools import GAMES, image, needs_core, node, packed, unpacked
 
 import atari
+from atari.games.interventions import load
 from atari.lab import Freeze, Poke
+from atari.multiplayer import MultiplayerCore
 from atari.recording import RecordReplay, Replay
+from atari.recording.replay import file_format
 from atari.web.table import core_text, entry
 
 REPLAYS = Path(__file__).parent.parent.parent / "docs" / "games" / "replays"
@@ -68,15 +71,9 @@ def test_a_difference_is_found() -> None:
     payload = chunk._replace(short_hashes=wrong).pack()
     start = chunk.offset + 11
     data[start : start + len(payload)] = payload
-    data[chunk.offset : start] = _head(payload)
+    data[chunk.offset : start] = file_format._chunk(b"P", payload)[:11]
     (found,) = played("pong", {"replay": packed(bytes(data))})
     assert found["difference"] == {"frame": chunk.first + 17, "what": "RAM"}
-
-
-def _head(payload: bytes) -> bytes:
-    from atari.recording.replay.file_format import _chunk
-
-    return _chunk(b"P", payload)[:11]
 
 
 @needs_core
@@ -162,8 +159,6 @@ def test_a_recording_that_begins_with_a_state(tmp_path: Path) -> None:
 
 @needs_core
 def test_two_players(tmp_path: Path) -> None:
-    from atari.multiplayer import MultiplayerCore
-
     core = RecordReplay(MultiplayerCore("pong", seed=9), tmp_path / "a.a26r")
     core.reset()
     rng = random.Random(2)
@@ -174,6 +169,48 @@ def test_two_players(tmp_path: Path) -> None:
     (found,) = played("pong", one, players=2)
     assert (found["frames"], found["difference"]) == (700, None)
     assert verified(tmp_path, unpacked(found["goneOn"])).frames_total == 640
+
+
+@needs_core
+def test_two_players_of_the_page(tmp_path: Path) -> None:
+    two = entry(atari.games["pong"])["two_players"]
+    options = {"mode": two["default_mode"], "seed": 5, "repeat_action_probability": [0.25, 0]}
+    core = MultiplayerCore("pong", seed=5, repeat_action_probability=(0.25, 0.0), sound=True)
+    core.reset()
+    for i in range(90):
+        core.act_players([i % 18, (i * 7) % 18])
+    calls = [["record", "0.0.1"], ["reset"], *[["act", i % 18, (i * 7) % 18] for i in range(90)]]
+    calls += [["snapshot"], ["replay"], ["restore", packed(core.snapshot())]]
+    *_, saved, recorded, restored = node(
+        "play_calls.mjs", core=two["core"], image=image("pong"), options=options, calls=calls
+    )
+    assert verified(tmp_path, unpacked(recorded)).players == 2
+    before = core.save()
+    core.act_players([1, 1])
+    core.restore(unpacked(saved))
+    assert core.save() == before
+    assert restored[0] == zlib.crc32(core.ram().tobytes())
+
+
+@needs_core
+def test_a_recording_with_interventions(tmp_path: Path) -> None:
+    game = atari.games["breakout"]
+    names = list(load(game))[:2]
+    calls = [["record", "0.0.1"], ["reset"], *[["act", 1 + i % 3] for i in range(150)], ["snapshot"], ["replay"]]
+    *_, saved, recorded = node(
+        "play_calls.mjs",
+        core=core_text(game),
+        image=image("breakout"),
+        options={"seed": 2, "sound": True, "interventions": names},
+        calls=calls,
+    )
+    replay = verified(tmp_path, unpacked(recorded))
+    assert [one.name for one in replay.task.interventions] == names
+    core = atari.cores.NativeCore("breakout", sound=True, interventions=replay.task.interventions)
+    core.restore(unpacked(saved))
+    assert core.save() == replay.seek(150, sound=True).save()
+    (found,) = played("breakout", {"replay": recorded})  # the header has the definitions
+    assert found["difference"] is None
 
 
 @needs_core

@@ -2,10 +2,12 @@
 
 import json
 import zlib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import web_tools
 from web_tools import image, needs_core, node, packed
 
 import atari
@@ -137,6 +139,13 @@ def test_a_game_that_is_refused(text: str | None, size: int, message: str) -> No
     core = core_text(atari.games["pong"]) if text is None else text
     with pytest.raises(AssertionError, match=message):
         node("play_calls.mjs", core=core, image=packed(bytes(size)), options={}, calls=[])
+
+
+def test_a_module_that_the_browser_refuses(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "core.wasm").write_bytes((web_tools.BUILD / "core.wasm").read_bytes()[:1000])
+    monkeypatch.setattr(web_tools, "BUILD", tmp_path)
+    with pytest.raises(AssertionError, match="This browser cannot run the emulator"):
+        called("pong")
 
 
 def test_a_game_of_your_own() -> None:

@@ -27,12 +27,23 @@ export async function loadCore(source) {
       environ_get: () => 0,
     },
   };
-  const { instance } = source instanceof Uint8Array || source instanceof ArrayBuffer
-    ? await WebAssembly.instantiate(source, imports)
-    : await WebAssembly.instantiateStreaming(source, imports);
+  const { instance } = await instantiated(source, imports);
   memory = instance.exports.memory;
-  instance.exports._initialize?.();
+  instance.exports._initialize();
   return new Core(instance.exports);
+}
+
+async function instantiated(source, imports) {
+  try {
+    return source instanceof Uint8Array || source instanceof ArrayBuffer
+      ? await WebAssembly.instantiate(source, imports)
+      : await WebAssembly.instantiateStreaming(source, imports);
+  } catch (error) {
+    if (typeof WebAssembly === "object" && !(error instanceof WebAssembly.CompileError)) throw error;
+    throw new CoreError(
+      "This browser cannot run the emulator, which needs WebAssembly with SIMD and exceptions: Chrome 95, Firefox 100, " +
+      "Safari 16.4, or newer ones.");
+  }
 }
 
 class Core {
