@@ -14,7 +14,7 @@ from typing import Any
 
 from atari import __version__
 from atari.cores.compiled import definition, definition_for_players
-from atari.cores.writes import make_writes
+from atari.cores.writes import make_writes, possible_values
 from atari.games.actions import Action
 from atari.games.game import Game, RamLabel
 from atari.games.interventions import Intervention, WriteRule, compile_write, load
@@ -136,7 +136,8 @@ def _lab_lines(game: Game) -> Iterator[tuple[str, str]]:
     for name, label in game.ram_labels.items():
         index, mask, decimal, value, visible = compile_label(label)
         written = compile_write(game, WriteRule(name, 0), f"the label {name!r}").label
-        yield "label", f"{name} {words([index, mask, decimal])} {_counted(value, visible, written)}"
+        possible = sorted(possible_values(game, name)) if label.transform and "ram" in label.transform else []
+        yield "label", f"{name} {words([index, mask, decimal])} {_counted(value, visible, written, possible)}"
     for axes in positions(game.ram_labels).values():
         yield "object", words([names.index(axes[axis].name) if axis in axes else -1 for axis in ("x", "y")])
     for intervention in _interventions(game):
@@ -170,7 +171,7 @@ def _counted(*lists: Sequence[int]) -> str:
 
 def _sizes(axes: Mapping[str, RamLabel]) -> dict[str, int]:
     """The width and the height of an object: of the first label of its position that has them."""
-    sizes = [(name, getattr(label, name)) for label in reversed(axes.values()) for name in ("width", "height")]
+    sizes = [(name, getattr(label, name)) for label in reversed([*axes.values()]) for name in ("width", "height")]
     return {name: size for name, size in sizes if size is not None}
 
 

@@ -12,7 +12,7 @@ from web_tools import GAMES, image, needs_core, node, packed, unpacked
 
 import atari
 from atari.cores import NativeCore, snapshot
-from atari.cores.writes import make_writes, write_of
+from atari.cores.writes import make_writes, possible_values, write_of
 from atari.games.game import Game
 from atari.games.interventions import load
 from atari.lab.labels import Labels
@@ -32,7 +32,8 @@ def shown(core: NativeCore, reward: int = 0) -> list[Any]:
 
 def random_calls(game: Game, rng: random.Random, frames: int) -> Iterator[Call]:
     """Resets, held actions, changes of the mode and the difficulty, pokes, writes and snapshots."""
-    labels = [label for label in game.ram_labels.values() if label.transform is None and label.encoding is None]
+    values = {name: sorted(possible_values(game, name)) for name in game.ram_labels}
+    labels = [name for name in values if values[name]]
     played = writes = 0
     while played < frames:
         kind = rng.random()
@@ -44,9 +45,10 @@ def random_calls(game: Game, rng: random.Random, frames: int) -> Iterator[Call]:
         elif kind < 0.10:
             yield ["poke", rng.randrange(128), rng.randrange(256)]
         elif kind < 0.14 and writes < 8:
-            to = rng.choice(labels).name if labels and rng.random() < 0.5 else rng.randrange(128)
+            to = rng.choice(labels) if labels and rng.random() < 0.5 else rng.randrange(128)
+            value = rng.choice(values[to]) if isinstance(to, str) else rng.randrange(256)
             when = rng.choice(["frame", "held", [3, 40]])
-            yield ["addWrite", json.dumps({"to": to, "value": rng.randrange(2), "when": when}), rng.random() < 0.5]
+            yield ["addWrite", json.dumps({"to": to, "value": value, "when": when}), rng.random() < 0.5]
             writes += 1
         elif kind < 0.16 and writes:
             writes -= 1

@@ -88,6 +88,7 @@ def test_bytes_of_labels() -> None:
         (["addWrite", "{"], "the JSON is damaged"),
         (["addWrite", "[]"], "a write is no object of JSON"),
         (["addWrite", '{"to": "nothing", "value": 1}'], "pong has no label 'nothing'"),
+        (["addWrite", '{"to": "player_y", "value": 9999}'], "player_y cannot be 9999"),
         (["addWrite", '{"to": 5, "value": "old + 1"}'], 'a write has no whole number "value"'),
         (["addWrite", '{"to": 5, "value": 1, "condition": "1"}'], 'a write has more, "condition"'),
         (["addWrite", '{"to": 5, "value": 1, "when": "never"}'], "cannot be applied at such a time"),

@@ -9,6 +9,13 @@
 namespace atari::web {
 namespace {
 
+// The value of a decimal byte with a digit above 9 (atari/games/interventions/writes.py), which no write stores.
+constexpr int32_t kNoValue = INT32_MIN + 1;
+
+bool contains(const std::vector<int32_t>& values, int32_t value) {
+    return std::find(values.begin(), values.end(), value) != values.end();
+}
+
 // The words of one line.
 class Line {
   public:
@@ -106,6 +113,7 @@ Label read_label(Line& line, LabelWrite& write) {
     label.hides = !visible.empty();
     label.visible = program(visible, Label::kVariables);
     write.program = line.counted();
+    write.possible = line.counted();
     return label;
 }
 
@@ -221,11 +229,8 @@ SharedWrite PageGame::write_of(std::string_view definition) const {
         if (found < low || found > high) throw Refused(std::string("a write has a wrong \"") + name + '"');
         return static_cast<int32_t>(found);
     };
-    const bool to_label = to && to->kind == Json::Kind::kText;
-    if (to_label) {
-        const auto label = std::find_if(label_writes.begin(), label_writes.end(),
-                                        [&](const auto& one) { return one.name == to->text; });
-        if (label == label_writes.end()) throw Refused(id + " has no label '" + to->text + "'");
+    const LabelWrite* const label = to && to->kind == Json::Kind::kText ? &label_write(to->text) : nullptr;
+    if (label) {
         write->index = label->index;
         write->mask = static_cast<uint8_t>(label->mask);
         write->of_label = true;
@@ -235,7 +240,7 @@ SharedWrite PageGame::write_of(std::string_view definition) const {
         write->index = number("to", 0, 255) % 128;
         if (rule.find("mask")) write->mask = static_cast<uint8_t>(number("mask", 1, 255));
     }
-    const int32_t value = to_label ? number("value", INT32_MIN, INT32_MAX) : number("value", 0, 255);
+    const int32_t value = label ? number("value", INT32_MIN, INT32_MAX) : number("value", 0, 255);
     write->value = Program({static_cast<int32_t>(Op::kPush), value, static_cast<int32_t>(Op::kStore), kResult,
                             static_cast<int32_t>(Op::kEnd), 0},
                            kWriteVariables, false);
@@ -249,7 +254,18 @@ SharedWrite PageGame::write_of(std::string_view definition) const {
     write->once = flag("once", false);
     write->paid = flag("paid", true);
     write->prepare();
+    if (label) {
+        const std::vector<int32_t>& possible = write->label_values.empty() ? label->possible : write->label_values;
+        if (value == kNoValue || (!possible.empty() && !contains(possible, value)))
+            throw Refused(label->name + " cannot be " + std::to_string(value));
+    }
     return write;
+}
+
+const LabelWrite& PageGame::label_write(const std::string& name) const {
+    for (const LabelWrite& label : label_writes)
+        if (label.name == name) return label;
+    throw Refused(id + " has no label '" + name + "'");
 }
 
 const PageIntervention* PageGame::intervention(std::string_view name) const {

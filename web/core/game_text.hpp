@@ -26,6 +26,7 @@ struct LabelWrite {
     std::string name;
     int index = 0, mask = 0xff;
     std::vector<int32_t> program;
+    std::vector<int32_t> possible;  // the values that it can have, if other bytes choose between them; may be empty
 };
 
 // A thing on the screen: the numbers of the labels of its column and row, or -1.
@@ -51,6 +52,7 @@ struct PageGame {
     // Returns the write of a definition, in the form of `atari.cores.writes.write_of`: of an intervention, or of a number
     // to a label or a place. Throws Refused for any other.
     SharedWrite write_of(std::string_view definition) const;
+    const LabelWrite& label_write(const std::string& name) const;       // throws Refused if there is none
     const PageIntervention* intervention(std::string_view name) const;  // null if there is none
 };
 
