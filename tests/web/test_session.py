@@ -82,6 +82,8 @@ def test_bytes_of_labels() -> None:
     [
         (["act", 18], "an action is a number from 0 to 17"),
         (["act", 0, 0, 2000], "the strength of a paddle is out of range"),
+        (["ahead", 1, -1], "an action is a number from 0 to 17"),
+        (["ahead", 61, 0], "0 to 60 frames ahead"),
         (["mode", 99], "pong has no such mode"),
         (["difficulty", 9], "pong has no such difficulty"),
         (["poke", 128, 0], "an index 0..127 and a value 0..255"),

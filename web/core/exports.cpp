@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <string>
 #include <type_traits>
 
@@ -34,10 +35,12 @@ template <typename Call>
 auto guarded(Call&& call, std::type_identity_t<decltype(call())> failed = {}) -> decltype(call()) {
     try {
         return call();
+    } catch (const std::bad_alloc&) {
+        last_error = "there is not enough memory";
     } catch (const std::exception& error) {
         last_error = error.what();
-        return failed;
     }
+    return failed;
 }
 
 template <typename Call>
@@ -164,7 +167,9 @@ EXPORT(session_objects) void session_objects(PlaySession* session, int32_t* out)
 }
 // Returns the byte that gives a label a value; -1 if none does.
 EXPORT(session_byte_of) int session_byte_of(PlaySession* session, int label, int32_t value) {
-    return session->game().labels.byte_of(static_cast<size_t>(label), session->environment().ram(), value);
+    const Labels& labels = session->game().labels;
+    if (label < 0 || static_cast<size_t>(label) >= labels.size()) return -1;
+    return labels.byte_of(static_cast<size_t>(label), session->environment().ram(), value);
 }
 EXPORT(session_snapshot) size_t session_snapshot(PlaySession* session) {
     return returned([&] { return session->snapshot(); });

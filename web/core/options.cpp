@@ -117,9 +117,8 @@ Options read_options(const Json& table, const PageGame& game) {
 double as_ale_reads(double probability) {
     const double number = static_cast<float>(probability);
     if (number == 0) return 0;
-    // Six digits, as "%g" rounds them.
-    const int digits = 5 - static_cast<int>(std::floor(std::log10(number)));
-    const double scale = std::pow(10.0, digits);
+    double scale = 1e5;  // six digits, as "%g" rounds them
+    while (number * scale < 1e5) scale *= 10;
     return static_cast<float>(std::nearbyint(number * scale) / scale);
 }
 

@@ -10,7 +10,7 @@
 namespace atari::web {
 namespace {
 
-constexpr int kActionCount = 18;
+constexpr int kActionCount = 18, kMostAhead = 60;
 
 Settings settings_of(const PageGame& game, const Options& options) {
     Settings settings = options.settings();
@@ -20,6 +20,11 @@ Settings settings_of(const PageGame& game, const Options& options) {
 
 bool contains(const std::vector<int32_t>& choices, int64_t value) {
     return std::find(choices.begin(), choices.end(), value) != choices.end();
+}
+
+void check(const Actions& actions) {
+    for (const int action : actions)
+        if (action < 0 || action >= kActionCount) throw Refused("an action is a number from 0 to 17");
 }
 
 const char* python_bool(bool value) { return value ? "True" : "False"; }
@@ -71,8 +76,7 @@ void PlaySession::reset() {
 }
 
 bool PlaySession::act(const Actions& actions, float strength) {
-    for (const int action : actions)
-        if (action < 0 || action >= kActionCount) throw Refused("an action is a number from 0 to 17");
+    check(actions);
     if (!(strength >= -1000 && strength <= 1000)) throw Refused("the strength of a paddle is out of range");
     fresh_ = false;
     const int before = environment_.frame_number();
@@ -92,7 +96,13 @@ bool PlaySession::act(const Actions& actions, float strength) {
     return played;
 }
 
+// A replay of several players has the mode and the difficulty in its header.
+void PlaySession::check_one_player() const {
+    if (players() > 1) throw Refused("a game of several players keeps its mode and its difficulty; begin another game");
+}
+
 void PlaySession::set_mode(int64_t mode) {
+    check_one_player();
     if (!contains(game_->modes, mode)) throw Refused(game_->id + " has no such mode");
     fresh_ = false;
     environment_.set_mode(static_cast<int>(mode));
@@ -100,6 +110,7 @@ void PlaySession::set_mode(int64_t mode) {
 }
 
 void PlaySession::set_difficulty(int64_t difficulty) {
+    check_one_player();
     if (!contains(game_->difficulties, difficulty)) throw Refused(game_->id + " has no such difficulty");
     fresh_ = false;
     environment_.set_difficulty(static_cast<int>(difficulty));
@@ -138,6 +149,8 @@ void PlaySession::screen_rgba(uint8_t* out) {
 }
 
 void PlaySession::screen_ahead(const Actions& actions, int frames, uint8_t* out) {
+    check(actions);
+    if (frames < 0 || frames > kMostAhead) throw Refused("the screen is shown 0 to 60 frames ahead");
     const EnvironmentSnapshot present = environment_.snapshot();
     for (int i = 0; i < frames; ++i) environment_.act({actions[0], actions[1]}, players());
     screen_rgba(out);

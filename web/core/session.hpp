@@ -30,9 +30,9 @@ class PlaySession {
     void seed(uint32_t seed);
     void reset();  // throws if the mode cannot be selected
     // Plays a frame, and returns whether one was played: none is after the end of the game. Throws Refused for an unknown
-    // action, or a strength outside of 0..1000.
+    // action, or a strength beyond 1000.
     bool act(const Actions& actions, float strength = 1.0f);
-    void set_mode(int64_t mode);
+    void set_mode(int64_t mode);  // of a game of one player, as the next
     void set_difficulty(int64_t difficulty);
     void poke(int64_t index, int64_t value);
     // Adds a write of a definition, in JSON, and returns its slot. With `now`, it is also applied at once.
@@ -41,8 +41,8 @@ class PlaySession {
 
     int64_t score(int player = 0) const { return counters_.score[static_cast<size_t>(player)]; }
     int reward(int player = 0) const { return rewards_[static_cast<size_t>(player)]; }
-    bool game_over() { return environment_.game_over(); }
-    bool truncated() { return environment_.truncated(); }
+    bool game_over() const { return environment_.game_over(); }
+    bool truncated() const { return environment_.truncated(); }
 
     // The screen as RGBA, height() x 160 pixels.
     void screen_rgba(uint8_t* out);
@@ -61,7 +61,6 @@ class PlaySession {
     // Records from now on, in place of an earlier recording. In the middle of a game the recording begins with a snapshot,
     // and the score with 0. `package` is the release for the header.
     void start_recording(std::string_view package);
-    bool recording() const { return recorder_.has_value(); }
     Bytes replay();  // the recording so far; throws Refused without one
 
     // The hashes of replays.
@@ -93,6 +92,7 @@ class PlaySession {
     static uint32_t usable_seed(uint32_t seed, int players);
     std::string facts() { return facts_of(*game_, options_, environment_.mode()); }
     void load(View state);
+    void check_one_player() const;
 
     std::shared_ptr<const PageGame> game_;
     Options options_;
