@@ -10,7 +10,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import atari_inspection
 import pytest
 
 import atari
@@ -18,6 +17,8 @@ from atari.base import json_text
 from atari.cores import NativeCore, snapshot
 from atari.cores.native import as_ale_reads
 from atari.recording.replay import events, file_format
+
+atari_inspection = pytest.importorskip("atari_inspection")  # scripts/test and scripts/dev build it
 
 TOP = Path(__file__).parent.parent.parent
 REPLAYS = sorted([*TOP.glob("docs/games/replays/*.a26r"), *TOP.glob("examples/*.a26r")])

@@ -1,5 +1,11 @@
 // The core for the page: loads core.wasm, and gives its functions the types of JavaScript. The rules are in C++; this
-// file moves bytes and numbers. It runs in browsers and in Node.
+// file moves bytes and numbers. It runs in browsers and in Node:
+//
+//   const core = await loadCore(await (await fetch("core.wasm")).arrayBuffer());
+//   const session = core.game(entry.core, rom).play({ repeat_action_probability: 0 });  // the game's entry in the table
+//   session.reset();
+//   session.act(1);
+//   const image = new ImageData(session.screen(), session.width, session.height);
 
 /** The sentence of a call that failed. */
 export class CoreError extends Error {}
