@@ -187,7 +187,7 @@ def place_of(core: NativeCore) -> Callable[[], tuple[int, ...]]:
     """A function that returns where the player is: its room and position, in steps of 8, as far as there are labels."""
     labels = core.game.ram_labels
     rooms = [label.index for name, label in labels.items() if name.startswith(("room", "level"))]
-    names = ("player_x", "player_y", "player_x_code", "player_row", "player_column", "player_0_x", "player_0_y")
+    names = ("player_x", "player_y", "player_row", "player_column", "player_0_x", "player_0_y")
     positions = [labels[name].index for name in names if name in labels]
 
     def place() -> tuple[int, ...]:

@@ -11,8 +11,10 @@ Suites:
             Gymnasium's wrappers and ale-py's and EnvPool's vector environments with one environment and one thread
     vector  one step of one environment of a vector, resets counted, with 64, 8 and 1 environments on all cores:
             `AtariVectorEnv` beside ale-py's and EnvPool's; then RGB, RAM, one thread beside several, the cost of a call
-    sizes   the same over numbers of environments, by default of one game: the others take a minute to make 1024;
-            scripts/bench/plot_vector.py draws what --json writes
+    play    one of 100, 16 or 4 steps of one environment of a vector, on one thread: in one call of
+            `AtariVectorEnv.play`, beside calls of `step`; by default of one game
+    sizes   the steps of `vector` over numbers of environments, by default of one game: the others take a minute to make
+            1024; scripts/bench/plot_vector.py draws what --json writes
     memory  sampling from a `ReplayMemory`, uniform and by priority, beside the buffers of Stable-Baselines3, TorchRL,
             cpprb and Dopamine where they are installed; adding to it; and its size, plain and compressed. By default
             times of one game and sizes of all
@@ -169,7 +171,7 @@ def default_games(suite: str) -> list[str]:
     """The games that a suite measures."""
     if suite == "multiplayer":
         return suite_multiplayer.GAMES
-    return GAMES[:1] if suite in ("sizes", "memory", "ray", "jax") else GAMES
+    return GAMES[:1] if suite in ("play", "sizes", "memory", "ray", "jax") else GAMES
 
 
 def main() -> None:
@@ -180,7 +182,7 @@ def main() -> None:
         "--games",
         nargs="+",
         metavar="GAME",
-        help="games to measure, or 'all' (default: eight well-known ones; of suite sizes breakout)",
+        help="games to measure, or 'all' (default: eight well-known ones; of suites play and sizes breakout)",
     )
     parser.add_argument(
         "--envs",

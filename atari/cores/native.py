@@ -78,7 +78,11 @@ class EmulatorCore(CopiedBySnapshot, _emulator.Emulator):
 
     def snapshot(self) -> bytes:
         """The whole state as portable bytes, about 5 kB."""
-        return snapshot.pack(self._facts(), {"state": zlib.compress(self.save(), 1)})
+        return self.snapshot_of(self.save())
+
+    def snapshot_of(self, state: bytes) -> bytes:
+        """The snapshot that has this state, which is a result of `save`."""
+        return snapshot.pack(self._facts(), {"state": zlib.compress(state, 1)})
 
     def restore(self, data: bytes) -> None:
         """Continue from a snapshot.

@@ -5,6 +5,7 @@ lane of `AtariVectorEnv` does, on the `AtariEnv`'s own core. The nested wrappers
 """
 
 from collections.abc import Sequence
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,11 @@ from atari.base.gymnasium_versions import adds_episode
 from atari.base.validation import check_integer
 from atari.cores.ale_random import AleRandom
 from atari.env.env import AtariEnv, options_of_reset
+from atari.env.lane_snapshot import LaneSnapshot, LaneState, join, new_episode
 from atari.env.restorable import Environment, RestorableWrapper, State, layers, warn_of_restore
-from atari.env.settings import make_episode, observation_space
+from atari.env.settings import observation_space
 from atari.task import Task
+from atari.task.json_form import identity
 
 STEPS_WITHOUT_PROGRESS = 2250  # 9,000 frames, two and a half minutes of play
 
@@ -150,9 +153,7 @@ class EpisodeEnv(RestorableWrapper):
         return info
 
     def _make_episode(self) -> _emulator.Episode:
-        task, inner = self.preprocessing, self._atari
-        stacked = task.stack_num is not None
-        return make_episode(task, begin_actions=inner.task.begin_actions, stacked=stacked, draw=inner.driver.draw)
+        return new_episode(self.preprocessing, self._atari.driver)
 
     @property
     def snapshot_arguments(self) -> dict[str, Any]:
@@ -161,6 +162,9 @@ class EpisodeEnv(RestorableWrapper):
 
     def _save_state(self) -> State:
         return {"episode": np.frombuffer(self._episode.save(), np.uint8)}
+
+    def _state_of_lane(self, lane: LaneState) -> State:
+        return {"episode": np.frombuffer(lane.episode, np.uint8)}
 
     def _load_state(self, state: State) -> dict[str, Any]:
         episode = self._make_episode()
@@ -220,6 +224,36 @@ def can_play(env: Environment, task: Task) -> bool:
         return False  # a `DqnPreprocessing` around it needs the inner `EpisodicLife`
     shows = not atari.sound_obs and (task.kind.image is None or atari.task.kind.image is not None)
     return checks and shows and atari.task.frameskip == 1
+
+
+def single_env(task: Task, rom: str | PathLike[str] | None) -> AtariEnv | EpisodeEnv:
+    """The single environment of the task of a lane.
+
+    Raises:
+        ValueError: several wrappers play it, whose state is not a lane's.
+    """
+    atari = AtariEnv(task.emulator_task() if task.preprocessed else task.replace(max_episode_steps=None), rom=rom)
+    playable = can_play(atari, task)  # by the task without wrappers
+    env = EpisodeEnv(atari, task) if task.preprocessed and playable else atari
+    if task.preprocessed and not playable:
+        raise ValueError(
+            "with episodic_life and frameskip=1, wrappers play a single environment, and its snapshots do not continue "
+            "in a vector; take the snapshot of a vector"
+        )
+    atari.whole_task = task
+    return env
+
+
+def lane_of(env: AtariEnv | EpisodeEnv) -> LaneSnapshot:
+    """The snapshot of a lane that continues an environment of `single_env`."""
+    atari = env.unwrapped
+    assert isinstance(atari, AtariEnv)
+    if isinstance(env, EpisodeEnv):
+        episode = env._episode
+    else:
+        game, episode = atari.driver.played, new_episode(atari.task, atari.driver)
+        episode.go_on(atari.core, int(game.score), game.steps, game.first_frame)
+    return LaneSnapshot(join(episode, atari.driver), identity(atari.task))
 
 
 def _recorded(task: Task) -> Task | str:

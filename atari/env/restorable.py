@@ -8,7 +8,7 @@ without a state may differ.
 
 import json
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
 import gymnasium
@@ -19,6 +19,7 @@ from gymnasium.wrappers import OrderEnforcing, PassiveEnvChecker, TimeLimit
 
 from atari.cores import snapshot
 from atari.env.env import AtariEnv
+from atari.env.lane_snapshot import LaneSnapshot, LaneState, new_episode, split
 from atari.task.fields import GROUPS
 from atari.task.json_form import identity, require_same
 
@@ -57,25 +58,23 @@ class Restorable:
         """
         env = _env(self)
         atari = _unwrapped(env)
-        facts, blobs = [], {"env": atari.snapshot()}
-        for number, layer in enumerate(_stateful(env)):
-            state = _save_state(layer)
-            arrays = {name: part for name, part in state.items() if isinstance(part, np.ndarray)}
-            blobs |= {f"{number}.{name}": zlib.compress(part.tobytes(), 1) for name, part in arrays.items()}
-            facts.append(_identity(layer) | {"state": {name: state[name] for name in state if name not in arrays}})
-        return snapshot.pack({"of": "wrappers", "layers": facts, "task": identity(atari.task)}, blobs)
+        stateful = list(_stateful(env))
+        return _pack(atari, atari.snapshot(), stateful, [_save_state(layer) for layer in stateful])
 
-    def restore(self, data: bytes) -> None:
+    def restore(self, data: bytes | LaneSnapshot) -> None:
         """Continue from a snapshot of such a stack.
 
+        `data` may be an element of what `AtariVectorEnv.snapshot` returned, if `atari.make` has made this environment
+        of the lane's task.
+
         Raises:
-            TypeError: `data` is not bytes, or one of the reasons in `snapshot`.
+            TypeError: `data` is neither, or one of the reasons in `snapshot`.
             ValueError: `data` is no snapshot, is damaged, or belongs to other wrappers, another task or core; the
                 message lists each field that differs. The environment has not changed.
         """
         env = _env(self)
         atari, stateful = _unwrapped(env), list(_stateful(env))
-        facts, blobs = snapshot.unpack(data)
+        facts, blobs = snapshot.unpack(_of_lane(data, atari, stateful) if isinstance(data, LaneSnapshot) else data)
         if facts.get("of") == "AtariEnv":
             raise ValueError(
                 "the snapshot is of the AtariEnv without its wrappers; pass it to env.unwrapped.restore, or call "
@@ -104,6 +103,10 @@ class Restorable:
     def _save_state(self) -> State:
         """The state; before the first reset too, with arrays of the same shape and dtype."""
         return {name: getattr(self, name) for name in self._state}
+
+    def _state_of_lane(self, lane: LaneState) -> State | None:
+        """The state of this wrapper that continues a lane of a vector; None if it does not play a whole task."""
+        return None
 
     def _load_state(self, state: State) -> dict[str, Any]:
         """The attributes of a saved state, with the names, types, shapes and dtypes of `_save_state`.
@@ -169,6 +172,32 @@ def _stateful(env: Environment) -> Iterator[Environment]:
                 f"the state of the wrapper {type(layer).__name__} cannot be saved; put it around the others and call "
                 "snapshot() and restore() of the environment in it"
             )
+
+
+def _pack(atari: AtariEnv, inner: bytes, stateful: Sequence[Environment], states: Sequence[State]) -> bytes:
+    """The snapshot of a stack of wrappers with these states around an `AtariEnv` with the snapshot `inner`."""
+    facts, blobs = [], {"env": inner}
+    for number, (layer, state) in enumerate(zip(stateful, states, strict=True)):
+        arrays = {name: part for name, part in state.items() if isinstance(part, np.ndarray)}
+        blobs |= {f"{number}.{name}": zlib.compress(part.tobytes(), 1) for name, part in arrays.items()}
+        facts.append(_identity(layer) | {"state": {name: state[name] for name in state if name not in arrays}})
+    return snapshot.pack({"of": "wrappers", "layers": facts, "task": identity(atari.task)}, blobs)
+
+
+def _of_lane(snapshot: LaneSnapshot, atari: AtariEnv, stateful: list[Environment]) -> bytes:
+    """The snapshot of a stack of wrappers that continues a lane."""
+    require_same(snapshot.task, atari.task)
+    lane = split(snapshot, atari.task, atari.driver)
+    states = [layer._state_of_lane(lane) for layer in stateful if isinstance(layer, Restorable)]
+    if len(states) != 1 or len(stateful) != 1 or states[0] is None:
+        names = ", ".join(type(layer).__name__ for layer in stateful) or "none"
+        raise ValueError(
+            "a lane's snapshot continues in what atari.make(envs.task) returns, an EpisodeEnv without another wrapper "
+            f"that has a state; the wrappers with a state are {names}"
+        )
+    episode = new_episode(atari.task, atari.driver)
+    episode.load(lane.episode)
+    return _pack(atari, atari._snapshot_of(lane, episode), stateful, [states[0]])
 
 
 def _identity(layer: Environment) -> dict[str, Any]:

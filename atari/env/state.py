@@ -7,10 +7,12 @@ from typing import Any, get_args
 import gymnasium
 import numpy as np
 
+import atari._emulator as _emulator
 from atari.cores import ByteArray, Core, snapshot
 from atari.cores.ale_interface import AleSettings
 from atari.cores.ale_random import AleRandom
 from atari.env.driver import Driver, Phase, Played
+from atari.env.lane_snapshot import LaneSnapshot, LaneState, new_episode, split
 from atari.games.game import Game
 from atari.task import Task
 from atari.task.fields import GROUPS
@@ -89,22 +91,44 @@ class EnvState(gymnasium.Env[Any, Any]):
         of `atari.wrappers` also has the wrapper's own state, such as stacked frames. The writes of `Freeze` and `Poke`
         belong to an environment, and not to its snapshots.
         """
-        played = self.driver.played
+        driver = self.driver
+        return self._pack(self.core.snapshot(), driver.phase, driver.played, driver.np_random, driver.ale_random)
+
+    def _pack(
+        self, core: bytes, phase: Phase, played: Played, np_random: np.random.Generator, ale_random: AleRandom | None
+    ) -> bytes:
         facts = {
             "of": "AtariEnv",
-            "phase": self.driver.phase,
-            "np_random": self.np_random.bit_generator.state,
+            "phase": phase,
+            "np_random": np_random.bit_generator.state,
             "game": [played.score, played.steps, played.first_frame],
             "task": identity(self._as_set(self._task)),
         }
-        more_facts, more_blobs = self._ale_seeding()
-        return snapshot.pack(facts | more_facts, {"core": self.core.snapshot(), **more_blobs})
+        more_facts, more_blobs = _ale_seeding(ale_random)
+        return snapshot.pack(facts | more_facts, {"core": core, **more_blobs})
 
-    def restore(self, data: bytes) -> None:
+    def _snapshot_of(self, lane: LaneState, episode: _emulator.Episode) -> bytes:
+        """The snapshot of this environment that continues a lane, whose `Episode` is given."""
+        played = Played(float(episode.score), episode.steps, episode.first_frame)
+        phase: Phase = "over" if episode.ended else "playing"
+        return self._pack(lane.core, phase, played, lane.np_random or self.np_random, lane.ale_random)
+
+    def _of_lane(self, lane: LaneSnapshot) -> bytes:
+        if self.whole_task.preprocessed:
+            raise ValueError(
+                "the snapshot is of a lane, with its stack and counters; pass it to restore of the outermost wrapper"
+            )
+        require_same(lane.task, self.task)
+        state, episode = split(lane, self.task, self.driver), new_episode(self.task, self.driver)
+        episode.load(state.episode)
+        return self._snapshot_of(state, episode)
+
+    def restore(self, data: bytes | LaneSnapshot) -> None:
         """Continue from a snapshot of the same task; only the kind of observations may differ.
 
         `data` may also be the content of a file that F5 in `atari play` has saved. Its game, mode and difficulty must
-        equal those of this environment, which keeps its own sticky actions, sound and limit of frames.
+        equal those of this environment, which keeps its own sticky actions, sound and limit of frames. Or it is an
+        element of what `AtariVectorEnv.snapshot` returned, of an equal task.
 
         Wrappers are not restored; a wrapper of `atari.wrappers` that has a state warns at its next step. Call `restore`
         of the outermost wrapper instead, with what its `snapshot` returned.
@@ -113,12 +137,12 @@ class EnvState(gymnasium.Env[Any, Any]):
             TypeError, ValueError: `data` is no snapshot, is damaged, or belongs to another task or core; the message
                 lists each field that differs. The environment has not changed.
         """
-        facts, blobs = snapshot.unpack(data)
+        facts, blobs = snapshot.unpack(self._of_lane(data) if isinstance(data, LaneSnapshot) else data)
         saved_in_play = facts.get("of") == "play"
         if saved_in_play:
             facts, blobs = self._of_play(blobs)
         facts.setdefault("seeding", "gymnasium")
-        own, own_blobs = self._ale_seeding()
+        own, own_blobs = _ale_seeding(self.driver.ale_random)
         if facts.get("of") == "wrappers":
             raise ValueError(
                 "the snapshot is of an environment with its wrappers; pass it to restore of the outermost wrapper"
@@ -159,14 +183,9 @@ class EnvState(gymnasium.Env[Any, Any]):
         facts, blobs = snapshot.unpack(blobs.get("env", b""))
         own, _ = snapshot.unpack(self.core.snapshot())
         options = {name: own[name] for name in ("sound", "repeat_action_probability", "max_num_frames_per_episode")}
-        more_facts, more_blobs = self._ale_seeding()
+        more_facts, more_blobs = _ale_seeding(self.driver.ale_random)
         core = snapshot.with_options(blobs.get("core", b""), **options)
         return {**facts, **more_facts}, {**blobs, "core": core, **more_blobs}
-
-    def _ale_seeding(self) -> tuple[dict[str, Any], dict[str, bytes]]:
-        """The fact and the blob of a snapshot that say how episodes are seeded; none if Gymnasium's seeding applies."""
-        generator = self.driver.ale_random
-        return ({}, {}) if generator is None else ({"seeding": "ale"}, {"ale_random": generator.state()})
 
     def __getstate__(self) -> dict[str, Any]:
         """Pickling and copying keep the position in the game, all generators, and the writes of `Freeze` and `Poke`.
@@ -198,10 +217,15 @@ class EnvState(gymnasium.Env[Any, Any]):
         self.driver.restore_settings(state)
         self.driver.ale_random = state["ale_random"]
         self.driver.actions = state["actions"]
-        self._continue(*snapshot.unpack(state["snapshot"]), self._ale_seeding()[1])
+        self._continue(*snapshot.unpack(state["snapshot"]), _ale_seeding(state["ale_random"])[1])
         self._np_random_seed = state["np_random_seed"]
         self.driver.restored = state["restored"]
         self.spec, self.action_space = state["spec"], state["action_space"]
+
+
+def _ale_seeding(generator: AleRandom | None) -> tuple[dict[str, Any], dict[str, bytes]]:
+    """The fact and the blob of a snapshot that say how episodes are seeded; none if Gymnasium's seeding applies."""
+    return ({}, {}) if generator is None else ({"seeding": "ale"}, {"ale_random": generator.state()})
 
 
 def _read_game(values: Any) -> Played:

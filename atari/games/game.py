@@ -88,7 +88,8 @@ class RamLabel:
     """The meaning of one byte of RAM.
 
     `index` is 0..127 into the RAM observation. `transform` and `visible` are expressions over `v` (this byte) and
-    `ram` (all bytes). `width` and `height` are the size of the object on the screen, in pixels. `sources` are documents
+    `ram` (all bytes). `width` and `height` are the size of the object on the screen, in pixels. `x`, of a
+    `position_y`, is the column where the object always is, and `y`, of a `position_x`, its row. `sources` are documents
     that have the label, `evidence` is the result of a check against the running game.
     """
 
@@ -102,6 +103,8 @@ class RamLabel:
     weight: int | None = None
     width: int | None = None
     height: int | None = None
+    x: int | None = None
+    y: int | None = None
     start: int | None = None
     transform: str | None = None
     visible: str | None = None
@@ -252,7 +255,7 @@ def parse_game(game_id: str, table: Mapping[str, Any]) -> Game:
         controllers=_controllers(table["controllers"]),
         **_play(table) if "rules" in table else _NO_PLAY,
         multiplayer=parse_multiplayer(table["multiplayer"]) if "multiplayer" in table else None,
-        ram_labels=FrozenDict((name, _ram_label(name, label)) for name, label in table.get("ram", {}).items()),
+        ram_labels=_ram_labels(table.get("ram", {})),
         notes=tuple(table["notes"]),
     )
 
@@ -315,6 +318,20 @@ def _controllers(table: Mapping[str, Any]) -> Controllers:
     return controllers
 
 
+_LABEL_NUMBERS = (("mask", 1, 255), ("width", 1, 160), ("height", 1, 256), ("x", 0, 159), ("y", 0, 255))
+"""The numbers of a label, with the least and the greatest value of each."""
+
+
+def _ram_labels(table: Mapping[str, Any]) -> FrozenDict[str, RamLabel]:
+    labels = FrozenDict((name, _ram_label(name, label)) for name, label in table.items())
+    for name, label in labels.items():
+        for axis, known in (("x", "y"), ("y", "x")):
+            other = re.sub(rf"(?<![a-z]){known}(?![a-z])", axis, name)
+            if getattr(label, axis) is not None and other in labels and other != name:
+                raise ValueError(f"[ram] {name}: {axis} has no effect beside the label {other}; keep one of them")
+    return labels
+
+
 def _ram_label(name: str, table: Mapping[str, Any]) -> RamLabel:
     where = f"[ram] {name}"
     if "name" in check_type(table, where, dict):
@@ -322,10 +339,13 @@ def _ram_label(name: str, table: Mapping[str, Any]) -> RamLabel:
     label = build(RamLabel, {"name": name, **table}, where)
     if label.index not in LABEL_ADDRESSES:
         raise ValueError(f"{where}: index {label.index} is not within 0..127")
-    for key, low, high in (("mask", 1, 255), ("width", 1, 160), ("height", 1, 256)):
+    for key, low, high in _LABEL_NUMBERS:
         number = getattr(label, key)
         if number is not None and not low <= number <= high:
             raise ValueError(f"{where}: {key} {number} is not within {low}..{high}")
+    for key, kind in (("x", "position_y"), ("y", "position_x")):
+        if getattr(label, key) is not None and label.kind != kind:
+            raise ValueError(f"{where}: {key} is the place of an object whose label is a {kind}, not a {label.kind}")
     if label.encoding not in (None, "plain", "bcd"):
         raise ValueError(f"{where}: encoding must be 'bcd' or 'plain', got {label.encoding!r}")
     for expression in (label.transform, label.visible):

@@ -8,6 +8,7 @@ from atari.lab.dataset_reader import read_dataset
 from atari.lab.ram import Ram
 from atari.lab.ram_labels import RamLabels
 from atari.lab.search import Search
+from atari.lab.starts import spread
 from atari.lab.watch import Watch
 from atari.lab.widget import show
 from atari.lab.writes import Freeze, Poke
@@ -24,5 +25,6 @@ __all__ = [
     "read_dataset",
     "shipped_causes",
     "show",
+    "spread",
     "write_dataset",
 ]

@@ -14,7 +14,8 @@ class GameObject:
     Attributes:
         name: the name of its labels without `x` and `y`, such as "ball" or "asteroid_3".
         kind: the name without numbers, such as "asteroid"; alike things have the same.
-        x, y: column and row of its left upper corner, in pixels of the screen; None if the game has no label of it.
+        x, y: column and row of its left upper corner, in pixels of the screen; None if no byte has it and it is
+            not constant.
         width, height: in pixels; None if they are not known.
     """
 
@@ -51,11 +52,16 @@ def positions(labels: Mapping[str, RamLabel]) -> Positions:
     return found
 
 
+def constants(axes: Mapping[str, RamLabel]) -> dict[str, int]:
+    """The coordinates, by axis, that an object with these labels has all the time."""
+    return {axis: here for label in axes.values() for axis in "xy" if (here := getattr(label, axis)) is not None}
+
+
 def visible_objects(found: Positions, values: Mapping[str, int | None]) -> list[GameObject]:
     """The objects whose position has a value, so that they are on the screen, by the values of the labels by name."""
     objects = []
     for name, axes in found.items():
-        place = {axis: values[label.name] for axis, label in axes.items()}
+        place = {**constants(axes), **{axis: values[label.name] for axis, label in axes.items()}}
         if None not in place.values():
             kind = re.sub(r"_?\d+", "", name) or name
             widths = (label.width for label in axes.values() if label.width is not None)

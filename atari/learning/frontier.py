@@ -18,11 +18,11 @@ from atari import __version__
 from atari.base import durable
 from atari.base.validation import check_file
 from atari.cores.snapshot import pack, unpack
+from atari.env.lane_snapshot import LaneSnapshot
 from atari.task import Task
 from atari.task.fields import GROUPS
 from atari.task.json_form import identity, require_same
 from atari.vector import AtariVectorEnv
-from atari.vector.state import LaneSnapshot
 
 MOST = 4096
 """The most states of a file."""

@@ -8,12 +8,12 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from atari.env.lane_snapshot import LaneSnapshot
 from atari.learning.frontier import read_frontier
 from atari.learning.options import TrainingOptions
 from atari.task import Task
 from atari.task.task import GameLike
 from atari.vector import AtariVectorEnv
-from atari.vector.state import LaneSnapshot
 
 EVERY, KEPT = 100, 3
 """Steps between two snapshots of an environment, and how many it keeps: the oldest is 200 to 300 steps old."""

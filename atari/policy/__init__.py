@@ -111,12 +111,13 @@ class LoadedPolicy:
         if begin is not None:
             begin(lanes)
 
-    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-        """The actions (n,) for observations (n, ...) of some lanes.
+    def __call__(self, observations: Any, lanes: npt.NDArray[np.int64] | None = None) -> npt.NDArray[np.int64]:
+        """The actions (n,) for observations (n, ...) of some lanes; None are lanes 0 to n - 1.
 
         Raises:
             ValueError: the policy returns no such actions.
         """
+        lanes = np.arange(len(observations)) if lanes is None else lanes
         return self.checked(self.choose(observations, lanes)[0], lanes)
 
     def checked(self, actions: Array, lanes: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:

@@ -21,14 +21,15 @@ from typing_extensions import Unpack
 
 import atari._emulator as _emulator
 from atari.base.gymnasium_versions import AutoresetMode, VectorEnv, adds_episode
-from atari.base.validation import FirstResetNeeded, check_known, check_name
+from atari.base.validation import FirstResetNeeded, check_known, check_name, check_probability
 from atari.cores import ByteArray
 from atari.games.game import Game
+from atari.task.checks import check_bool
 from atari.task.fields import VectorTaskOptions
 from atari.task.task import GameLike
 from atari.vector.lanes import AddedWrites, Lane
 from atari.vector.options import VectorOptions, resolve_lanes
-from atari.vector.results import Results, pick_rows
+from atari.vector.results import Results, SequenceResults, indexed, pick_rows, with_played, zero_sum
 from atari.vector.seeds import seed_words
 from atari.vector.state import VectorState
 
@@ -123,6 +124,7 @@ class AtariVectorEnv(VectorState, VectorEnv):
         # Guards all attributes that change, and the engine between a send and its results.
         self._lock = _emulator.CallLock("vector environment")
         self._added = tuple(AddedWrites() for _ in self.games)
+        self._singles = {}
         self.single_action_space = options.action_space()
         self.single_observation_space = options.layout.space(options.observation_space())
         self.action_space = options.batched_action_space()
@@ -234,6 +236,74 @@ class AtariVectorEnv(VectorState, VectorEnv):
             self._send(engine, actions, out, env_id)
             return self._receive(engine)
 
+    def play(
+        self, actions: Any, *, discount: float = 1.0, stop: bool = True, every: bool = False, env_id: Any = None
+    ) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Play several steps of all environments, or of some, in one call (added).
+
+        The threads play each environment's steps one after another, with the results, to the byte, of as many calls of
+        `step`. Images are drawn only for the steps that the returned observations contain.
+
+        An environment stops after the step that ends its episode, if `stop` is true: in NEXT_STEP its next step begins
+        an episode, in SAME_STEP it has already begun one, and `info` has the final observation, and in DISABLED it
+        waits for a reset. An environment whose episode had ended before begins one by its first step, as in `step`; in
+        DISABLED it plays nothing.
+
+        Args:
+            actions: integers (rows, steps), with `continuous` floats (rows, steps, 3), with several players integers
+                (rows, steps, players).
+            discount: the factor of a step's reward from one step to the next; the k-th reward, counted from 0, counts
+                discount**k.
+            stop: False goes on after an end, as calls of `step` do, until all steps are played.
+            every: return the results of every step, not of the last one.
+            env_id: the environments that play, as in `step`.
+
+        Returns:
+            The values that `step` returns, with these differences: rewards, float64 (rows,), or (rows, players), are
+            the discounted sums of the steps' rewards; observations, terminations, truncations and `info` are those of
+            the last step played. `info` also has `steps`, int32 (rows,), the number of steps played, and `ram`, uint8
+            (rows, 128), the RAM after the last one.
+
+            With `every`, all arrays but `steps` have a second axis of the steps: rewards, as `step` returns them, are
+            (rows, steps), observations (rows, steps, ...), and `info["ram"]` (rows, steps, 128). Steps that were not
+            played are zeros, and masks such as `info["_lives"]` are false there.
+
+        Raises:
+            gymnasium.error.ResetNeeded, AlreadyPendingCallError: see `step` and `send`.
+            TypeError, ValueError, IndexError: an argument is of the wrong kind, shape or range; `discount` is given
+                with `every`; batches are smaller than the number of environments. Nothing is played.
+
+        Example:
+            >>> import atari, numpy as np
+            >>> envs = atari.AtariVectorEnv("breakout", 4, preset="dqn2015")
+            >>> observations, info = envs.reset(seed=0)
+            >>> plans = np.random.default_rng(0).integers(4, size=(4, 50))
+            >>> observations, rewards, terminations, truncations, info = envs.play(plans)
+            >>> observations.shape, rewards.shape, info["steps"].tolist()
+            ((4, 4, 84, 84), (4,), [50, 50, 43, 50])
+        """
+        discount = check_probability("discount", discount)
+        stop, every = check_bool("stop", stop), check_bool("every", every)
+        if every and discount != 1.0:
+            raise ValueError(f"every=True returns each step's reward, and no sum: leave discount={discount} out")
+        with self._lock:
+            engine = self._open()
+            self._check_idle()
+            if self.batch_size != self.num_envs:
+                raise ValueError("play needs batches of all environments (batch_size=0), not batch_size < num_envs")
+            chosen = None if env_id is None else _check_env_id(env_id, None)
+            rows = self.num_envs if chosen is None else len(chosen)
+            indices, strengths, steps = self._options.moves_of_sequences(actions, rows)
+            results = SequenceResults(engine, self._options, steps) if every else self._take_buffer(engine, None)
+            sequence = engine.play(indices, strengths, results.batch, chosen, steps, discount, stop, every)
+            self._sent(results, chosen)
+            batch = self._receive(engine)
+        sums, played, ram = sequence.results if chosen is None else indexed(sequence.results, chosen)
+        observations, rewards, *ends, info = with_played(batch, played, ram, every=every)
+        if not every:
+            rewards = zero_sum(sums) if self.task.zero_sum else sums
+        return observations, rewards, *ends, info
+
     def send(self, actions: Any, out: Any = None, env_id: Any = None) -> None:
         """Begin a step; `recv` returns its results. Arguments and errors are those of `step`.
 
@@ -265,8 +335,11 @@ class AtariVectorEnv(VectorState, VectorEnv):
         results = self._take_buffer(engine, out)
         all_together = self.batch_size == self.num_envs
         engine.start(indices, strengths, results.batch if all_together else None, chosen)
+        self._sent(results, chosen if all_together else None)
+
+    def _sent(self, results: Results, chosen: IntArray | None) -> None:
         results.of_reset = False
-        self._flying, self._chosen = results, chosen if all_together else None
+        self._flying, self._chosen = results, chosen
         self._phase = "sent"
 
     def _is_sent(self) -> bool:
@@ -401,6 +474,7 @@ class AtariVectorEnv(VectorState, VectorEnv):
         self._phase = "new"
         self._flying = self._out_results = None
         self._buffers = []
+        self._singles = {}
 
     def _open(self) -> _emulator.VectorEngine:
         if self._engine is None:

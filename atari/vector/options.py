@@ -302,6 +302,22 @@ class VectorOptions:
             return self._motions(array)
         return np.ascontiguousarray(array, np.int64).reshape(-1), None
 
+    def moves_of_sequences(
+        self, actions: Any, rows: int
+    ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.float32] | None, int]:
+        """The indices and strengths of `moves` for several steps of each of some environments, and the number of steps.
+
+        Raises:
+            TypeError, ValueError: the actions are of the wrong kind or shape.
+        """
+        array = np.asarray(actions)
+        row = (3,) if self.task.continuous else () if self.players == 1 else (self.players,)
+        if array.ndim < 2 or len(array) != rows or array.shape[2:] != row or not array.shape[1]:
+            shape = ", ".join(map(str, (rows, "steps", *row)))
+            raise ValueError(f"actions must have the shape ({shape}), with a step or more, got {array.shape}")
+        indices, strengths = self.moves(array.reshape(-1, *row), rows * array.shape[1])
+        return indices, strengths, array.shape[1]
+
     @cached_property
     def _index_shape(self) -> tuple[int, ...]:
         """The shape of a batch of one player's action indices; (-1,) if actions are no indices."""

@@ -4,7 +4,7 @@ Observations are lent to the user without a copy: each array of observations own
 of these arrays, with its views and tensors, no longer exists, the memory can be written again.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -32,20 +32,23 @@ class Results:
         engine: the engine that writes them.
         options: its options.
         out: the user's array, or dict of arrays, for the observations.
+        steps: the number of rows for each environment.
 
     Raises:
         TypeError, ValueError: `out` does not fit.
     """
 
-    def __init__(self, engine: _emulator.VectorEngine, options: VectorOptions, out: Any = None) -> None:
-        space, rows = options.observation_space(), options.batch_size
+    def __init__(
+        self, engine: _emulator.VectorEngine, options: VectorOptions, out: Any = None, *, steps: int = 1
+    ) -> None:
+        space, rows = options.observation_space(), options.batch_size * steps
         parts = space.spaces if isinstance(space, spaces.Dict) else {"": space}
         self._named = isinstance(space, spaces.Dict)
         self._shape = (rows, *(space.shape or ()))
         self._shapes = shapes = {name: (rows, *(part.shape or ())) for name, part in parts.items()}
         self._observation = _checked(out, shapes) if out is not None else _empty(shapes)
         self._part_names = pixels, ram = options.part_names()
-        self.batch = _emulator.Batch(engine, self._observation.get(pixels), self._observation.get(ram))
+        self.batch = _emulator.Batch(engine, self._observation.get(pixels), self._observation.get(ram), steps)
         self._arrays = arrays = self.batch.arrays
         self._final: dict[str, npt.NDArray[np.uint8]] = {}
         if options.autoreset_mode == AutoresetMode.SAME_STEP:
@@ -65,11 +68,12 @@ class Results:
             copy_reward = partial(zero_sum, reward)
         self._copies = (copy_reward, *(arrays[name].copy for name in (*COUNTERS, "terminated", "truncated")))
         self._game_copies = [arrays[name].copy for name in GAME_INFO.values()] if options.game_info else []
-        self._env_id_copy = arrays["env_id"].copy if rows < len(options.games) else None
+        self._env_id_copy = arrays["env_id"].copy if options.batch_size < len(options.games) else None
         self._all_rows = _read_only(np.ones(rows, np.bool_))
         names = ("env_id", *COUNTERS, *(GAME_INFO if options.game_info else ()))
         self._info = {key: self._all_rows for name in names for key in (name, "_" + name)}
-        self._info["env_id"] = _read_only(np.arange(rows, dtype=np.int32))  # valid for a batch of all environments
+        # Valid for a batch of all environments.
+        self._info["env_id"] = _read_only(np.arange(rows, dtype=np.int32) // steps)
         self._apply_layout = None if options.layout.is_engines else options.layout.apply
         # The user's own arrays are returned themselves.
         self._lenders = {} if out is not None else _lenders(self._observation)
@@ -162,9 +166,34 @@ class Results:
 _Step = tuple[Any, Any, Any, Any, dict[str, Any]]
 
 
+class SequenceResults(Results):
+    """The arrays of every step of a sequence, each with an axis of the steps after the first."""
+
+    def __init__(self, engine: _emulator.VectorEngine, options: VectorOptions, steps: int) -> None:
+        super().__init__(engine, options, steps=steps)
+        self._steps = steps
+
+    def read(self, action_masks: npt.NDArray[np.bool_] | None, ended: bool) -> _Step:
+        """The arrays of `Results.read`, with the axis of the steps."""
+        results: _Step = _map(
+            super().read(action_masks, ended), lambda rows: rows.reshape(-1, self._steps, *rows.shape[1:])
+        )
+        return results
+
+
+def with_played(results: _Step, played: npt.NDArray[np.int32], ram: npt.NDArray[np.uint8], *, every: bool) -> _Step:
+    """The results of a sequence, with the number of steps played, and the RAM after the last step or `every` step."""
+    info, all_rows = results[4], np.ones(len(played), np.bool_)
+    info |= {"ram": ram, "_ram": all_rows, "steps": played, "_steps": all_rows}
+    if every:
+        mask = np.arange(ram.shape[1]) < played[:, None]
+        info |= {f"_{name}": mask for name in ("env_id", "ram", "action_mask", *COUNTERS, *GAME_INFO) if name in info}
+    return results
+
+
 def pick_rows(results: _Step, rows: npt.NDArray[np.int64]) -> _Step:
     """Copies of some rows of the results of `Results.read`. Ends of other rows are left out of `info`."""
-    observation, *signals, info = (indexed(part, rows) for part in results)
+    observation, *signals, info = indexed(results, rows)
     for name in ("final_obs", "final_info", "episode"):
         if f"_{name}" in info and not info[f"_{name}"].any():
             del info[name], info[f"_{name}"]
@@ -173,17 +202,21 @@ def pick_rows(results: _Step, rows: npt.NDArray[np.int64]) -> _Step:
 
 
 def indexed(part: Any, index: Any) -> Any:
-    """An array at an index, such as a row or rows; a dict with each of its arrays at the index."""
+    """An array at an index, such as a row or rows; a dict or tuple with each of its arrays at the index."""
+    return _map(part, lambda array: array[index])
+
+
+def _map(part: Any, function: Callable[[npt.NDArray[Any]], Any]) -> Any:
     if isinstance(part, dict):
-        return {name: indexed(value, index) for name, value in part.items()}
-    return part[index]
+        return {name: _map(value, function) for name, value in part.items()}
+    return tuple(_map(value, function) for value in part) if isinstance(part, tuple) else function(part)
 
 
 def _lenders(parts: dict[str, npt.NDArray[np.uint8]]) -> dict[str, _emulator.ArrayLender]:
     return {name: _emulator.ArrayLender(array) for name, array in parts.items()}
 
 
-def zero_sum(reward: npt.NDArray[np.int32]) -> npt.NDArray[np.float64]:
+def zero_sum(reward: npt.NDArray[np.number[Any]]) -> npt.NDArray[np.float64]:
     """The rewards (rows, players), each minus the mean of the other players' rewards: one division of integers."""
     players = reward.shape[1]
     return (players * reward - reward.sum(axis=1, keepdims=True)) / (players - 1)

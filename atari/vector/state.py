@@ -5,12 +5,15 @@ import operator
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, Literal, overload
 
 import gymnasium
 
 import atari._emulator as _emulator
 from atari.cores import writes
+from atari.env.env import AtariEnv
+from atari.env.episode_env import EpisodeEnv, lane_of, single_env
+from atari.env.lane_snapshot import LaneSnapshot
 from atari.games.game import Game
 from atari.task import Task
 from atari.task.checks import check_bool
@@ -23,26 +26,22 @@ _COPIED = ("spec", "single_action_space", "action_space")
 """Attributes that a copy has, too; action spaces have generators of their own."""
 
 
-class LaneSnapshot(NamedTuple):
-    """The state of a lane, in memory, with the text that `atari.task.json_form.identity` makes from its task."""
+def _are_lanes(snapshots: Any) -> bool:
+    """Whether the argument of `restore` has snapshots of lanes alone, and not bytes too.
 
-    state: _emulator.MemberSnapshot
-    task: str
-
-
-def _check_snapshots(snapshots: Any) -> None:
-    """Check the argument of `restore`."""
-    if (
-        not isinstance(snapshots, Sequence)
-        or isinstance(snapshots, (LaneSnapshot, bytes))
-        or not all(
-            isinstance(one, LaneSnapshot) and isinstance(one.state, _emulator.MemberSnapshot) for one in snapshots
-        )
-    ):
-        raise TypeError(
-            "snapshots must be a list that AtariVectorEnv.snapshot returned, or a part of one; a snapshot of a single "
-            f"environment continues in single environments, got {snapshots!r:.80}"
-        )
+    Raises:
+        TypeError: it is no list of these.
+    """
+    if isinstance(snapshots, Sequence) and not isinstance(snapshots, (LaneSnapshot, bytes)):
+        if all(isinstance(one, LaneSnapshot) and isinstance(one.state, _emulator.MemberSnapshot) for one in snapshots):
+            return True
+        others = [one for one in snapshots if not isinstance(one, bytes)]
+        if len(others) < len(snapshots) and _are_lanes(others):
+            return False
+    raise TypeError(
+        "snapshots must be a list that AtariVectorEnv.snapshot returned, or a part of one, or a list of snapshots of "
+        f"single environments, got {snapshots!r:.80}"
+    )
 
 
 class VectorState(Views):
@@ -60,6 +59,7 @@ class VectorState(Views):
     _closed_states: list[bytes] | None  # the lanes at `close`; `reset` continues from them
     _given: dict[str, Any]
     _phase: Any
+    _singles: dict[Task, AtariEnv | EpisodeEnv]
     _begin: Any
     _is_sent: Any
     _receive: Any
@@ -74,23 +74,49 @@ class VectorState(Views):
         """The task of each environment, with the modes and difficulties set later (added)."""
         return self._options.tasks
 
-    def snapshot(self, indices: Iterable[int] | None = None) -> list[LaneSnapshot]:
+    @overload
+    def snapshot(self, indices: Iterable[int] | None = None) -> list[LaneSnapshot]: ...
+    @overload
+    def snapshot(self, indices: Iterable[int] | None = None, *, packed: Literal[True]) -> list[bytes]: ...
+    def snapshot(self, indices: Iterable[int] | None = None, *, packed: bool = False) -> Any:
         """The whole state of some environments, or of all, in memory: task, game, stack, generators, counters.
 
-        Each state can be pickled, and restored in another process.
+        Each state can be pickled, and restored in another process, and in the single environment that `atari.make`
+        makes of its task.
+
+        Args:
+            indices: the environments; None is all of them.
+            packed: return bytes of 4 to 11 kB each, as that single environment's own `snapshot` returns them; one takes
+                up to a millisecond (added).
 
         Raises:
             RuntimeError: environments are being played (between `send` and `recv`).
             IndexError: there is no such environment.
+            ValueError: with `packed`, several wrappers, or several players, play a task.
         """
-        chosen = self._indices(indices)
+        chosen, packed = self._indices(indices), check_bool("packed", packed)
         with self._lock:
             states = self._started().snapshot(chosen)
-        tasks = self._options.identities
-        return [LaneSnapshot(state, tasks[index]) for index, state in zip(chosen, states, strict=True)]
+            tasks = self._options.identities
+            lanes = [LaneSnapshot(state, tasks[index]) for index, state in zip(chosen, states, strict=True)]
+            return [self._packed(*pair) for pair in zip(chosen, lanes, strict=True)] if packed else lanes
+
+    def _packed(self, index: int, snapshot: LaneSnapshot) -> bytes:
+        single = self._single(index)
+        single.restore(snapshot)
+        return single.snapshot()
+
+    def _single(self, index: int) -> AtariEnv | EpisodeEnv:
+        """The single environment of a lane's task, which converts snapshots."""
+        task = self.tasks[index]
+        if task.players > 1:
+            raise ValueError("a game of several players has no single environment; leave packed=True, or bytes, out")
+        if task not in self._singles:
+            self._singles[task] = single_env(task, self._options.rom)
+        return self._singles[task]
 
     def restore(
-        self, indices: Iterable[int] | None, snapshots: Sequence[LaneSnapshot], *, own_generators: bool = False
+        self, indices: Iterable[int] | None, snapshots: Sequence[LaneSnapshot | bytes], *, own_generators: bool = False
     ) -> None:
         """Continue some environments, or all, from snapshots; each may come from any environment of the same task.
 
@@ -99,7 +125,8 @@ class VectorState(Views):
 
         Args:
             indices: the environments; None is all of them.
-            snapshots: one for each of them.
+            snapshots: one for each of them. Bytes are packed, or the snapshot of a single environment that `atari.make`
+                has made of the environment's task (added).
             own_generators: draw no-ops, skips and sticky actions as the environments would have gone on to do, and not
                 as the snapshots' environments did (added). So two environments that continue from one snapshot differ.
 
@@ -113,9 +140,21 @@ class VectorState(Views):
             raise ValueError(f"an environment is given twice: {chosen}; give each once")
         with self._lock:
             engine = self._started()
-            _check_snapshots(snapshots)
-            self._require_same(chosen, [task for _, task in snapshots])
-            engine.restore(chosen, [state for state, _ in snapshots], own)
+            lanes: Any = snapshots if _are_lanes(snapshots) else self._as_lanes(chosen, snapshots)
+            self._require_same(chosen, [task for _, task in lanes])
+            engine.restore(chosen, [state for state, _ in lanes], own)
+
+    def _as_lanes(self, chosen: Sequence[int], snapshots: Sequence[LaneSnapshot | bytes]) -> list[LaneSnapshot]:
+        pairs = zip(chosen, snapshots, strict=False)  # the engine checks that there is one for each
+        return [self._of_single(index, one) if isinstance(one, bytes) else one for index, one in pairs]
+
+    def _of_single(self, index: int, snapshot: bytes) -> LaneSnapshot:
+        try:
+            single = self._single(index)
+            single.restore(snapshot)
+            return lane_of(single)
+        except ValueError as error:
+            raise ValueError(f"environment {index} cannot continue from it: {error}") from None
 
     def fork(self, source: int, targets: Iterable[int]) -> None:
         """Continue some environments from the state of another one of the same task, its generators included.

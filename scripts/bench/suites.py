@@ -102,6 +102,16 @@ def vector() -> Iterator[Comparison]:
     yield Comparison("84x84 gray on one thread", [shared, alone], 3.0)
 
 
+def play(steps: Iterable[int] = (100, 16, 4)) -> Iterator[Comparison]:
+    """One of several steps of one environment of a vector, on one thread, in one call of `play` or calls of `step`."""
+    for length in steps:
+        for frameskip in (1, 4):
+            for count in (64, 8, 1):
+                of = partial(sequences_of, length=length, count=count, frameskip=frameskip)
+                sides = [("play", partial(of, together=True)), ("step", partial(of, together=False))]
+                yield Comparison(f"{length} steps of {count}, frame skip {frameskip}", sides, max(3.0, count / 8))
+
+
 def sizes(counts: Iterable[int]) -> Iterator[Comparison]:
     """The steps of `vector` over numbers of environments, for a plot."""
     for count in counts:
@@ -115,6 +125,7 @@ SUITES: dict[str, Callable[..., Iterator[Comparison]]] = {
     "env": env,
     "preset": preset,
     "vector": vector,
+    "play": play,
     "sizes": sizes,
     "memory": suite_memory.comparisons,
     "multiplayer": suite_multiplayer.comparisons,
@@ -389,5 +400,28 @@ def batches_of(game: str, make: Callable[[str], Any], dtype: type[np.integer[Any
         for batch in actions:
             envs.step(batch)
         return (perf_counter() - started) * steps / (batches * size)
+
+    return run
+
+
+def sequences_of(game: str, length: int, count: int, frameskip: int, together: bool) -> Run:
+    """Steps of a vector with preset dqn2015, `length` of them in a call or in as many calls; all from one state."""
+    envs = atari.AtariVectorEnv(game, count, preset="dqn2015", frameskip=frameskip, num_threads=1)
+    envs.reset(seed=0)
+    start = envs.snapshot()
+
+    def run(steps: int) -> float:
+        calls = -(-steps // (count * length))
+        actions = np.random.default_rng(0).integers(envs.single_action_space.n, size=(calls, count, length))
+        batches = np.ascontiguousarray(actions.transpose(0, 2, 1)).reshape(-1, count)
+        envs.restore(None, start)
+        started = perf_counter()
+        if together:
+            for sequences in actions:
+                envs.play(sequences, stop=False)
+        else:
+            for batch in batches:
+                envs.step(batch)
+        return (perf_counter() - started) * steps / (calls * count * length)
 
     return run

@@ -14,9 +14,10 @@ from typing import Any
 import pytest
 from env_tools import started
 
+import atari
 from atari import AtariVectorEnv
 from atari.cores import AleCore, Core, NativeCore, snapshot
-from atari.vector.state import LaneSnapshot
+from atari.env.lane_snapshot import LaneSnapshot
 
 
 def with_blob(data: bytes, name: str, blob: bytes) -> bytes:
@@ -135,3 +136,41 @@ def test_snapshots_of_a_vector() -> None:
             envs.restore(None, good)
     assert refused >= 7
     envs.close()
+
+
+def test_snapshots_of_lanes_in_single_environments_and_back() -> None:
+    task = atari.Task.of("breakout", preset="dqn2015")
+    envs, env = AtariVectorEnv(task, 1, num_threads=1), atari.make(task)
+    envs.reset(seed=0)
+    env.reset(seed=1)
+    (good,) = envs.snapshot()
+    state, image = good.state.__getstate__()
+    saved, rng = env.snapshot(), random.Random(0)
+
+    def of(data: bytes) -> LaneSnapshot:
+        made = type(good.state).__new__(type(good.state))
+        made.__setstate__((data, image))
+        return LaneSnapshot(made, good.task)
+
+    forged = [of(b""), of(state[:-1]), of(state + b"?"), LaneSnapshot(good.state, "{}")]
+    for _ in range(200):
+        changed = bytearray(state)
+        for _ in range(rng.choice([1, 3, 300])):
+            changed[rng.randrange(len(state))] = rng.choice([0, 0x7F, 0x80, 0xFF, rng.randrange(256)])
+        forged.append(of(bytes(changed)))
+    refused = 0
+    for each in forged:
+        try:
+            env.restore(each)
+        except ValueError:
+            refused += 1
+            assert env.snapshot() == saved
+            continue
+        changed_bytes = env.snapshot()
+        with suppress(ValueError):
+            env.step(1)
+        with suppress(ValueError):
+            envs.restore([0], [changed_bytes])
+            envs.step([1])
+        env.restore(saved)
+    assert refused >= 4

@@ -115,6 +115,18 @@ def test_any_value_of_a_game_file_is_good_or_a_value_error(tmp_path: Path) -> No
         ("bcd(0x80)", "-" * 1900 + "1", "is nested too deeply"),
         ("bcd(0x80)", "1" * 2001, "[rules] step, line 1: an expression is a text of at most 2,000 characters"),
         ('["NOOP", "RIGHT", "LEFT"]', "[]", "[actions] minimal needs an action"),
+        (
+            "index = 2,",
+            "index = 2, x = 3,",
+            "[ram] player_x: x is the place of an object whose label is a position_y, not a",
+        ),
+        ("y = 172", "y = 256", "[ram] player_x: y 256 is not within 0..255"),
+        (
+            "index = 1,",
+            "index = 1, y = 3,",
+            "[ram] lives: y is the place of an object whose label is a position_x, not a lives",
+        ),
+        ("index = 3,", "index = 3, y = 9,", "[ram] ball_x: y has no effect beside the label ball_y; keep one of them"),
         (TEXT, "title = 3", "the file needs the key"),
         (TEXT, "not toml at all", "after a key in a key/value pair"),
     ],

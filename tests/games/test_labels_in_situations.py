@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from drawn_objects import undecided
 from label_situations import Recorder, points, pure, situations, undrawn, undrawn_at_reset
 
 import atari
@@ -85,7 +86,7 @@ def test_the_last_frame_has_no_lives_and_draws_its_objects(game: str) -> None:
     if game in LIVING:
         assert over
         assert Labels(atari.games[game], ["lives"]).values(recorder.core.ram()) == {"lives": 0}
-    assert not over or game in FLICKERING or not undrawn(recorder)
+    assert not over or game in FLICKERING or not undrawn(recorder) - undecided().get(game, {}).keys()
 
 
 @pytest.mark.parametrize("game", sorted({*LIVING, *ENDLESS} - RESERVES - REMEMBERED))
@@ -105,7 +106,7 @@ def test_lives_that_someone_has_written_are_counted_as_the_rules_do(game: str) -
 @pytest.mark.parametrize("game", [game.id for game in atari.games.playable() if game.id != "tic_tac_toe_3d"])
 def test_visible_objects_of_a_reset_are_drawn(game: str) -> None:
     """The cursor of 3-D Tic-Tac-Toe blinks more slowly than in four frames."""
-    assert not undrawn_at_reset(atari.games[game])
+    assert not undrawn_at_reset(atari.games[game]) - undecided().get(game, {}).keys()
 
 
 @pytest.mark.parametrize("game", ["boxing", "ice_hockey", "othello", "pong", "surround"])

@@ -12,7 +12,7 @@ from atari.base.frozen import FrozenDict
 from atari.base.text_table import Table
 from atari.cores import NativeCore
 from atari.lab import Ram
-from atari.lab.objects import GameObject, positions, visible_objects
+from atari.lab.objects import GameObject, constants, positions, visible_objects
 from atari.wrappers import DqnPreprocessing
 
 UNNAMED = replace(atari.games["pong"], ram_labels=FrozenDict())
@@ -249,6 +249,28 @@ def test_objects_are_where_they_are_drawn():
         assert (columns.max() - columns.min() + 1, rows.max() - rows.min() + 1) == (thing.width, thing.height)
     Ram(pong)[49] = 0
     assert "ball" not in {thing.name for thing in Ram(pong).objects()}
+
+
+def test_objects_with_one_byte_have_their_constant_row_or_column():
+    freeway = AtariEnv("freeway")
+    freeway.reset(seed=0)
+    things = {thing.name: thing for thing in Ram(freeway).objects()}
+    assert [things[f"car_{lane}"].y for lane in range(10)] == list(range(27, 187, 16))
+    assert things["car_3"].x == Ram(freeway)["car_3_x"]
+    assert (things["player"].x, things["player"].y) == (44, Ram(freeway)["player_y"])
+
+
+def test_four_objects_have_one_axis():
+    """Combat moves its tanks by HMOVE alone, so that no byte has their columns. Play never met the other two."""
+    lacking = {
+        (game.id, name)
+        for game in atari.games.values()
+        for name, axes in positions(game.ram_labels).items()
+        if len(axes | constants(axes)) < 2
+    }
+    assert lacking == {
+        ("combat", "player"), ("combat", "player_2"), ("crazy_climber", "helicopter"), ("hero", "platform"),
+    }  # fmt: skip
 
 
 def test_positions_are_paired_by_their_names():

@@ -46,6 +46,7 @@ def test_functions_of_modules(tmp_path, monkeypatch):
     assert load_policy("mine:one")(observations, lanes).tolist() == [1, 1]
     assert load_policy("mine:two")(observations, lanes).tolist() == [3, 4]
     assert load_policy("mine:Three")(observations, lanes).tolist() == [4, 5]
+    assert load_policy("mine:two")(observations).tolist() == [0, 1]
     assert load_policy("mine:Three").name == "three"
     for name, text in [
         ("mine.py:one", "policy mine.py:one is named by its module: mine:one"),

@@ -32,7 +32,7 @@ from atari.learning import (
 from atari.learning.evaluation.results import GameResult
 from atari.multiplayer import MultiplayerCore
 from atari.play import Session
-from atari.recording import RecordReplay, RecordVideo, Replay
+from atari.recording import RecordReplay, RecordSearch, RecordVideo, Replay
 from atari.testing import ContractError
 
 FOLDER = Path(tempfile.gettempdir()) / "atari-copies"
@@ -449,6 +449,10 @@ CASES: Mapping[str, Case] = {
     "atari.multiplayer.ale.ALEInterface": (raw_match, raw_turns),
     "atari.cores.native.PlainCore": (lambda: core(atari.cores.PlainCore, "breakout", difficulty=1), frames),
     "atari.testing.contract.ContractError": (lambda: ContractError("a sentence"), text),
+    "atari.recording.replay.record_search.RecordSearch": (
+        lambda: started(RecordSearch(atari.AtariVectorEnv("breakout", 2))),
+        lambda envs: [steps(envs), *map(plain, map(envs.trajectory, envs.snapshot()))],
+    ),
     "atari.recording.video.record_video.RecordVideo": (lambda: video(lambda: atari.AtariEnv("pong")), steps),
     "atari.recording.replay.replay.Replay": (replay, lambda one: [one.verify(), one.frames_total, one.seeds]),
     "atari.play.session.Session": (lambda: Session("pong", seed=3), shown),

@@ -20,7 +20,7 @@ from atari.games.game import Game, RamLabel
 from atari.games.labels import compile_label
 from atari.games.toml_file import tomllib
 from atari.lab.labels import Labels
-from atari.lab.objects import positions
+from atari.lab.objects import constants, positions
 
 Array = Any
 
@@ -29,6 +29,9 @@ BRIEF, LONG = 4, 20
 
 PROBES, BETWEEN = 10, 8
 """An object is undrawn, or hidden though drawn, if each of so many probes shows it, with so many frames between."""
+
+MOST_LOOKS, ENOUGH = 120, 8
+"""For how many probes an object is looked for, and how many that show it are enough."""
 
 NEAR = 12
 """An object that moves further than its size and this has left its place."""
@@ -95,6 +98,37 @@ class Probe:
         core.restore_state(state)
         return seen
 
+    def offset(self, core: NativeCore, name: str, axis: str) -> int | None:
+        """How far from its row (axis "x") or column (axis "y") an object is drawn; None if nothing shows it.
+
+        A byte of its column is changed, so that pixels of the columns that it leaves change: their rows are the
+        object's. The run of them that begins nearest counts.
+        """
+        state, ram = core.clone_state(include_rng=True), core.ram()
+        axes = self._objects[name]
+        place = self._place(name, ram)
+        across = place["y" if axis == "x" else "x"]
+        if name not in self.listed(ram) or not 0 <= place[axis] < core.screen().shape[axis == "x"]:
+            return None
+        label = axes[axis]
+        size = (label.width if axis == "x" else label.height) or 8
+        around = slice(max(place[axis] - 3, 0), place[axis] + size + 3)
+        base, starts = _play(core, state, (), BRIEF), []
+        for byte in [byte for byte, far in self._pokes(name, axis, label, ram) if far]:
+            for before, after in zip(base, _play(core, state, ((label.index, byte),), BRIEF), strict=True):
+                differs = (before != after) if axis == "x" else (before != after).T
+                lines = np.flatnonzero(differs[:, around].any(axis=1))
+                if lines.size:
+                    starts += [int(line) - across for line in lines if line - 1 not in lines]
+                    break
+        core.restore_state(state)
+        return min(starts, key=abs, default=None)
+
+    def _place(self, name: str, ram: Array) -> dict[str, int]:
+        """The column and the row of an object, as far as they are known, also while it is not listed."""
+        axes = self._objects[name]
+        return constants(axes) | {axis: int(self._evaluate(label, ram[None])[0]) for axis, label in axes.items()}
+
     def _pokes(self, name: str, axis: str, label: RamLabel, ram: Array) -> list[tuple[int, bool]]:
         """Bytes that put the object elsewhere on the screen, and whether it leaves its place."""
         rams = np.repeat(ram[None], 256, axis=0)
@@ -120,10 +154,10 @@ class Probe:
 
     def _box(self, name: str, ram: Array, width: int, height: int) -> tuple[slice, slice] | None:
         """Rows and columns around an object whose two places are on the screen; None for others."""
-        axes = self._objects[name]
-        if len(axes) < 2:
+        axes, place = self._objects[name], self._place(name, ram)
+        if len(place) < 2:
             return None
-        x, y = (int(self._evaluate(axes[axis], ram[None])[0]) for axis in "xy")
+        x, y = place["x"], place["y"]
         wide = next((label.width for label in axes.values() if label.width), 8)
         high = next((label.height for label in axes.values() if label.height), 8)
         if not (0 <= x <= width - wide and 0 <= y <= height - high):
@@ -183,6 +217,22 @@ class Play:
             except ValueError:
                 continue
             return
+
+    def offsets(self) -> dict[tuple[str, str], list[int]]:
+        """The offsets of each object with two places, by its name and the axis that is changed; see `Probe.offset`."""
+        probe = Probe(self.game, self.generator)
+        found: dict[tuple[str, str], list[int]] = {
+            (name, axis): []
+            for name, axes in positions(self.game.ram_labels).items()
+            for axis in axes
+            if len(axes | constants(axes)) == 2
+        }
+        for _ in range(MOST_LOOKS):
+            self.frames(BETWEEN)
+            for key, offsets in found.items():
+                seen = probe.offset(self.core, *key) if len(offsets) < ENOUGH else None
+                offsets += [] if seen is None else [seen]
+        return found
 
     def faults(self) -> Iterator[tuple[str, str]]:
         """The objects of the next frames that are listed and never drawn, or never listed and drawn at their place."""

@@ -21,6 +21,7 @@ from atari.cores import NativeCore
 from atari.games.game import Game, load_game
 from atari.lab import Ram
 from atari.lab.labels import Labels
+from atari.lab.objects import positions
 
 Array = Any
 
@@ -185,13 +186,18 @@ def undrawn_at_reset(game: Game) -> set[str]:
 
 
 def undrawn(recorder: Recorder) -> set[str]:
-    """The objects whose box on the screen has one colour; those with two confirmed places."""
+    """The objects whose box has one colour, or is beside the screen: of those with two places and confirmed labels.
+
+    An object that is partly beside the screen may be under its edge.
+    """
     screen, found = recorder.core.screen(), set()
+    labels = positions(recorder.core.game.ram_labels)
     for each in Ram(recorder.core).objects():
-        places = [recorder.core.game.ram_labels.get(f"{each.name}_{axis}") for axis in "xy"]
-        if all(place is not None and place.evidence.startswith("confirmed") for place in places):
+        confirmed = all(label.evidence.startswith("confirmed") for label in labels[each.name].values())
+        if confirmed and each.x is not None and each.y is not None:
             left, top, width, height = each.x, each.y, each.width or 8, each.height or 8
+            inside = screen[max(top, 0) : max(top + height, 0), max(left, 0) : max(left + width, 0)]
             box = screen[max(top - 2, 0) : top + height + 2, max(left - 2, 0) : left + width + 2]
-            if not box.size or (box == box.flat[0]).all():
+            if not inside.size or (inside.size == width * height and (box == box.flat[0]).all()):
                 found.add(each.name)
     return found

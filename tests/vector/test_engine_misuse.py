@@ -53,6 +53,28 @@ engine = envs._engine
 MISUSES = {
     "a start without a batch": ("start(engine, None)", "ValueError"),
     "a reset without a batch": ("reset(engine, None)", "ValueError"),
+    "a sequence in a batch of single steps": (
+        "engine.play(np.zeros(12, np.int64), None, batch_of(envs), None, 3, 1.0, True, True)",
+        "ValueError",
+    ),
+    "a sequence of no steps": (
+        "engine.play(np.zeros(0, np.int64), None, batch_of(envs), None, 0, 1.0, True, False)",
+        "ValueError",
+    ),
+    "a sequence with too few actions": (
+        "engine.play(np.zeros(11, np.int64), None, batch_of(envs), None, 3, 1.0, True, False)",
+        "ValueError",
+    ),
+    "a sequence received into another batch": (
+        "(engine.play(np.zeros(12, np.int64), None, Results(engine, envs._options, steps=3).batch, None, 3, 1.0, True, "
+        "True), engine.receive(batch_of(envs)))",
+        "ValueError",
+    ),
+    "the results of a sequence that is not received": (
+        "engine.play(np.zeros(12, np.int64), None, batch_of(envs), None, 3, 1.0, True, False).results[2].sum()",
+        "accepted",
+    ),
+    "a batch of too many steps": ("_emulator.Batch(engine, None, None, 2**40)", "ValueError"),
     "a start into no batch": ("start(engine, 3)", "TypeError"),
     "a start into a batch that is not initialized": (
         "start(engine, _emulator.Batch.__new__(_emulator.Batch))",

@@ -113,8 +113,9 @@ def test_wrong_numbers_play_nothing(env_id: Any, error: type[Exception], words: 
     other.reset(seed=2)
     with pytest.raises(error, match=words):
         envs.step(np.zeros(np.size(env_id), int), env_id=env_id)
-    with pytest.raises(ValueError, match="shape"):
-        envs.step([0, 0], env_id=[1])
+    for actions in ([0, 0], np.zeros(4, int)):
+        with pytest.raises(ValueError, match=r"actions must have the shape \(1,\)"):
+            envs.step(actions, env_id=[1])
     with pytest.raises(ValueError, match="action 4 in row 0"):
         envs.step([4], env_id=[1])
     with pytest.raises(ValueError, match="leave it or env_id out"):

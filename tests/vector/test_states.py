@@ -53,24 +53,29 @@ def test_snapshots_pickles_and_copies_continue(game: str, options: dict[str, Any
 
 
 @pytest.mark.parametrize(
-    ("options", "expected"),
+    ("game", "options", "expected"),
     [
-        ({"max_num_frames_per_episode": 40}, (False, True)),
-        ({"preset": "ale_vector", "episodic_life": True, "fire": "never"}, (True, False)),
+        ("beam_rider", {"max_num_frames_per_episode": 40}, (False, True)),
+        ("beam_rider", {"preset": "ale_vector", "episodic_life": True, "fire": "never"}, (True, False)),
+        ("pong", {"game_info": True}, (True, False)),  # the whole game
     ],
 )
-def test_a_snapshot_of_an_ended_episode_has_how_it_ended(options: dict[str, Any], expected: tuple[bool, bool]) -> None:
-    envs = atari.AtariVectorEnv("beam_rider", 1, autoreset_mode="Disabled", **options)
+def test_a_snapshot_of_an_ended_episode_has_how_it_ended(
+    game: str, options: dict[str, Any], expected: tuple[bool, bool]
+) -> None:
+    envs = atari.AtariVectorEnv(game, 1, autoreset_mode="Disabled", **options)
     envs.reset(seed=0)
     ended = False
     while not ended:
         *_, terminations, truncations, _ = envs.step(np.zeros(1, int))
         ended = bool(terminations[0] or truncations[0])
     assert (terminations[0], truncations[0]) == expected
-    snapshots = envs.snapshot()
+    snapshots, over = envs.snapshot(), envs.observe()[1].get("terminated")
+    assert over is None or over[0] == (game == "pong")
     for taken in (snapshots, pickle.loads(pickle.dumps(snapshots))):  # in memory, and as bytes
         envs.reset(seed=1)
         envs.restore(None, taken)
+        assert envs.observe()[1].get("terminated") == over
         *_, terminations, truncations, _ = envs.step(np.zeros(1, int))
         assert (terminations[0], truncations[0]) == expected
 
@@ -261,8 +266,10 @@ def test_what_does_not_fit_is_refused() -> None:
         (lambda: envs.fork([0], [1]), TypeError, r"is the index of an environment, such as 0, got \[0\]"),  # type: ignore[arg-type]
         *(
             (lambda wrong=wrong: envs.restore([0], wrong), TypeError, no_list)
-            for wrong in ([of_single], pong, of_single, 5, [None], [b""], [3])
+            for wrong in (pong, of_single, 5, [None], [3])
         ),
+        (lambda: envs.restore([0], [of_single]), ValueError, "environment 0 cannot .* noops"),
+        (lambda: envs.restore([0], [b""]), ValueError, "environment 0 cannot .* is empty"),
     ]
     for call, error, text in cases:
         with pytest.raises(error, match=text):

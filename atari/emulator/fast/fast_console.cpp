@@ -217,12 +217,11 @@ std::unique_ptr<ConsoleSnapshot> FastConsole::snapshot() const {
     const int whole = kScreenWidth * config_.height;
     std::size_t skipped[2];
     for (int buffer : {0, 1}) {
-        const FrameLog* const owed = history_.owed(buffer);
-        snapshot->replaced[buffer] = owed && owed->replaced >= whole;
+        snapshot->replaced[buffer] = history_.has_whole_frame(buffer, whole);
         skipped[buffer] = snapshot->replaced[buffer] ? static_cast<std::size_t>(whole) : 0;
     }
     snapshot_into(*snapshot, skipped);
-    history_.snapshot(snapshot->history);
+    history_.snapshot(snapshot->history, whole);
     return snapshot;
 }
 

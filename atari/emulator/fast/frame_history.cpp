@@ -34,7 +34,9 @@ void FrameHistory::give_up_frame(const Marks& before) {
 
 const FrameLog* FrameHistory::pay(int buffer) {
     const int owed = std::exchange(marks_.owed[buffer], -1);
-    return owed < 0 ? nullptr : &logs_[owed];
+    if (owed < 0) return nullptr;
+    marks_.shown[buffer] = owed;
+    return &logs_[owed];
 }
 
 void FrameHistory::clear_latches(const TiaWrite* cxclr) {
@@ -72,10 +74,14 @@ unsigned FrameHistory::find_pending(const ConsoleConfig& config, const TiaWrite*
     return found;
 }
 
-void FrameHistory::snapshot(Snapshot& out) const {
+void FrameHistory::snapshot(Snapshot& out, int whole) const {
     out.marks = marks_;
+    for (int buffer : {0, 1}) {
+        if (const int log = log_of(buffer, whole); log >= 0) out.marks.owed[buffer] = log;
+        out.marks.shown[buffer] = -1;
+    }
     for (int i = 0; i < kLogs; ++i) {
-        out.logs[i].used = i == marks_.owed[0] || i == marks_.owed[1] || i == marks_.pending;
+        out.logs[i].used = i == out.marks.owed[0] || i == out.marks.owed[1] || i == marks_.pending;
         if (!out.logs[i].used) continue;
         const FrameLog& log = logs_[i];
         out.logs[i] = {true, log.start, log.reached, log.replaced, {log.writes, log.writes + log.size}};

@@ -37,6 +37,7 @@ class FrameHistory {
         int current = 0;                  // the log of the frame that is running, or that ran last
         int last = -1;                    // the log of the frame before the next one, if that frame was logged
         int owed[2] = {-1, -1};           // by framebuffer: the log to be rendered into it
+        int shown[2] = {-1, -1};          // by framebuffer that is owed none: the log that was rendered into it
         int pending = -1;                 // the log with the first write from which unwatched latches are pending
         std::ptrdiff_t pending_from = 0;  // the index of that write in the log
         unsigned read = 0;                // latches that the game has ever read
@@ -59,19 +60,22 @@ class FrameHistory {
     FrameHistory() : logs_(new FrameLog[kLogs]) {}
 
     // Begins a frame in a free log, and chooses the latches that it watches. `rendered` is the log that the line cache
-    // needs, or null.
+    // needs, or null. The free log may be one that was shown in the frame's own framebuffer, but not in the other one,
+    // whose frame is the last one.
     FrameLog& begin_frame(const Tia& start, const TiaWrite* rendered);
     FrameLog& current() { return logs_[marks_.current]; }
     // Ends the running frame. Framebuffer `buffer` is owed this frame from now on.
     void end_frame(int buffer) { marks_.owed[buffer] = marks_.last = marks_.current; }
 
-    // The marks before `begin_frame` are passed to `give_up_frame`, which restores them. Reads of latches stay noted.
+    // The marks before `begin_frame` are passed to `give_up_frame`, which restores them. Reads of latches stay noted. As
+    // the frame's log may have been one that was shown, `break_off` must follow.
     const Marks& marks() const { return marks_; }
     void give_up_frame(const Marks& before);
 
     // To be called if the next frame does not follow a logged one. Owed frames stay owed; no latch may be pending.
     void break_off() {
         marks_.last = marks_.pending = -1;
+        marks_.shown[0] = marks_.shown[1] = -1;
         marks_.cleared = false;
     }
     // To be called if another state replaces this one: no frame is owed any more.
@@ -83,6 +87,9 @@ class FrameHistory {
     // Returns the frame that a framebuffer is owed, or null. After `pay` it is no longer owed.
     const FrameLog* owed(int buffer) const { return marks_.owed[buffer] < 0 ? nullptr : &logs_[marks_.owed[buffer]]; }
     const FrameLog* pay(int buffer);
+    // Returns whether a log has the whole frame of a framebuffer, rendered or not: all its first `whole` pixels. A
+    // snapshot has the log in place of these pixels.
+    bool has_whole_frame(int buffer, int whole) const { return log_of(buffer, whole) >= 0; }
 
     unsigned watched() const { return marks_.watched; }
     bool cleared() const { return marks_.cleared; }
@@ -99,11 +106,17 @@ class FrameHistory {
     // first pending write.
     unsigned find_pending(const ConsoleConfig& config, const TiaWrite* end, int32_t clock) const;
 
-    void snapshot(Snapshot& out) const;
+    // In the snapshot, a framebuffer with a log of its `whole` pixels is owed the frame.
+    void snapshot(Snapshot& out, int whole) const;
     // If `swapped`, the framebuffers are exchanged.
     void restore(const Snapshot& in, bool swapped);
 
   private:
+    int log_of(int buffer, int whole) const {
+        const int log = marks_.owed[buffer] >= 0 ? marks_.owed[buffer] : marks_.shown[buffer];
+        return log >= 0 && logs_[log].replaced >= whole ? log : -1;
+    }
+
     Marks marks_;
     std::unique_ptr<FrameLog[]> logs_;
 };

@@ -56,6 +56,7 @@ void ObservationStack::begin(bool new_stack) {
 
 void ObservationStack::repeat(bool new_stack) {
     if (!frame_size_) return;
+    if (lacks_newest()) return new_stack ? void() : lack();
     if (!new_stack) {
         const uint8_t* const last = newest_slot();
         uint8_t* const slot = next_slot();
@@ -68,11 +69,14 @@ void ObservationStack::repeat(bool new_stack) {
         if (settings_.padding == Padding::kZero) std::memset(slot, 0, frame_size_);
         else std::memcpy(slot, last, frame_size_);
     }
+    lacking_ = 0;
 }
 
 // Notes the last frame but one of a skip.
 void ObservationStack::frame_played(int left, bool ended) {
-    if (left != 1 || !planes_ || !settings_.maxpool || (ended && settings_.end_frames == EndFrames::kGymnasium)) return;
+    if (left != 1 || !planes_ || !draws_ || !settings_.maxpool ||
+        (ended && settings_.end_frames == EndFrames::kGymnasium))
+        return;
     early_noted_ = true;
     source_.note();
 }
@@ -80,6 +84,7 @@ void ObservationStack::frame_played(int left, bool ended) {
 void ObservationStack::skip_ended(int left, bool ended) {
     if (settings_.pixels == PixelFormat::kRam) return add_now();
     if (!planes_) return;
+    if (!draws_) return lack();
     const bool pools = std::exchange(early_noted_, false);
     if (left == 0 && !(ended && settings_.end_frames == EndFrames::kGymnasium)) {
         drop_last();
@@ -92,16 +97,25 @@ void ObservationStack::skip_ended(int left, bool ended) {
     switch (settings_.end_frames) {
         case EndFrames::kLast: return add_now();
         case EndFrames::kGymnasium:  // without the frame that ended the episode; with the frame before, if it was noted
-            if (!pools) break;
+            if (!pools || lacks_newest()) break;
             return add_pooled_with_last();
         case EndFrames::kBaselines:
-            if (!pools) break;
+            if (!pools || lacks_newest()) break;
             return add(source_.current(), {late_.data(), nullptr});
         case EndFrames::kEnvpool:
             if (!pools) break;
             return add_now();
     }
     repeat(false);
+}
+
+// Moves on by a slot without a frame.
+void ObservationStack::lack() {
+    newest_ = (newest_ + 1) % settings_.stack_num;
+    if (lacks_newest()) return;
+    lacking_ = settings_.stack_num;
+    drop_last();
+    forget_looks();
 }
 
 // Adds the present frame, or the present RAM.
@@ -255,6 +269,8 @@ void ObservationStack::add_pooled_with_last() {
 
 uint8_t* ObservationStack::next_slot() {
     newest_ = (newest_ + 1) % settings_.stack_num;
+    if (lacking_) [[unlikely]]
+        --lacking_;
     return newest_slot();
 }
 
@@ -293,6 +309,7 @@ const uint8_t* ObservationStack::load(const uint8_t* in) {
     }
     std::memcpy(&newest_, in, sizeof newest_);
     newest_ = std::clamp(newest_, 0, settings_.stack_num - 1);
+    lacking_ = 0;
     forget_looks();
     return in + sizeof newest_;
 }

@@ -49,6 +49,11 @@ class ObservationStack {
     // Adds the resized frame of a skip. If the episode ended inside the skip, `left` frames were not played.
     void skip_ended(int left, bool ended);
 
+    // While `draws` is false, skips add no frames. The stack lacks their frames until it is whole again: as many skips
+    // or a reset have been added since.
+    void set_draws(bool draws) { draws_ = draws; }
+    bool is_whole() const { return lacking_ == 0; }
+
     const ObservationSettings& settings() const { return settings_; }
     size_t planes() const { return static_cast<size_t>(planes_); }  // 0 for kNone and kRam
     size_t size() const { return ring_.size(); }
@@ -61,6 +66,8 @@ class ObservationStack {
     const uint8_t* load(const uint8_t* in);
 
   private:
+    void lack();
+    bool lacks_newest() const { return lacking_ == settings_.stack_num; }
     void add(Frame early, Frame late);
     void find_changed_rows(Frame early, Frame late, uint8_t* changed);
     void add_changed_rows(Frame early, Frame late, const AreaResize& resize);
@@ -101,6 +108,8 @@ class ObservationStack {
     std::vector<uint8_t> ring_;       // the last `stack` resized frames
     size_t frame_size_;               // bytes of a resized frame
     int newest_ = 0;                  // slot of the newest resized frame
+    bool draws_ = true;
+    int lacking_ = 0;  // slots without their frames, the oldest ones
 };
 
 }  // namespace atari

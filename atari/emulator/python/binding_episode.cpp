@@ -56,7 +56,7 @@ class BoundEpisode {
             episode_->reset(seed ? &*seed : nullptr, new_game, noops, fire);
             outcome.game_steps = episode_->game_steps();
             outcome.game_over = game_->game_over();
-            return false;
+            return outcome;
         });
         return nb::make_tuple(observation(), info(outcome));
     }
@@ -66,15 +66,28 @@ class BoundEpisode {
         const auto factor = static_cast<float>(strength_factor(strength));
         const Playing playing(*this);
         Outcome outcome;
-        play({std::move(core), {}, std::move(on_frame)}, [&] {
-            outcome = episode_->step(numbers.data(), factor);
-            return outcome.ended;
-        });
+        play({std::move(core), {}, std::move(on_frame)},
+             [&] { return outcome = episode_->step(numbers.data(), factor); });
         return nb::make_tuple(observation(), reward(outcome), outcome.terminated, outcome.limited, info(outcome));
     }
 
+    void go_on(nb::object core, int64_t score, int steps, int first_frame) {
+        if (episode_->players() > 1) throw std::invalid_argument("a game of several players cannot be continued");
+        const Playing playing(*this);
+        play({std::move(core), {}, nb::none()}, [&] {
+            episode_->go_on(score, steps, first_frame);
+            Outcome outcome;
+            outcome.terminated = outcome.game_over = game_->game_over();
+            outcome.truncated = game_->truncated();
+            outcome.ended = outcome.terminated || outcome.truncated;
+            return outcome;
+        });
+    }
+
     nb::object& draw() { return draw_; }
-    bool ended() const { return now_.ended; }
+    bool ended() const { return now_.outcome.ended; }
+    int first_frame() const { return now_.first_frame; }
+    size_t generator_offset() const { return 1 + episode_->generator_offset(); }
     nb::object score() const {
         return of_players(now_.score, [](int64_t score) { return nb::int_(score); });
     }
@@ -91,15 +104,17 @@ class BoundEpisode {
     }
     nb::bytes save() {
         const Playing playing(*this);
-        std::vector<uint8_t> state(episode_->state_size());
-        episode_->save(state.data());
+        std::vector<uint8_t> state(1 + episode_->state_size());
+        state[0] = now_.outcome.saved();
+        episode_->save(state.data() + 1);
         return bytes_of(state);
     }
     void load(nb::bytes state) {
         const Playing playing(*this);
-        episode_->load(state_bytes(state, episode_->state_size(), "episode"));
+        const uint8_t* const bytes = state_bytes(state, 1 + episode_->state_size(), "episode");
+        episode_->load(bytes + 1);
         read_counters(now_);
-        now_.ended = false;
+        now_.outcome = Outcome::of_saved(bytes[0], episode_->players());
     }
 
   private:
@@ -120,19 +135,19 @@ class BoundEpisode {
     // The values after the last call: a copy, because another thread may read it while an episode is played.
     struct Now {
         OfPlayers<int> lives;
-        int frame, episode_frame, steps;
+        int frame, episode_frame, steps, first_frame;
         OfPlayers<int64_t> score;
         uint8_t out;
-        bool ended;
+        Outcome outcome;
         std::array<uint8_t, kRamSize> ram;
     };
 
-    // Calls `work`, which plays and returns whether the episode has ended.
+    // Calls `work`, which plays and returns the outcome.
     template <typename Work>
     void play(CoreGame::Call call, Work&& work) {
         Now now = now_;
         const auto played = [&] {
-            now.ended = work();
+            now.outcome = work();
             read_counters(now);
             for (int player = 0; player < episode_->players(); ++player)
                 now.lives[static_cast<size_t>(player)] = game_->lives(player);
@@ -151,6 +166,7 @@ class BoundEpisode {
 
     void read_counters(Now& now) const {
         now.steps = episode_->game_steps();
+        now.first_frame = episode_->first_frame();
         now.score = episode_->score();
         now.out = episode_->out();
     }
@@ -299,9 +315,17 @@ void register_episode(nb::module_& m) {
             "Play an ALE action number, or one of each player. Returns observation, reward, terminated, truncated and\n"
             "info; the rewards of several players are a tuple. A step may both lose a life that is reported and be\n"
             "truncated.")
+        .def(
+            "go_on", &BoundEpisode::go_on, "core"_a, "score"_a, "steps"_a, "first_frame"_a,
+            "Continue a game of one player that a core has played; the stack begins anew. `first_frame` is the core's\n"
+            "episode frame number after its reset.")
         .def_prop_ro("observation", &BoundEpisode::present, nb::sig("def observation(self, /) -> typing.Any"),
                      "The present observation; zeros before the first reset.")
         .def_prop_ro("steps", &BoundEpisode::steps, "The steps of the present game.")
+        .def_prop_ro("first_frame", &BoundEpisode::first_frame,
+                     "The core's episode frame number after the reset that began the present game.")
+        .def_prop_ro("generator_offset", &BoundEpisode::generator_offset,
+                     "The place in `save` at which the state of a lane has a generator, and is otherwise equal.")
         .def_prop_ro("out", &BoundEpisode::out, nb::sig("def out(self, /) -> tuple[bool, ...]"),
                      "Whether each player is out of the present game.")
         .def_prop_ro("ended", &BoundEpisode::ended,

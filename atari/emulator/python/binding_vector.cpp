@@ -1,6 +1,7 @@
 // `_emulator.VectorEngine` and `_emulator.Batch`: the vector environment, bound for atari/vector, which validates
 // options. threads.hpp has the rule for locks and the GIL.
 
+#include <initializer_list>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -8,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "bound_emulator.hpp"
 #include "bound_engine.hpp"
 #include "call_lock.hpp"
 #include "state.hpp"
@@ -29,8 +31,10 @@ void set_observations(BoundBatch& batch, nb::object pixels, nb::object ram) {
     batch.batch.ram = observations_of(batch, ram, batch.shape.rows * batch.shape.ram, "ram");
 }
 
-void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::object ram) {
+void make_batch(BoundBatch* self, BoundEngine& engine, nb::object pixels, nb::object ram, size_t steps) {
     BoundBatch bound{{}, engine.shape(!pixels.is_none(), !ram.is_none()), {}, std::make_shared<BatchMemory>()};
+    if (steps < 1 || steps > BoundEngine::kMostSteps) throw std::invalid_argument("steps is out of range");
+    bound.shape.rows *= steps;
     set_observations(bound, pixels, ram);
     bound.memory->complete(bound.batch, bound.shape);
     new (self) BoundBatch(std::move(bound));
@@ -55,6 +59,30 @@ nb::dict arrays_of(const BoundBatch& bound) {
         arrays[name] = array_over(bound.batch.*member, sizes, width == 1 ? 1 : 2, owner);
     });
     return arrays;
+}
+
+// Returns an array over a part of a sequence.
+template <typename T>
+nb::object array_over_part(const BoundSequence& bound, std::vector<T>& part, std::initializer_list<size_t> shape) {
+    using Owner = std::shared_ptr<Sequence>;
+    const nb::capsule owner(new Owner(bound.sequence), [](void* kept) noexcept { delete static_cast<Owner*>(kept); });
+    return array_over(part.data(), shape.begin(), shape.size(), owner);
+}
+
+// Returns the discounted sums of the rewards, the numbers of steps played, and the RAMs.
+nb::tuple results_of(const BoundSequence& bound) {
+    Sequence& sequence = *bound.sequence;
+    const auto [_, lanes, players] = bound;
+    return nb::make_tuple(players == 1 ? array_over_part(bound, sequence.rewards, {lanes})
+                                       : array_over_part(bound, sequence.rewards, {lanes, players}),
+                          array_over_part(bound, sequence.played, {lanes}),
+                          sequence.every
+                              ? array_over_part(bound, sequence.rams, {lanes, sequence.steps, size_t{kRamSize}})
+                              : array_over_part(bound, sequence.rams, {lanes, size_t{kRamSize}}));
+}
+
+uint64_t digest_of(Emulator& core) {
+    return core.locked([](Environment& e) { return image_digest(*e.parts().game); });
 }
 
 struct LentArray {
@@ -131,10 +159,11 @@ void register_vector(nb::module_& m) {
         .value("FINAL", VectorEngine::RamOf::kFinal);
     nb::class_<BoundBatch> batch(m, "Batch",
                                  "Arrays for the results of a batch. Threads write to them between start and receive.");
-    batch.def("__init__", &make_batch, "engine"_a, "pixels"_a.none(), "ram"_a.none(),
+    batch.def("__init__", &make_batch, "engine"_a, "pixels"_a.none(), "ram"_a.none(), "steps"_a = 1,
               nb::sig("def __init__(self, engine: VectorEngine, pixels: " NDARRAY("uint8") " | None, ram: " NDARRAY(
-                  "uint8") " | None) -> None"),
-              "`pixels` and `ram` are the arrays for observations; None if observations have no such part.");
+                  "uint8") " | None, steps: int = 1) -> None"),
+              "`pixels` and `ram` are the arrays for observations; None if observations have no such part. There is a\n"
+              "row for each of `steps` of each environment of a batch.");
     batch.def_prop_ro("arrays", &arrays_of, nb::sig("def arrays(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
                       "The other arrays by their names (vector/batch.def): (rows,), or (rows, players) if each\n"
                       "player has a value. Final pixels and RAM are (rows, bytes).");
@@ -142,7 +171,29 @@ void register_vector(nb::module_& m) {
         "aimed_at", &aimed_at, "pixels"_a.none(), "ram"_a.none(),
         nb::sig("def aimed_at(self, pixels: " NDARRAY("uint8") " | None, ram: " NDARRAY("uint8") " | None) -> Batch"),
         "A batch with other arrays of observations, which shares the other arrays.");
+    nb::class_<BoundSequence>(m, "StepSequence", "Several steps of each environment, which `VectorEngine.play` begins.")
+        .def_prop_ro(
+            "results", &results_of,
+            nb::sig("def results(self) -> tuple[" NDARRAY("float64") ", " NDARRAY("int32") ", " NDARRAY("uint8") "]"),
+            "After `receive`, for all environments: the discounted sums of the rewards, (environments,) or\n"
+            "(environments, players), the numbers of steps played, (environments,), and the RAMs after the\n"
+            "last step, (environments, 128), or after every step, (environments, steps, 128).");
     nb::class_<BoundSnapshot>(m, "MemberSnapshot", "The state of a lane in memory. It can be pickled.")
+        .def_static(
+            "of_bytes",
+            [](Emulator& core, nb::bytes state) {
+                const auto* const data = static_cast<const uint8_t*>(state.data());
+                return BoundSnapshot{nullptr, {data, data + state.size()}, digest_of(core)};
+            },
+            "core"_a, "state"_a, "The snapshot of these bytes of `content`, of the game of a core.")
+        .def(
+            "content",
+            [](const BoundSnapshot& state, Emulator& core) {
+                if (digest_of(core) != (state.snapshot ? image_digest(*state.snapshot->game) : state.image))
+                    throw std::invalid_argument("the snapshot was taken with another ROM image of the game");
+                return bytes_of(state.snapshot ? state.snapshot->bytes() : state.bytes);
+            },
+            "core"_a, "The state as bytes. Raises ValueError if a core of its game has another ROM image.")
         .def("__getstate__",
              [](const BoundSnapshot& state) {
                  if (!state.snapshot) return std::tuple(bytes_of(state.bytes), state.image);
@@ -180,6 +231,15 @@ void register_vector(nb::module_& m) {
              "Begin a step of the environments of the last batch. If `batch` has rows for all environments, the\n"
              "results go there. `environments` are stepped, in the order of the actions. They may be some of all;\n"
              "then the rows of the others show their last results again.")
+        .def(
+            "play", &BoundEngine::play, "actions"_a, "strengths"_a.none(), "batch"_a, "environments"_a.none(),
+            "steps"_a, "discount"_a, "stops"_a, "every"_a,
+            nb::sig("def play(self, actions: " NDARRAY("int64") ", strengths: " NDARRAY(
+                "float32") " | None, batch: Batch, environments: " NDARRAY("int64") " | None, steps: int, discount: "
+                                                                                    "float, stops: bool, every: bool) -> StepSequence"),
+            "Begin `steps` steps of each environment; `actions` has those of the first environment first. With\n"
+            "`stops`, an environment stops when its episode ends. With `every`, the batch needs a row for each step of\n"
+            "each environment, otherwise it gets the results of the last step.")
         .def("reset", &BoundEngine::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(), "new_games"_a = false,
              nb::sig("def reset(self, mask: " NDARRAY("bool") ", seeded: " NDARRAY("bool") ", seeds: " NDARRAY(
                  "uint32") ", batch: Batch | None, new_games: bool = False) -> None"),

@@ -36,6 +36,12 @@ struct BoundBatch {
     std::shared_ptr<BatchMemory> memory;   // the other arrays
 };
 
+// A sequence that an engine plays, with the sizes of its results.
+struct BoundSequence {
+    std::shared_ptr<Sequence> sequence;
+    size_t lanes, players;
+};
+
 // The state of a lane in memory. After unpickling it consists of bytes, and `snapshot` is null.
 struct BoundSnapshot {
     VectorEngine::Snapshot snapshot;
@@ -54,6 +60,8 @@ struct BoundSnapshot {
 // The engine that Python threads share. The GIL is released while environments are played or waited for.
 class BoundEngine : Exclusive {
   public:
+    static constexpr size_t kMostSteps = 1'000'000;  // of a sequence
+
     explicit BoundEngine(std::unique_ptr<VectorEngine> engine) : engine_(std::move(engine)) {}
 
     // Joins the threads, which may still write to `current_`.
@@ -64,18 +72,24 @@ class BoundEngine : Exclusive {
 
     void start(List<const int64_t> actions, std::optional<List<const float>> strengths, nb::object batch,
                std::optional<List<const int64_t>> environments) {
-        const std::vector<int64_t> indices(actions.data(), actions.data() + actions.size());
-        std::vector<int64_t> numbers;
-        if (environments) numbers.assign(environments->data(), environments->data() + environments->size());
-        std::vector<float> factors(indices.size(), 1.0f);
-        if (strengths && strengths->size() != factors.size())
-            throw std::invalid_argument("there must be a strength for each action");
-        if (strengths) std::copy_n(strengths->data(), factors.size(), factors.begin());
-        const Batch* const target = checked(batch);
-        locked([&] {
-            check_process(process_, "vector environment");
-            begin(indices, factors, environments ? &numbers : nullptr, target, [&] { std::swap(current_, batch); });
-        });
+        launch(actions, strengths, std::move(batch), environments, nullptr);
+    }
+
+    BoundSequence play(List<const int64_t> actions, std::optional<List<const float>> strengths, nb::object batch,
+                       std::optional<List<const int64_t>> environments, size_t steps, double discount, bool stops,
+                       bool every) {
+        if (queued()) throw std::invalid_argument("a sequence is played in batches of all environments");
+        if (steps < 1 || steps > kMostSteps)
+            throw std::invalid_argument("a sequence has 1 to " + std::to_string(kMostSteps) + " steps, got " +
+                                        std::to_string(steps));
+        if (!std::isfinite(discount)) throw std::invalid_argument("discount must be finite");
+        const auto sequence = std::make_shared<Sequence>();
+        sequence->steps = steps;
+        sequence->discount = discount;
+        sequence->stops = stops;
+        sequence->every = every;
+        launch(actions, strengths, std::move(batch), environments, sequence);
+        return {sequence, static_cast<size_t>(engine_->size()), players()};
     }
 
     void reset(List<const bool> mask, List<const bool> seeded, Seeds seeds, nb::object batch, bool new_games) {
@@ -91,7 +105,7 @@ class BoundEngine : Exclusive {
             given[i] = seeded(i) ? &values[i] : nullptr;
             which[i] = mask(i);
         }
-        const Batch* const target = checked(batch);
+        const Batch* const target = checked(batch, 1);
         locked([&] {
             check_process(process_, "vector environment");
             if (std::find(which.begin(), which.end(), false) != which.end()) check_unfailed();
@@ -106,8 +120,8 @@ class BoundEngine : Exclusive {
     }
 
     bool receive(const BoundBatch& batch) {
-        check_size(batch);
         return locked([&] {
+            if (target_ != &batch.batch) check_size(batch, 1);
             check_process(process_, "vector environment");
             if (!sent_) throw std::runtime_error("no step has been started");
             if (target_ && target_ != &batch.batch)
@@ -129,7 +143,8 @@ class BoundEngine : Exclusive {
     void step_natively(const std::vector<int64_t>& actions, const Batch& batch) {
         natively([&] {
             check_ready();
-            begin(actions, std::vector<float>(actions.size(), 1.0f), nullptr, queued() ? nullptr : &batch, [] {});
+            begin(actions, std::vector<float>(actions.size(), 1.0f), nullptr, queued() ? nullptr : &batch, nullptr,
+                  [] {});
             finish(batch);
         });
     }
@@ -142,7 +157,7 @@ class BoundEngine : Exclusive {
             if (environments && environments->size() != rows())
                 throw std::invalid_argument("env_id must have as many rows as a batch");
             begin(actions, std::vector<float>(actions.size(), 1.0f), environments, queued() ? nullptr : &staging,
-                  [] {});
+                  nullptr, [] {});
         });
     }
 
@@ -283,39 +298,61 @@ class BoundEngine : Exclusive {
     BatchShape shape(bool pixels, bool ram) const { return engine_->shape(pixels, ram); }
 
   private:
+    void launch(List<const int64_t> actions, const std::optional<List<const float>>& strengths, nb::object batch,
+                const std::optional<List<const int64_t>>& environments, const std::shared_ptr<Sequence>& sequence) {
+        const std::vector<int64_t> indices(actions.data(), actions.data() + actions.size());
+        std::vector<int64_t> numbers;
+        if (environments) numbers.assign(environments->data(), environments->data() + environments->size());
+        std::vector<float> factors(indices.size(), 1.0f);
+        if (strengths && strengths->size() != factors.size())
+            throw std::invalid_argument("there must be a strength for each action");
+        if (strengths) std::copy_n(strengths->data(), factors.size(), factors.begin());
+        const Batch* const target = checked(batch, sequence ? sequence->rows() : 1);
+        locked([&] {
+            check_process(process_, "vector environment");
+            begin(indices, factors, environments ? &numbers : nullptr, target, sequence,
+                  [&] { std::swap(current_, batch); });
+        });
+    }
+
     // Returns the batch of an object, which threads write to. For None returns null: results then wait for `receive`.
-    const Batch* checked(nb::handle batch) const {
+    // The batch must have this number of rows for each environment.
+    const Batch* checked(nb::handle batch, size_t rows) const {
         if (batch.is_none() && engine_->batch_size() < engine_->size()) return nullptr;
         if (batch.is_none())
             throw std::invalid_argument("a batch of all environments is written while they are played; give one");
         BoundBatch* bound = nullptr;
         if (!nb::try_cast(batch, bound) || !bound) refuse_type("the batch must be a Batch of this engine");
-        check_size(*bound);
+        check_size(*bound, rows);
         return &bound->batch;
     }
 
-    void check_size(const BoundBatch& batch) const {
-        if (!batch.shape.fits(shape(true, true)))
+    void check_size(const BoundBatch& batch, size_t rows) const {
+        BatchShape written = shape(true, true);
+        written.rows *= rows;
+        if (!batch.shape.fits(written))
             throw std::invalid_argument(
                 "the batch is of an engine with batches, observations or players of another number");
     }
 
     // The functions below need the lock.
     //
-    // Begins a step; nothing has changed if it throws. `keep()` keeps the memory of `target`.
+    // Begins a step, or a sequence; nothing has changed if it throws. `keep()` keeps the memory of `target`.
     template <typename Keep>
     void begin(const std::vector<int64_t>& actions, const std::vector<float>& strengths,
-               const std::vector<int64_t>* environments, const Batch* target, Keep&& keep) {
+               const std::vector<int64_t>* environments, const Batch* target, const std::shared_ptr<Sequence>& sequence,
+               Keep&& keep) {
         if (sent_) throw std::runtime_error("a step has been started; receive it first");
         check_unfailed();
         std::vector<int> some;
         if (environments) some = chosen(*environments);
         const std::vector<int>& rows = environments ? some : engine_->recent();
-        check_actions(rows, actions, strengths);
+        check_actions(rows, actions, strengths, sequence ? sequence->steps : 1);
         keep();
         target_ = target;
         sent_ = true;
-        engine_->step(rows, actions.data(), strengths.data(), target);
+        if (sequence) engine_->play(rows, actions.data(), strengths.data(), target, sequence);
+        else engine_->step(rows, actions.data(), strengths.data(), target);
         order_ = queued() ? std::vector<int>() : std::move(some);
     }
 
@@ -383,18 +420,22 @@ class BoundEngine : Exclusive {
     }
 
     void check_actions(const std::vector<int>& environments, const std::vector<int64_t>& actions,
-                       const std::vector<float>& strengths) const {
-        const auto players = static_cast<size_t>(engine_->players());
-        if (actions.size() != environments.size() * players)
+                       const std::vector<float>& strengths, size_t steps) const {
+        const auto players = static_cast<size_t>(engine_->players()), in_row = steps * players;
+        if (actions.size() != environments.size() * in_row)
             throw std::invalid_argument(players == 1 ? "there must be an action for each environment of the batch"
                                                      : "there must be an action for each player of each environment");
         for (size_t i = 0; i < actions.size(); ++i) {
-            const int most = engine_->actions_of(environments[i / players]) - 1;
+            const int most = engine_->actions_of(environments[i / in_row]) - 1;
+            const auto row = [&] {
+                const std::string step = std::to_string(i % in_row / players);
+                return "row " + std::to_string(i / in_row) + (steps > 1 ? ", step " + step + "," : "");
+            };
             if (actions[i] < 0 || actions[i] > most)
-                throw std::invalid_argument("action " + std::to_string(actions[i]) + " in row " +
-                                            std::to_string(i / players) + " is not within 0.." + std::to_string(most));
+                throw std::invalid_argument("action " + std::to_string(actions[i]) + " in " + row() +
+                                            " is not within 0.." + std::to_string(most));
             if (!(std::abs(strengths[i]) <= 1000.0f))  // negated, so that NaN fails too
-                throw std::invalid_argument("the strength in row " + std::to_string(i) +
+                throw std::invalid_argument("the strength in " + row() +
                                             " must be finite and at most 1000 in magnitude");
         }
     }

@@ -58,6 +58,7 @@ void VectorEngine::reset(const std::vector<bool>& chosen, const std::vector<cons
         slot.seed = seeds[i] ? &slot.seed_value : nullptr;
     }
     batch_ = batch;
+    sequence_ = nullptr;
     if (!queued()) return pool_->submit_all();
     std::vector<int> all(slots_.size());
     std::iota(all.begin(), all.end(), 0);
@@ -76,8 +77,31 @@ void VectorEngine::step(const std::vector<int>& environments, const int64_t* act
         slot.strength = strengths ? strengths[i] : 1.0f;
     }
     batch_ = batch;
+    sequence_ = nullptr;
     if (queued()) pool_->submit(environments.data(), static_cast<int>(environments.size()));
     else pool_->submit_all();
+}
+
+void VectorEngine::play(const std::vector<int>& environments, const int64_t* actions, const float* strengths,
+                        const Batch* batch, std::shared_ptr<Sequence> sequence) {
+    const size_t lanes = slots_.size(), players = static_cast<size_t>(players_);
+    // With rows for each step, the batch has none for an environment that does not play.
+    for (Slot& slot : slots_) slot.task = sequence->every ? Task::kNothing : Task::kObserve;
+    sequence->actions.reserve(environments.size() * sequence->steps * players);
+    for (size_t i = 0; i < environments.size(); ++i) {
+        Slot& slot = this->slot(environments[i]);
+        slot.task = Task::kPlay;
+        slot.played_row = i;
+        for (size_t k = 0; k < sequence->steps * players; ++k)
+            sequence->actions.push_back(slot.lane->actions()[static_cast<size_t>(*actions++)]);
+    }
+    sequence->strengths.assign(strengths, strengths + environments.size() * sequence->steps);
+    sequence->rewards.resize(lanes * players);
+    sequence->played.resize(lanes);
+    sequence->rams.resize(lanes * sequence->rows() * 128);
+    batch_ = batch;
+    sequence_ = std::move(sequence);
+    pool_->submit_all();
 }
 
 bool VectorEngine::receive(const Batch& batch) {
@@ -91,8 +115,9 @@ bool VectorEngine::receive(const Batch& batch) {
         }
     }
     bool any = false;
-    for (int at = 0; at < settings_.batch_size * players_; ++at) any |= batch.terminated[at] || batch.truncated[at];
-    for (int row = 0; row < settings_.batch_size; ++row) any |= batch.game_ended[row];
+    const int rows = settings_.batch_size * (sequence_ ? static_cast<int>(sequence_->rows()) : 1);
+    for (int at = 0; at < rows * players_; ++at) any |= batch.terminated[at] || batch.truncated[at];
+    for (int row = 0; row < rows; ++row) any |= batch.game_ended[row];
     return any;
 }
 
@@ -119,6 +144,8 @@ void VectorEngine::apply_restore(Slot& slot, bool own_generators) {
 
 void VectorEngine::run_task(int environment) {
     apply_restore(slot(environment));
+    if (slot(environment).task == Task::kPlay) return play_sequence(slot(environment), environment);
+    if (slot(environment).task == Task::kNothing) return;
     if (!queued() && batch_->pixels) {
         const size_t size = lane(environment).episode().observation().size();
         prefetch(batch_->pixels + size * static_cast<size_t>(environment), size);
@@ -127,12 +154,13 @@ void VectorEngine::run_task(int environment) {
     if (!queued()) write_results(slot(environment), environment, environment, *batch_);
 }
 
-void VectorEngine::play(Slot& slot, int environment) {
+// Plays the slot's task, and writes a final observation to this row.
+void VectorEngine::play(Slot& slot, int row) {
     Episode& episode = slot.lane->episode();
     slot.has_final = false;
     const bool over = slot.outcome.ended;
     const bool idle = over && settings_.autoreset == Autoreset::kDisabled;  // until it is reset
-    if (slot.task == Task::kObserve || (slot.task == Task::kStep && idle)) {
+    if (slot.task == Task::kObserve || (slot.task != Task::kReset && idle)) {
         slot.outcome.reward = slot.outcome.game_reward = {};
         slot.outcome.own_reward = 0.0;
     } else if (slot.task == Task::kReset || over) {
@@ -144,7 +172,7 @@ void VectorEngine::play(Slot& slot, int environment) {
     } else {
         slot.outcome = episode.step(slot.actions, slot.strength);
         if (slot.outcome.ended && settings_.autoreset == Autoreset::kSameStep) {
-            keep_final(slot, environment);
+            keep_final(slot, row);
             episode.reset(nullptr, false);
             slot.outcome.ended = false;
         }
@@ -152,7 +180,63 @@ void VectorEngine::play(Slot& slot, int environment) {
     slot.ended_game = episode.take_ended_game();
 }
 
-void VectorEngine::keep_final(Slot& slot, int environment) {
+void VectorEngine::play_sequence(Slot& slot, int environment) {
+    Sequence& sequence = *sequence_;
+    Episode& episode = slot.lane->episode();
+    // Images that no result has are not drawn. If the lane stops before its observation is whole, it plays again, from
+    // its beginning to the same end.
+    size_t undrawn = sequence.every || slot.lane->game().records() ? 0 : episode.undrawn(sequence.steps);
+    LaneState beginning;
+    const Outcome outcome = slot.outcome;
+    if (undrawn) slot.lane->snapshot(beginning);
+    for (;;) {
+        const size_t played = play_steps(slot, environment, undrawn);
+        if (episode.observation().is_whole() && (!slot.has_final || slot.final_is_whole)) break;
+        undrawn = episode.undrawn(std::min(played, undrawn));
+        slot.lane->restore(beginning);
+        slot.outcome = outcome;
+    }
+    if (sequence.every) return;
+    write_results(slot, environment, environment, *batch_);
+    std::copy_n(slot.lane->environment().ram(), 128, sequence.rams.data() + 128 * static_cast<size_t>(environment));
+}
+
+// Plays the steps of a sequence, the first `undrawn` of them without images. Returns the number of steps played.
+size_t VectorEngine::play_steps(Slot& slot, int environment, size_t undrawn) {
+    Sequence& sequence = *sequence_;
+    Episode& episode = slot.lane->episode();
+    const auto players = static_cast<size_t>(players_), lane = static_cast<size_t>(environment);
+    double* const rewards = sequence.rewards.data() + lane * players;
+    std::fill_n(rewards, players, 0.0);
+    const struct Drawing {
+        Episode& episode;
+        ~Drawing() { episode.set_draws(true); }
+    } drawing{episode};
+    double weight = 1.0;
+    size_t step = 0;
+    for (bool goes_on = true; goes_on && step < sequence.steps; weight *= sequence.discount) {
+        const bool idle = slot.outcome.ended && settings_.autoreset == Autoreset::kDisabled;
+        const size_t from = slot.played_row * sequence.steps + step, row = lane * sequence.rows() + step;
+        std::copy_n(sequence.actions.data() + from * players, players, slot.actions);
+        slot.strength = sequence.strengths[from];
+        episode.set_draws(step >= undrawn);
+        play(slot, static_cast<int>(sequence.every ? row : lane));
+        if (idle && sequence.stops) break;
+        goes_on = !sequence.stops || !(slot.outcome.ended || slot.has_final);
+        for (size_t player = 0; player < players; ++player)
+            rewards[player] +=
+                weight * (episode.has_own_reward() ? slot.outcome.own_reward : slot.outcome.reward[player]);
+        if (sequence.every) {
+            write_results(slot, environment, static_cast<int>(row), *batch_);
+            std::copy_n(slot.lane->environment().ram(), 128, sequence.rams.data() + 128 * row);
+        }
+        ++step;
+    }
+    sequence.played[lane] = static_cast<int32_t>(step);
+    return step;
+}
+
+void VectorEngine::keep_final(Slot& slot, int row) {
     slot.has_final = true;
     Episode& episode = slot.lane->episode();
     slot.final_game = episode.take_ended_game();
@@ -161,8 +245,10 @@ void VectorEngine::keep_final(Slot& slot, int environment) {
         slot.final_pixels.resize(episode.observation().size());
         episode.observation().write(slot.final_pixels.data());
     } else if (batch_->final_pixels) {
-        const size_t at = episode.observation().size() * static_cast<size_t>(environment);
+        const size_t at = episode.observation().size() * static_cast<size_t>(row);
         episode.observation().write(batch_->final_pixels + at);
+        batch_->ended[row] = true;  // so that the row is cleared if a later step of a sequence has no final observation
+        slot.final_is_whole = episode.observation().is_whole();
     }
     std::copy_n(e.ram(), 128, slot.final_ram);
     std::copy_n(episode.ram(), 128, slot.final_shown_ram);
@@ -239,30 +325,16 @@ void VectorEngine::write_final(Slot& slot, int row, const Batch& batch) {
                {batch.final_game_ended, batch.final_score, batch.final_frames, batch.final_seconds});
 }
 
-namespace {
-
-uint8_t* write_outcome(const Outcome& outcome, uint8_t* out) {
-    *out = static_cast<uint8_t>(outcome.terminated | outcome.truncated << 1 | outcome.ended << 2 |
-                                outcome.game_over << 3 | outcome.out << 4);
-    return out + 1;
-}
-
-}  // namespace
-
 void VectorEngine::save(int environment, uint8_t* out) {
     Lane& restored = lane(environment);
-    restored.save(write_outcome(slot(environment).outcome, out));
+    *out = slot(environment).outcome.saved();
+    restored.save(out + 1);
 }
 
 bool VectorEngine::load(int environment, const uint8_t* in) {
     if (!lane(environment).load(in + 1)) return false;
     Outcome& outcome = slot(environment).outcome;
-    outcome = Outcome{};
-    outcome.terminated = *in & 1;
-    outcome.truncated = *in >> 1 & 1;
-    outcome.ended = *in >> 2 & 1;
-    outcome.game_over = *in >> 3 & 1;
-    outcome.out = static_cast<uint8_t>(*in >> 4 & ((1 << players_) - 1));
+    outcome = Outcome::of_saved(*in, players_);
     outcome.game_steps = lane(environment).episode().game_steps();
     return true;
 }
@@ -270,8 +342,9 @@ bool VectorEngine::load(int environment, const uint8_t* in) {
 std::vector<uint8_t> VectorEngine::LaneSnapshot::bytes() const {
     const std::vector<uint8_t> environment = state.environment.bytes(*game);
     std::vector<uint8_t> bytes(1 + environment.size() + state.episode.size());
-    uint8_t* const out = write_outcome(outcome, bytes.data());
-    std::copy(state.episode.begin(), state.episode.end(), std::copy(environment.begin(), environment.end(), out));
+    bytes[0] = outcome.saved();
+    uint8_t* const end = std::copy(environment.begin(), environment.end(), bytes.data() + 1);
+    std::copy(state.episode.begin(), state.episode.end(), end);
     return bytes;
 }
 

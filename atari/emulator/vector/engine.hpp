@@ -9,6 +9,7 @@
 
 #include "batch.hpp"
 #include "lane.hpp"
+#include "sequence.hpp"
 #include "thread_pool.hpp"
 
 namespace atari {
@@ -59,6 +60,11 @@ class VectorEngine {
     // paddles. If a batch has all environments, those without an action repeat their last observation. Otherwise the
     // environments are those of `recent()`, in any order.
     void step(const std::vector<int>& environments, const int64_t* actions, const float* strengths, const Batch* batch);
+    // Plays `sequence->steps` steps of the environments, if batches have all environments: step k of lane
+    // `environments[i]` has the actions and the strength with the number i * steps + k. The batch has the results of the
+    // last step, or those of all steps in rows for each, and the sequence what it adds to them.
+    void play(const std::vector<int>& environments, const int64_t* actions, const float* strengths, const Batch* batch,
+              std::shared_ptr<Sequence> sequence);
     // Waits for a batch; returns whether an episode or a game ended in it. Rethrows the deferred error of an
     // environment; all environments must then be reset.
     bool receive(const Batch& batch);
@@ -106,7 +112,7 @@ class VectorEngine {
     void restore(int environment, Snapshot snapshot, bool own_generators = false);
 
   private:
-    enum class Task : uint8_t { kReset, kStep, kObserve };
+    enum class Task : uint8_t { kReset, kStep, kPlay, kObserve, kNothing };
 
     // A lane with its task and its last results.
     struct Slot {
@@ -118,9 +124,11 @@ class VectorEngine {
         Seed seed_value{};
         int actions[kMaxPlayers]{};
         float strength = 1.0f;
+        size_t played_row = 0;                // of the sequence's actions, for kPlay
         Outcome outcome;                      // the last step's
         std::optional<EndedGame> ended_game;  // ended in the last task
         bool has_final = false;
+        bool final_is_whole = true;                    // see ObservationStack::is_whole
         std::optional<EndedGame> final_game;           // ended in the step before the reset of the same task
         std::vector<uint8_t> final_pixels;             // used while the row of the batch is not known
         uint8_t final_ram[128], final_shown_ram[128];  // the emulator's, and what the agent sees
@@ -132,8 +140,10 @@ class VectorEngine {
     const Slot& slot(int environment) const { return slots_[static_cast<size_t>(environment)]; }
     static void apply_restore(Slot& slot, bool own_generators = false);
     void run_task(int environment);
-    void play(Slot& slot, int environment);
-    void keep_final(Slot& slot, int environment);
+    void play(Slot& slot, int row);
+    void play_sequence(Slot& slot, int environment);
+    size_t play_steps(Slot& slot, int environment, size_t undrawn);
+    void keep_final(Slot& slot, int row);
     void write_results(Slot& slot, int environment, int row, const Batch& batch);
     void write_players(Slot& slot, int row, const Batch& batch);
     // The arrays of a batch for games that ended.
@@ -150,8 +160,9 @@ class VectorEngine {
     const int players_;
     std::vector<Slot> slots_;
     std::vector<int> recent_;
-    std::vector<uint8_t> result_rams_;  // 128 bytes for each environment
-    const Batch* batch_ = nullptr;      // a batch of all environments, which the threads write to
+    std::vector<uint8_t> result_rams_;    // 128 bytes for each environment
+    const Batch* batch_ = nullptr;        // a batch of all environments, which the threads write to
+    std::shared_ptr<Sequence> sequence_;  // which they play; null if they play single steps
     std::unique_ptr<ThreadPool> pool_;
     long process_;  // the process that made the threads
 };

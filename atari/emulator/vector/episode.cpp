@@ -53,6 +53,17 @@ void Episode::pay(Outcome& outcome, const OfPlayers<int64_t>& score_before, uint
     outcome.own_reward = settings_.reward_clipping ? std::clamp(paid, -1.0, 1.0) : paid;
 }
 
+void Episode::go_on(int64_t score, int steps, int first_frame) {
+    state_ = {};
+    state_.game_steps = state_.steps = static_cast<uint32_t>(steps);
+    state_.first_frame = first_frame;
+    state_.frame_number = game_.frame_number();
+    state_.lives = game_.lives();
+    score_[0] = score;
+    show();
+    observation_->begin(true);
+}
+
 void Episode::end_game() {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - game_began_;
     ended_game_ = {score_, game_.episode_frame_number() - state_.first_frame, seconds.count()};

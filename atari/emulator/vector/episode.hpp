@@ -31,6 +31,20 @@ struct Outcome {
     OfPlayers<int> game_reward{};  // not clipped
     int game_steps = 0;            // steps of the game, this one included
     double own_reward = 0.0;       // the value of the task's expression, if it has one
+
+    // The part that a state has, as a byte.
+    uint8_t saved() const {
+        return static_cast<uint8_t>(terminated | truncated << 1 | ended << 2 | game_over << 3 | out << 4);
+    }
+    static Outcome of_saved(uint8_t saved, int players) {
+        Outcome outcome;
+        outcome.terminated = saved & 1;
+        outcome.truncated = saved >> 1 & 1;
+        outcome.ended = saved >> 2 & 1;
+        outcome.game_over = saved >> 3 & 1;
+        outcome.out = static_cast<uint8_t>(saved >> 4 & ((1 << players) - 1));
+        return outcome;
+    }
 };
 
 // A whole game that ended: over in the emulator, or truncated.
@@ -65,18 +79,29 @@ class Episode {
     void reset(const Seed* seed, bool new_game, std::optional<int> noops = std::nullopt, bool press_fire = true);
     // Plays an action of each player, an ALE number, until the skip or the episode ends.
     Outcome step(const int* actions, float strength);
+    // Continues a game of one player that another object has played since the emulator's reset; the stack begins anew.
+    void go_on(int64_t score, int steps, int first_frame);
     // Returns the last game that ended since the last call, in a step or in a reset.
     std::optional<EndedGame> take_ended_game() { return std::exchange(ended_game_, std::nullopt); }
     int players() const { return settings_.players; }
     bool has_own_reward() const { return formula_ != nullptr; }
     // Returns the steps of the present game, which lost lives do not end.
     int game_steps() const { return static_cast<int>(state_.game_steps); }
+    int first_frame() const { return state_.first_frame; }  // the emulator's episode frame number after its reset
 
     uint8_t out() const { return state_.out; }  // bit p: player p is out of the present game
 
     const OfPlayers<int64_t>& score() const { return score_; }  // the present game's, since the emulator's reset
 
     const ObservationStack& observation() const { return *observation_; }
+    // See ObservationStack::set_draws.
+    void set_draws(bool draws) { observation_->set_draws(draws); }
+    // Returns the number of steps, the first ones of several, whose frames the observation after the last step does not
+    // contain. That is one frame fewer than it could be, because a step that ends an episode may repeat the frame before.
+    size_t undrawn(size_t steps) const {
+        const auto drawn = static_cast<size_t>(observation_->settings().stack_num) + 1;
+        return observation_->planes() && !delays_frames() && steps > drawn ? steps - drawn : 0;
+    }
     // The 128 bytes that the agent sees beside the images.
     const uint8_t* ram() const { return delays_frames() ? oldest_frame() + frame_size_ : game_.ram(); }
 
@@ -84,6 +109,8 @@ class Episode {
     size_t state_size() const;
     void save(uint8_t* out) const;
     void load(const uint8_t* in);
+    // Returns the offset of the generator in a state. A state without one, of `EpisodeRandom::Draw`, is otherwise equal.
+    size_t generator_offset() const { return observation_->state_size(); }
     EpisodeRandom& random() { return random_; }
 
   private:

@@ -38,6 +38,7 @@ class LaneGame final : public PlayedGame {
         records_ = true;
         moves_.clear();
     }
+    bool records() const { return records_; }
     std::vector<std::pair<int, float>> take_moves() {
         records_ = false;
         return std::exchange(moves_, {});

@@ -9,12 +9,12 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from atari.env.lane_snapshot import LaneSnapshot
 from atari.games.game import Game
 from atari.lab.labels import Labels
 from atari.learning.diagnosis.facts import Comparison, Fact
 from atari.learning.diagnosis.plays import Play, Plays
 from atari.vector import AtariVectorEnv
-from atari.vector.state import LaneSnapshot
 
 Kind = Literal["life", "end", "spare", "limit", "plateau"]
 

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.base.validation import check_integer
+from atari.env.lane_snapshot import LaneSnapshot
 from atari.lab.labels import Labels, labels_of
 from atari.learning.evaluation.evaluate import EvaluatedPolicy, _Games, episode_seed
 from atari.policy import LoadedPolicy
@@ -18,7 +19,6 @@ from atari.policy.needs import needs_of
 from atari.policy.watched import WatchedPolicy
 from atari.task import Task
 from atari.vector import AtariVectorEnv
-from atari.vector.state import LaneSnapshot
 
 _MOST_LANES, _MOST_GAMES = 64, 10_000
 _BLOCK = 512  # steps

@@ -7,12 +7,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from atari.env.lane_snapshot import LaneSnapshot
 from atari.games.actions import Action
 from atari.lab.objects import positions
 from atari.learning.diagnosis.findings import Finding, Step, spread
 from atari.learning.diagnosis.plays import Plays
 from atari.vector import AtariVectorEnv
-from atari.vector.state import LaneSnapshot
 
 _LEAST_USE = 0.001
 _STATES, _HELD = 40, 4

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.base.validation import check_integer
+from atari.env.lane_snapshot import LaneSnapshot
 from atari.learning.diagnosis.moments import Moment
 from atari.learning.diagnosis.plays import Plays
 from atari.learning.evaluation.evaluate import EvaluatedPolicy
@@ -17,7 +18,6 @@ from atari.recording import RecordReplay
 from atari.recording.replay.record_replay import shadow_env
 from atari.recording.replay.recorded_core import ReplayRecorder
 from atari.vector import AtariVectorEnv
-from atari.vector.state import LaneSnapshot
 
 STEPS_A_SECOND = 8000
 """The steps of all forks that a second of a search's budget stands for, about as many as a core plays by a network."""

@@ -115,7 +115,7 @@ def write_report(
     return write_page(
         folder / "report.html",
         _PAGE,
-        title=html.escape(f"{agent.upper()}: {len(games)} games, {len(runs)} runs"),
+        title=html.escape(f"{agent.upper()}, games: {len(games)}, runs: {len(runs)}"),
         command=html.escape(shlex.join(["atari", "train", *map(str, words)])),
         curves="\n".join(f"<h3>{html.escape(game)}</h3>\n{_curves(game, several)}" for game, several in games.items()),
         grid=_grid_table(runs, results) if grid else "",

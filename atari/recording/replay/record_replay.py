@@ -11,6 +11,7 @@ from atari.base.gymnasium_versions import AutoresetMode, VectorEnv, VectorWrappe
 from atari.base.validation import check_arguments, check_integer
 from atari.cores.options import SEED_LIMIT
 from atari.env import AtariEnv
+from atari.env.lane_snapshot import LaneSnapshot
 from atari.env.restorable import RestorableWrapper
 from atari.env.settings import make_episode
 from atari.multiplayer.core import MultiplayerCore
@@ -91,6 +92,68 @@ class RecordEnvReplay(RestorableWrapper):
         self.recorder.record(Kind.CONTINUOUS_ACTION, (), (radius, angle, fire))
 
 
+class Shadow:
+    """A recorded core that repeats what one environment of a vector plays, call by call.
+
+    Args:
+        options: the options of the vector.
+        index: the environment.
+        path: the file of the replay.
+        observed: whether the states of its episode are those of the environment, for `restore`; this costs time.
+
+    Raises:
+        ValueError, OSError: see `RecordReplay`.
+    """
+
+    def __init__(
+        self, options: VectorOptions, index: int, path: str | PathLike[str], *, observed: bool = False
+    ) -> None:
+        self._options, self._index = options, index
+        self._recorded = RecordReplay(shadow_env(options, index), path)
+        self.recorder = self._recorded.recorder
+        inner: Any = self._recorded.unwrapped
+        self.core = inner.core
+        """The core, whose calls are recorded."""
+        self._episode = make_episode(options.tasks[index], observed=observed)
+
+    def reset(self, seed: list[int] | None = None, new_game: bool = False) -> None:
+        """Begin an episode, as the environment has. `seed` is nine words of `atari.vector.seeds`; None continues."""
+
+        def begin() -> Any:
+            if seed is not None:
+                self.core.seed(seed[0])
+            self.core.reset()
+            return self.core
+
+        self._episode.reset(self.core, begin, seed=seed, new_game=new_game)
+        self.recorder.flush_if_full()
+
+    def step(self, index: int, strength: float) -> None:
+        """Play a step with the index of an action, and the reset that the autoreset mode makes in this step."""
+        was_over, mode = self._episode.ended, self._options.autoreset_mode
+        if not was_over:
+            self.recorder.begin_step()
+            self._episode.step(self.core, int(self._options.actions[self._index][index]), strength)
+            self.recorder.end_step()
+        if {AutoresetMode.NEXT_STEP: was_over, AutoresetMode.SAME_STEP: self._episode.ended}.get(mode):
+            self.reset()
+
+    def restore(self, snapshot: LaneSnapshot) -> None:
+        """Continue from the state of an environment; the file then contains it, and the score counts from there."""
+        data, size = snapshot.state.content(self.core.inner), len(self.core.save())
+        self.core.restore(self.core.snapshot_of(data[1 : 1 + size]))
+        self._episode.load(data[:1] + data[1 + size :])
+
+    def is_at(self, snapshot: LaneSnapshot) -> bool:
+        """Whether the core is in the state of the environment's emulator in a snapshot."""
+        state = self.core.save()
+        return bool(snapshot.state.content(self.core.inner)[1 : 1 + len(state)] == state)
+
+    def close(self) -> None:
+        """Complete the file."""
+        self._recorded.close()
+
+
 class RecordVectorReplay(VectorWrapper):
     """Records one environment of an `AtariVectorEnv` in a replay: `RecordReplay(envs, path, index)` makes it.
 
@@ -113,13 +176,10 @@ class RecordVectorReplay(VectorWrapper):
         if self._added.slots:
             raise ValueError("the environment has a Freeze or a Poke; release it, and make it after RecordReplay")
         self._seeded = not inner.started
-        self._recorded = RecordReplay(shadow_env(inner.options, self._index), path)
-        self._recorder = self._recorded.recorder
+        self._shadow = Shadow(inner.options, self._index, path)
+        self._recorder = self._shadow.recorder
         self.path = self._recorder.path
-        shadow: Any = self._recorded.unwrapped
-        self._core = shadow.core
-        self._episode = make_episode(inner.options.tasks[self._index], observed=False)
-        self._added.shadows.append(self._core)
+        self._added.shadows.append(self._shadow.core)
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Reset environments; if the recorded one is among them, reset its shadow.
@@ -139,7 +199,7 @@ class RecordVectorReplay(VectorWrapper):
         result: tuple[Any, dict[str, Any]] = self.env.reset(seed=seed, options=options)
         if mask[self._index] and self._recorder.open:
             self._seeded = True
-            self._reset_shadow(chosen, new_game=bool((options or {}).get("new_game")))
+            self._shadow.reset(chosen, new_game=bool((options or {}).get("new_game")))
             self._compare()
         return result
 
@@ -154,14 +214,14 @@ class RecordVectorReplay(VectorWrapper):
         self._recorder.raise_deferred_error()
         result: tuple[Any, Any, Any, Any, dict[str, Any]] = self.env.step(actions)
         if self._recorder.open:
-            self._step_shadow(int(indices[row]), 1.0 if strengths is None else float(strengths[row]))
+            self._shadow.step(int(indices[row]), 1.0 if strengths is None else float(strengths[row]))
             self._compare()
         return result
 
     def stop(self) -> None:
         """Complete the file; the environments can continue without a recording."""
-        self._added.shadows = [each for each in self._added.shadows if each is not self._core]
-        self._recorded.close()
+        self._added.shadows = [each for each in self._added.shadows if each is not self._shadow.core]
+        self._shadow.close()
 
     def close(self, **kwargs: Any) -> None:
         """Complete the file and close the environments."""
@@ -171,30 +231,8 @@ class RecordVectorReplay(VectorWrapper):
     def __getstate__(self) -> dict[str, Any]:
         raise not_copied()
 
-    def _reset_shadow(self, seed: list[int] | None = None, new_game: bool = False) -> None:
-        """Begin an episode, as the environment has. `seed` is nine words of `atari.vector.seeds`; None continues."""
-
-        def begin() -> Any:
-            if seed is not None:
-                self._core.seed(seed[0])
-            self._core.reset()
-            return self._core
-
-        self._episode.reset(self._core, begin, seed=seed, new_game=new_game)
-        self._recorder.flush_if_full()
-
-    def _step_shadow(self, index: int, strength: float) -> None:
-        was_over = self._episode.ended
-        if not was_over:
-            self._recorder.begin_step()
-            self._episode.step(self._core, int(self._vector.options.actions[self._index][index]), strength)
-            self._recorder.end_step()
-        begins = {AutoresetMode.NEXT_STEP: was_over, AutoresetMode.SAME_STEP: self._episode.ended}
-        if begins.get(self._vector.autoreset_mode):
-            self._reset_shadow()
-
     def _compare(self) -> None:
-        lane, core = self._lane, self._core
+        lane, core = self._lane, self._shadow.core
         if core.frame_number != lane.frame_number or core.ram().tobytes() != lane.ram().tobytes():
             self.stop()
             raise RuntimeError(

@@ -83,6 +83,8 @@ def _meaning(label: RamLabel) -> Iterator[str]:
     source = value_source(label)
     if source != "v":
         yield f"value {code(source)}"
+    if label.x is not None or label.y is not None:
+        yield f"always in column {label.x}" if label.y is None else f"always in row {label.y}"
     if label.visible is not None:
         yield f"visible when {code(label.visible)}"
     if label.evidence:
