@@ -20,7 +20,7 @@ from atari.games.game import Game, RamLabel
 from atari.games.interventions import Intervention, WriteRule, compile_write, load
 from atari.games.labels import compile_label
 from atari.games.players import choose_mode
-from atari.lab.objects import positions
+from atari.lab.objects import constants, positions
 from atari.roms import find
 from atari.roms.image import md5, read_image
 
@@ -139,7 +139,16 @@ def _lab_lines(game: Game) -> Iterator[tuple[str, str]]:
         possible = sorted(possible_values(game, name)) if label.transform and "ram" in label.transform else []
         yield "label", f"{name} {words([index, mask, decimal])} {_counted(value, visible, written, possible)}"
     for axes in positions(game.ram_labels).values():
-        yield "object", words([names.index(axes[axis].name) if axis in axes else -1 for axis in ("x", "y")])
+        fixed = constants(axes)
+        places = [
+            f"label {names.index(axes[axis].name)}"
+            if axis in axes
+            else f"at {fixed[axis]}"
+            if axis in fixed
+            else "none 0"
+            for axis in ("x", "y")
+        ]
+        yield "object", " ".join(places)
     for intervention in _interventions(game):
         yield "intervention", json.dumps(intervention.definition(), sort_keys=True)
         for rule, write in zip(intervention.writes, make_writes(game, [intervention]), strict=True):

@@ -197,7 +197,7 @@ std::vector<std::pair<std::string, std::vector<uint8_t>>> fuzzing_seeds() {
     add("game", input(What::kGame).chunk(bytes_of(kGame)).byte(0).byte(1));
     add("more_of_a_game",
         input(What::kGame)
-            .chunk(bytes_of("object 0 -1\nintervention {\"name\": \"x\"}\nwrite 3 255 1 0 0 1 0 1 5 0 6 "
+            .chunk(bytes_of("object label 0 at 9\nintervention {\"name\": \"x\"}\nwrite 3 255 1 0 0 1 0 1 5 0 6 "
                             "0 9 2 0 40 0 0\ndefinition {}\n"))
             .byte(1)
             .byte(1));

@@ -153,13 +153,15 @@ EXPORT(session_labels) void session_labels(PlaySession* session, int32_t* values
 EXPORT(session_objects) void session_objects(PlaySession* session, int32_t* out) {
     const PageGame& game = session->game();
     const uint8_t* const ram = session->environment().ram();
+    const auto is_label = [](const Coordinate& one) { return one.kind == Coordinate::Kind::kLabel; };
+    const auto visible = [&](const Coordinate& one) {
+        return !is_label(one) || game.labels.visible(static_cast<size_t>(one.number), ram);
+    };
+    const auto value = [&](const Coordinate& one) {
+        if (one.kind == Coordinate::Kind::kNone) return INT32_MIN;
+        return is_label(one) ? game.labels.value(static_cast<size_t>(one.number), ram) : one.number;
+    };
     for (const auto& [x, y] : game.objects) {
-        const auto visible = [&](int label) {
-            return label < 0 || game.labels.visible(static_cast<size_t>(label), ram);
-        };
-        const auto value = [&](int label) {
-            return label < 0 ? INT32_MIN : game.labels.value(static_cast<size_t>(label), ram);
-        };
         *out++ = visible(x) && visible(y);
         *out++ = value(x);
         *out++ = value(y);

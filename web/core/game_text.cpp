@@ -117,6 +117,15 @@ Label read_label(Line& line, LabelWrite& write) {
     return label;
 }
 
+Coordinate read_coordinate(Line& line) {
+    const std::string_view kind = line.word();
+    const int32_t number = line.number();
+    if (kind == "label") return {Coordinate::Kind::kLabel, number};
+    if (kind == "at") return {Coordinate::Kind::kConstant, number};
+    if (kind == "none") return {};
+    throw Refused("an object of the game's text has an unknown coordinate '" + std::string(kind) + "'");
+}
+
 std::shared_ptr<Write> read_write(Line& line) {
     auto write = std::make_shared<Write>();
     write->index = line.number();
@@ -151,8 +160,8 @@ class GameReader {
             throw Refused("the game's text has the format " + std::to_string(format_) + ", and this core reads " +
                           std::to_string(kTableFormat) + "; build the page again");
         for (const ScreenObject& object : game_->objects)
-            for (const int label : {object.x, object.y})
-                if (label < -1 || label >= static_cast<int>(labels_.size()))
+            for (const auto& [kind, number] : {object.x, object.y})
+                if (kind == Coordinate::Kind::kLabel && (number < 0 || number >= static_cast<int>(labels_.size())))
                     throw Refused("an object has no such label");
         game_->labels = Labels(std::move(labels_));
         game_->rom_md5 = hex(md5(image));
@@ -171,7 +180,7 @@ class GameReader {
         else if (name == "modes") game_->modes = line.numbers();
         else if (name == "difficulties") game_->difficulties = line.numbers();
         else if (name == "label") labels_.push_back(read_label(line, game_->label_writes.emplace_back()));
-        else if (name == "object") game_->objects.push_back({line.number(), line.number()});
+        else if (name == "object") game_->objects.push_back({read_coordinate(line), read_coordinate(line)});
         else if (name == "intervention") game_->interventions.push_back({parse_json(line.rest()), {}});
         else if (name == "write") {
             if (game_->interventions.empty()) throw Refused("a write of the game's text belongs to no intervention");

@@ -29,9 +29,17 @@ struct LabelWrite {
     std::vector<int32_t> possible;  // the values that it can have, if other bytes choose between them; may be empty
 };
 
-// A thing on the screen: the numbers of the labels of its column and row, or -1.
+// A column or a row of a thing on the screen.
+struct Coordinate {
+    enum class Kind { kNone, kLabel, kConstant };
+
+    Kind kind = Kind::kNone;
+    int32_t number = 0;  // of the label, or the constant
+};
+
+// A thing on the screen, which is visible if the labels of its place are.
 struct ScreenObject {
-    int x = -1, y = -1;
+    Coordinate x, y;
 };
 
 struct PageIntervention {
