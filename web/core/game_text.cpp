@@ -45,7 +45,7 @@ class Line {
         while (!empty()) found.push_back(number());
         return found;
     }
-    std::vector<int32_t> counted() {  // a count, then so many numbers
+    std::vector<int32_t> counted() {  // a count n, then n numbers
         std::vector<int32_t> found;
         for (int32_t count = number(); count > 0; --count) found.push_back(number());
         return found;

@@ -61,8 +61,8 @@ Bytes unpack_snapshot(View snapshot, std::string_view expected, bool any_sound) 
         throw Refused("the snapshot is damaged or truncated: its checksum does not match its content");
     const uint32_t size = in.dword();
     const Json facts = parse_json(text_of(in.take(size)));
-    const Json wanted = parse_json(expected);
-    for (const auto& [name, value] : wanted.items)
+    const Json required = parse_json(expected);
+    for (const auto& [name, value] : required.items)
         if (!same(facts.find(name), value) && !(any_sound && name == "sound"))
             throw Refused("the snapshot was taken with " + name + " = " + shown(facts.find(name)) +
                           ", but this game has " + shown(&value));
