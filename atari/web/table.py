@@ -37,9 +37,7 @@ def entry(game: Game) -> dict[str, Any]:
         FileNotFoundError: there is no ROM of a game of your own.
     """
     image = read_image(find(game)) if game.file else b""
-    objects = [
-        {"name": name, **_sizes(labels_of_object)} for name, labels_of_object in positions(game.ram_labels).items()
-    ]
+    objects = [{"name": name, **_sizes(axes)} for name, axes in positions(game.ram_labels).items()]
     return {
         "format": FORMAT,
         "release": __version__,

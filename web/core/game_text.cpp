@@ -175,7 +175,7 @@ class GameReader {
     void read_line(Line line) {
         const std::string_view name = line.name();
         if (name == "table") format_ = line.number();
-        else if (name == "id") game_->id = line.word();
+        else if (name == "id") game_->id = line.rest();
         else if (name == "players") game_->players = line.number();
         else if (name == "modes") game_->modes = line.numbers();
         else if (name == "difficulties") game_->difficulties = line.numbers();
