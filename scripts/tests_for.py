@@ -96,6 +96,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "scripts/bench": ("tests/test_bench.py",),
     "scripts/site": ("tests/site",),
     "scripts": ("tests/test_scripts.py",),
+    "web": ("tests/web",),
     "docs": ("tests/test_documented_places.py",),
     "CONTRIBUTING.md": ("tests/test_documented_places.py",),
     "examples/self_play.py": ("tests/learning/test_self_play.py",),

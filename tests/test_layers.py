@@ -19,7 +19,7 @@ ORDER = """
     vector multiplayer registry
     atari
     ale_py policy testing
-    recording lab learning
+    recording lab learning web
     classic integrations sb3
     play cli __main__
 """.split()

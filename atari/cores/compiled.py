@@ -42,20 +42,25 @@ def compiled_for_players(
     game: Game, image: bytes, parameters: tuple[tuple[str, int], ...] = (), corrected: bool = False
 ) -> _emulator.Game:
     """The game with its rules for several players, built once and shared by all cores of the game."""
+    return _emulator.make_game(**definition_for_players(game, image, parameters, corrected))
+
+
+def definition_for_players(
+    game: Game, image: bytes, parameters: tuple[tuple[str, int], ...] = (), corrected: bool = False
+) -> dict[str, Any]:
+    """The arguments of `_emulator.make_game` for the game with its rules for several players."""
     rules = rules_of(game)
     step_rules = rules.corrected if corrected and rules.corrected else rules.rules
     if parameters:
         step_rules = replace(step_rules, state={**step_rules.state, **dict(parameters)})
-    return _emulator.make_game(
-        **_definition(
-            game,
-            image,
-            compile_rules(step_rules),
-            legal_actions=range(18),
-            starting_actions=rules.starting_actions,
-            default_mode=rules.loading_mode,
-            paddle_range=rules.paddle_range,
-        )
+    return _definition(
+        game,
+        image,
+        compile_rules(step_rules),
+        legal_actions=range(18),
+        starting_actions=rules.starting_actions,
+        default_mode=rules.loading_mode,
+        paddle_range=rules.paddle_range,
     )
 
 

@@ -30,21 +30,28 @@ def make_write(game: Game, rule: WriteRule, where: str) -> _emulator.Write:
     except ValueError as error:
         raise ValueError(f"{where}: an expression is too large to compile ({error})") from None
     if isinstance(rule.value, int) and isinstance(rule.to, str):
-        values = set(write.label_values) or _values(compiled, game.ram_labels[rule.to])
-        if values and rule.value not in values - {NO_VALUE}:
-            raise ValueError(f"{where}, value: {rule.to} cannot be {rule.value}; {_possible(values - {NO_VALUE})}")
+        values = _values(compiled, write, game.ram_labels[rule.to])
+        if values and rule.value not in values:
+            raise ValueError(f"{where}, value: {rule.to} cannot be {rule.value}; {_possible(values)}")
     return write
 
 
-def _values(compiled: CompiledWrite, label: RamLabel) -> set[int]:
+def possible_values(game: Game, label: str) -> set[int]:
+    """The values that a write can give a label of the game; empty if other bytes of RAM decide that."""
+    compiled = compile_write(game, WriteRule(label, "0"), f"the label {label!r}")
+    return _values(compiled, _emulator.make_write(**asdict(compiled), definition=""), game.ram_labels[label])
+
+
+def _values(compiled: CompiledWrite, write: _emulator.Write, label: RamLabel) -> set[int]:
     """The values that the byte of a label gives it, if other bytes only choose the case; else nothing."""
-    values: set[int] = set()
-    for program in cases(label):
-        of_case = _emulator.make_write(**{**asdict(compiled), "label": program}, definition="").label_values
-        if not of_case:
-            return set()
-        values |= set(of_case)
-    return values
+    values = set(write.label_values)
+    if not values:
+        for program in cases(label):
+            of_case = _emulator.make_write(**{**asdict(compiled), "label": program}, definition="").label_values
+            if not of_case:
+                return set()
+            values |= set(of_case)
+    return values - {NO_VALUE}
 
 
 def write_of(game: Game, definition: str) -> _emulator.Write:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import atari
+from atari.games.game import Game
 
 TESTS = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(TESTS / "instructions"))
@@ -31,16 +32,27 @@ def golden_words(golden: dict[str, Any], stand_in: bool) -> list[str]:
     return [word if isinstance(word, str) else str(int(word)) for word in found]
 
 
+def golden_values(golden: dict[str, Any]) -> dict[str, list[str]]:
+    """The words of each golden state of a game, by name."""
+    stand_in = bool(golden["stand_in"])
+    values = {f"noop_{frames}": golden_words(state, stand_in) for frames, state in golden["noop"].items()}
+    return {**values, "random": golden_words(golden["random"], stand_in)}
+
+
+def played_game(name: str, golden: dict[str, Any]) -> Game:
+    """The game as it was played for its golden values."""
+    game, stand_in = atari.games[name], golden["stand_in"]
+    if not stand_in:
+        return game
+    rules = atari.games[stand_in]  # the cartridges for two players were run under the rules of another game
+    return replace(rules, id=name, rom=game.rom, screen=game.screen, controllers=game.controllers)
+
+
 def game_text(name: str, golden: dict[str, Any]) -> str:
     """The lines of a game."""
-    game, stand_in = atari.games[name], golden["stand_in"]
-    if stand_in:  # the cartridges for two players were run under the rules of another game
-        rules = atari.games[stand_in]
-        game = replace(rules, id=name, rom=game.rom, screen=game.screen, controllers=game.controllers)
-    values = {f"noop_{frames}": golden_words(state, bool(stand_in)) for frames, state in golden["noop"].items()}
-    values["random"] = golden_words(golden["random"], bool(stand_in))
+    values = golden_values(golden)
     expected = "".join(f"{key} {' '.join(words)}\n" for key, words in values.items())
-    return f"game {name}\nstand_in {int(bool(stand_in))}\n{game_words(game)}{expected}"
+    return f"game {name}\nstand_in {int(bool(golden['stand_in']))}\n{game_words(played_game(name, golden))}{expected}"
 
 
 def main() -> None:

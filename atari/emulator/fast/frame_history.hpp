@@ -57,7 +57,7 @@ class FrameHistory {
         Log logs[kLogs];
     };
 
-    FrameHistory() : logs_(std::make_unique_for_overwrite<FrameLog[]>(kLogs)) {}
+    FrameHistory() : logs_(new FrameLog[kLogs]) {}
 
     // Begins a frame in a free log, and chooses the latches that it watches. `rendered` is the log that the line cache
     // needs, or null. The free log may be one that was shown in the frame's own framebuffer, but not in the other one,

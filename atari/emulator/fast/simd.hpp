@@ -24,6 +24,11 @@
 #define ATARI_X86_SIMD 0
 #define ATARI_SIMD128 1
 #define TARGET_SIMD128  // every arm64 processor has NEON
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
+#define ATARI_X86_SIMD 0
+#define ATARI_SIMD128 1
+#define TARGET_SIMD128  // a WebAssembly module with SIMD does not load where it is missing
 #else
 #define ATARI_X86_SIMD 0
 #define ATARI_SIMD128 0
@@ -67,7 +72,7 @@ void check_simd_level();
 const char* name_of(SimdLevel level);
 
 #if ATARI_SIMD128
-// 16 bytes, by the vector extensions of GCC and Clang: NEON, or SSE4.1.
+// 16 bytes, by the vector extensions of GCC and Clang: NEON, SSE4.1, or WebAssembly's SIMD.
 using Bytes16 = uint8_t __attribute__((vector_size(16)));
 using Words2 = uint64_t __attribute__((vector_size(16)));
 using Integers4 = int32_t __attribute__((vector_size(16)));
@@ -85,6 +90,9 @@ TARGET_SIMD128 LEVEL_INLINE Bytes16 look_up(Bytes16 table, Bytes16 indices) {
 #if ATARI_X86_SIMD
     return reinterpret_cast<Bytes16>(
         _mm_shuffle_epi8(reinterpret_cast<__m128i>(table), reinterpret_cast<__m128i>(indices)));
+#elif defined(__wasm_simd128__)
+    return reinterpret_cast<Bytes16>(
+        wasm_i8x16_swizzle(reinterpret_cast<v128_t>(table), reinterpret_cast<v128_t>(indices)));
 #else
     return vqtbl1q_u8(table, indices);
 #endif

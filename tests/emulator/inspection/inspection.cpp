@@ -376,10 +376,14 @@ nb::object coloured(Frame frame, const std::string& format, std::optional<SimdLe
 }
 
 }  // namespace
+
+void register_web_readers(nb::module_& m);  // web_readers.cpp
+
 }  // namespace atari
 
 NB_MODULE(atari_inspection, m) {
     using namespace atari;
+    register_web_readers(m);
     nb::class_<Snapshot>(m, "ConsoleSnapshot", "A state in memory, as `Console.snapshot` returned it.");
     nb::class_<Console>(m, "Console",
                         "A bare console, driven by hand: for tests and for looking inside.\n\n"

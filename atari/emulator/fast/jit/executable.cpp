@@ -29,7 +29,7 @@ Executable::~Executable() {
 
 }  // namespace atari
 
-#elif defined(__unix__) || defined(__APPLE__)
+#elif (defined(__unix__) && !defined(__wasm__)) || defined(__APPLE__)
 #include <sys/mman.h>
 #if defined(__APPLE__) && defined(__aarch64__)
 #include <libkern/OSCacheControl.h>
