@@ -9,7 +9,6 @@ import gzip
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, fields
-from pathlib import Path
 from typing import Any
 
 from atari import __version__
@@ -68,23 +67,22 @@ def entry(game: Game) -> dict[str, Any]:
     }
 
 
-def write_table(folder: Path, games: Iterable[Game]) -> None:
-    """Write the table of games: `games/ID.json` for each, `index.json`, and all of it in `table.json.gz`.
+def table_files(games: Iterable[Game]) -> dict[str, bytes]:
+    """The files of the table by name: `games/ID.json` for each game, `index.json`, and all of it in `table.json.gz`.
 
     The index has the title and the MD5 of each game's ROM by id.
     """
-    (folder / "games").mkdir(parents=True, exist_ok=True)
     entries = [entry(game) for game in games]
-    for one in entries:
-        (folder / "games" / f"{one['id']}.json").write_text(_json(one), encoding="utf-8")
     index = {
         "format": FORMAT,
         "release": __version__,
         "games": {one["id"]: {"title": one["title"], "md5": one["md5"]} for one in entries},
     }
-    (folder / "index.json").write_text(_json(index), encoding="utf-8")
-    whole = _json({**index, "games": entries}).encode()
-    (folder / "table.json.gz").write_bytes(gzip.compress(whole, 9, mtime=0))
+    return {
+        **{f"games/{one['id']}.json": _json(one).encode() for one in entries},
+        "index.json": _json(index).encode(),
+        "table.json.gz": gzip.compress(_json({**index, "games": entries}).encode(), 9, mtime=0),
+    }
 
 
 def core_text(game: Game, image: bytes = b"") -> str:

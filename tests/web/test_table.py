@@ -10,7 +10,7 @@ import atari
 from atari.games.interventions import load
 from atari.lab.objects import positions
 from atari.roms.image import md5
-from atari.web.table import FORMAT, core_text, entry, write_table
+from atari.web.table import FORMAT, core_text, entry, table_files
 
 CATCH = Path(__file__).parent.parent.parent / "examples" / "catch"
 
@@ -33,17 +33,17 @@ def test_an_entry_agrees_with_its_text(name: str) -> None:
     assert (one["two_players"] is not None) == two
 
 
-def test_the_files(tmp_path: Path) -> None:
+def test_the_files() -> None:
     own = atari.games.resolve(CATCH / "catch.toml")
-    write_table(tmp_path, [atari.games["pong"], own])
-    index = json.loads((tmp_path / "index.json").read_text(encoding="utf-8"))
+    written = table_files([atari.games["pong"], own])
+    index = json.loads(written["index.json"])
     assert index["format"] == FORMAT
     assert index["games"] == {
         "pong": {"title": "Pong", "md5": atari.games["pong"].rom.md5},
         "catch": {"title": "Catch", "md5": md5((CATCH / "catch.bin").read_bytes())},
     }
-    files = [json.loads((tmp_path / "games" / f"{name}.json").read_text(encoding="utf-8")) for name in index["games"]]
-    whole = json.loads(gzip.decompress((tmp_path / "table.json.gz").read_bytes()))
+    files = [json.loads(written[f"games/{name}.json"]) for name in index["games"]]
+    whole = json.loads(gzip.decompress(written["table.json.gz"]))
     assert whole == {**index, "games": files}
     assert files[1]["core"] == core_text(own, (CATCH / "catch.bin").read_bytes())
     assert files[0]["manual"]["modes"].keys() <= {str(mode) for mode in atari.games["pong"].modes}
