@@ -5,7 +5,7 @@ import operator
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, Literal, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import gymnasium
 
@@ -74,10 +74,13 @@ class VectorState(Views):
         """The task of each environment, with the modes and difficulties set later (added)."""
         return self._options.tasks
 
-    @overload
-    def snapshot(self, indices: Iterable[int] | None = None) -> list[LaneSnapshot]: ...
-    @overload
-    def snapshot(self, indices: Iterable[int] | None = None, *, packed: Literal[True]) -> list[bytes]: ...
+    if TYPE_CHECKING:  # at run time `typing` would hold the functions, and all modules, until the process has ended
+
+        @overload
+        def snapshot(self, indices: Iterable[int] | None = None) -> list[LaneSnapshot]: ...
+        @overload
+        def snapshot(self, indices: Iterable[int] | None = None, *, packed: Literal[True]) -> list[bytes]: ...
+
     def snapshot(self, indices: Iterable[int] | None = None, *, packed: bool = False) -> Any:
         """The whole state of some environments, or of all, in memory: task, game, stack, generators, counters.
 
