@@ -4,9 +4,9 @@ export class Loop {
   #last = 0;
   #owed = 0;
 
-  /** `frame` plays a frame, `draw` shows the last. */
-  constructor(frame, draw) {
-    Object.assign(this, { frame, draw, rate: 60, running: false });
+  /** `runs` says whether frames are due, `frame` plays one, `draw` shows the last. */
+  constructor(runs, frame, draw) {
+    Object.assign(this, { runs, frame, draw, rate: 60 });
     const tick = (now) => {
       this.#tick(now);
       requestAnimationFrame(tick);
@@ -17,13 +17,13 @@ export class Loop {
   #tick(now) {
     let due = ((now - this.#last) / 1000) * this.rate;
     this.#last = now;
-    if (this.running) {
+    if (this.runs()) {
       // A screen of nearly the game's rate shows each frame once; the sound follows (worklet.js).
       const whole = Math.round(due);
       if (Math.abs(due - whole) < 0.02 * whole) due = whole;
       // After a pause of the browser, frames are dropped.
       this.#owed = Math.min(this.#owed + due, 2 + this.rate / 15);
-      for (; this.#owed >= 1 && this.running; this.#owed -= 1) this.frame();
+      for (; this.#owed >= 1 && this.runs(); this.#owed -= 1) this.frame();
     }
     this.draw();
   }

@@ -46,7 +46,7 @@ class App {
     this.ram = new RamPanel(this);
     this.gamePanel = new GamePanel(this);
     this.panels = [this.gamePanel.element, this.ram.element, this.controls.help];
-    this.loop = new Loop(() => this.#frame(), () => this.#draw());
+    this.loop = new Loop(() => this.#runs, () => this.#frame(), () => this.#draw());
     this.#build();
     this.#listen();
   }
@@ -63,7 +63,7 @@ class App {
         button("Open files ...", "ROM files, a zip or wheel with ROMs, or a replay; or drop them on the page", () => this.file.click()),
         button("Empty the library", "Forget all ROM files", () => this.attempt(() => this.emptyLibrary())), this.file),
       this.stage.element, h("div", { class: "line below" }, this.facts, this.message), this.link, this.bar.element,
-      this.controls.element, this.input.touch.element, h("div", { class: "panels" }, ...this.panels),
+      this.input.touch.element, this.controls.element, h("div", { class: "panels" }, ...this.panels),
       h("footer", {}, "Files that you open stay in this browser. Drop ROM files, a zip, a wheel of ale-py or a replay anywhere on the page."));
   }
 
@@ -109,6 +109,8 @@ class App {
 
   // Frames
 
+  get #runs() { return this.play !== null && this.seeking === null && (!this.paused || this.rewinding); }
+
   #frame() {
     if (this.rewinding) {
       this.play.goBack();
@@ -129,7 +131,6 @@ class App {
   #draw() {
     const { play, stage } = this;
     if (!play) return;
-    this.loop.running = this.seeking === null && (!this.paused || this.rewinding);
     const ahead = this.paused || this.rewinding ? 0 : this.ahead;
     stage.draw(0, play.screen(ahead, this.input.actions()), this.objectsShown ? this.#objects() : []);
     if (play.fork) stage.draw(1, play.fork.screen(), []);
