@@ -1,7 +1,8 @@
 """Makes one file of the page: `python web/bundle.py FOLDER` reads the page in FOLDER and writes FOLDER/atari.html.
 
 It opens without a server, where browsers permit neither modules nor fetch: the modules become one script, in the order
-of their imports, and the other files are in it as base64. It also writes files.json, the list that worker.js keeps.
+of their imports, and the other files are in it as base64. Of the site it writes files.json, the list that worker.js
+keeps, and into index.html what a browser can load at once, before the modules say so.
 """
 
 import base64
@@ -15,6 +16,7 @@ from pathlib import Path
 IMPORT = re.compile(r"^import \{([^}]*)\} from \"\./([\w-]+)\.js\";\n", re.MULTILINE)
 EXPORT = re.compile(r"^export ((?:async )?(?:function|class|const) (\w+))", re.MULTILINE)
 WHOLE_TABLE = "table/table.json.gz"
+LOADS = "<!-- loads -->\n"
 PACKED = ("core.wasm", "catch.bin", "table/index.json", "table/games/catch.json")
 POLICY = (
     "default-src 'none'; script-src {script} 'wasm-unsafe-eval' data:; style-src {style}; img-src data:; "
@@ -60,6 +62,7 @@ def one_file(folder: Path) -> str:
     page = (folder / "index.html").read_text(encoding="utf-8")
     for pattern, text in (
         (r'content="default-src[^"]*"', f'content="{policy}"'),
+        (LOADS, ""),
         (r'<link rel="stylesheet"[^>]*>', f"<style>{style}</style>"),
         (r'<script type="module"[^>]*></script>\n', f"{files}<script>{code}</script>\n"),
     ):
@@ -69,14 +72,23 @@ def one_file(folder: Path) -> str:
     return page
 
 
+def site_page(folder: Path) -> str:
+    """index.html of the site."""
+    modules = re.findall(r"^const \$([\w-]+) = ", script(folder), re.MULTILINE)
+    links = [f'<link rel="modulepreload" href="{name}.js">\n' for name in modules]
+    links += [f'<link rel="preload" href="{name}" as="fetch" crossorigin>\n' for name in PACKED[:3]]
+    return (folder / "index.html").read_text(encoding="utf-8").replace(LOADS, "".join(links))
+
+
 def _hash(text: str) -> str:
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 def main() -> None:
-    """Write the two files."""
+    """Write the files."""
     folder = Path(sys.argv[1])
     (folder / "atari.html").write_text(one_file(folder), encoding="utf-8")
+    (folder / "index.html").write_text(site_page(folder), encoding="utf-8")
     site = ["./", "page.css", *sorted(path.name for path in folder.glob("*.js") if path.name != "worker.js")]
     site += PACKED
     (folder / "files.json").write_text(json.dumps(site), encoding="utf-8")

@@ -377,7 +377,7 @@ def test_a_link_that_is_refused(new_page: Any, address: str, link: str, sentence
 def test_a_browser_without_something(new_page: Any, address: str, without: str, sentence: str) -> None:
     page = started(new_page(address, init=without))
     page.mouse.click(640, 200)
-    page.evaluate("atariPage.keep()")
+    page.evaluate("atariPage.keeper.keep()")
     said(page, sentence)
     at = shown(page, "app.play.session.facts().frame")
     wait_for(page, f"app.play.session.facts().frame > {at}")

@@ -41,20 +41,21 @@ export function fill(select, options) {
 export class Controls {
   constructor(app) {
     this.app = app;
-    this.pause = button("Pause", "P", () => app.togglePause(), { class: "primary" });
+    const does = (text, title, call, properties) => button(text, title, () => app.attempt(call), properties);
+    this.pause = does("Pause", "P", () => app.togglePause(), { class: "primary" });
     this.rewind = this.#hold(button("Rewind", "Hold, or hold Backspace", () => {}));
-    this.step = button("Frame", "One frame: full stop", () => app.stepFrame());
-    this.new = button("New game", "Enter", () => app.newGame());
-    this.sound = button("Sound", "M", () => app.toggleSound());
-    this.save = button("Save state", "K", () => app.saveState());
-    this.load = button("Load state", "L", () => app.loadState());
+    this.step = does("Frame", "One frame: full stop", () => app.stepFrame());
+    this.new = does("New game", "Enter", () => app.newGame());
+    this.sound = does("Sound", "M", () => app.toggleSound());
+    this.save = does("Save state", "K", () => app.saveState());
+    this.load = does("Load state", "L", () => app.loadState());
     this.speed = choice("Speed", SPEEDS.map((speed) => [speed, `${speed}x`]), (value) => app.setSpeed(Number(value)));
     this.ahead = choice("Run-ahead", [0, 1, 2].map((frames) => [frames, frames === 1 ? "1 frame" : `${frames} frames`]),
       (value) => app.setAhead(Number(value)));
     this.ahead.element.title = "The screen shows this many frames ahead, so that the game seems to respond earlier";
-    this.replay = button("Save replay", "A file that this page and atari replay read", () => app.saveReplay());
-    this.replayLink = button("Link to replay", "A link that plays all of this game", () => app.linkReplay());
-    this.moment = button("Link to this moment", "A link with the game and its present state", () => app.linkMoment());
+    this.replay = does("Save replay", "A file that this page and atari replay read", () => app.saveReplay());
+    this.replayLink = does("Link to replay", "A link that plays all of this game", () => app.links.giveReplay());
+    this.moment = does("Link to this moment", "A link with the game and its present state", () => app.links.giveMoment());
     this.element = h("div", { class: "controls", role: "group", "aria-label": "Controls" },
       h("div", { class: "line" }, this.pause, this.step, this.rewind, this.new, this.sound, this.speed.element,
         this.ahead.element),

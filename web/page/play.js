@@ -16,7 +16,8 @@ export function settingsOf(entry, players, { mode = null, difficulty = null } = 
 
 /** The settings of a replay. */
 function settingsOfReplay({ players = 1, options = {} }) {
-  return { players, options: Object.fromEntries(OPTIONS.filter((name) => name in options).map((name) => [name, options[name]])) };
+  const known = OPTIONS.filter((name) => name in options).map((name) => [name, options[name]]);
+  return { players, options: Object.fromEntries(known) };
 }
 
 function opened(play, open) {

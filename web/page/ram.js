@@ -16,10 +16,11 @@ export class RamPanel {
     this.grid.addEventListener("keydown", (event) => this.#move(event));
     this.title = h("h3", {});
     this.value = h("input", { type: "number", min: 0, max: 255, value: 0, "aria-label": "New value, 0 to 255" });
-    this.freeze = button("Freeze", "Hold the value", () => app.toggleFreeze(this.chosen, this.#number()));
-    this.undo = button("Undo", "Undo the last change: Z", () => app.undo());
-    this.objects = button("Objects", "Objects on the screen: O", () => app.toggleObjects());
-    this.fork = button("Fork", "Go on beside this game, without later changes: V", () => app.toggleFork());
+    const does = (text, title, call) => button(text, title, () => app.attempt(call));
+    this.freeze = does("Freeze", "Hold the value", () => app.toggleFreeze(this.chosen, this.#number()));
+    this.undo = does("Undo", "Undo the last change: Z", () => app.undo());
+    this.objects = does("Objects", "Objects on the screen: O", () => app.toggleObjects());
+    this.fork = does("Fork", "Go on beside this game, without later changes: V", () => app.toggleFork());
     this.form = h("form", { class: "line", onsubmit: (event) => this.#poke(event) }, this.value,
       h("button", { type: "submit" }, "Poke"), this.freeze, this.undo, this.objects, this.fork);
     this.labels = h("tbody", {});
@@ -38,8 +39,8 @@ export class RamPanel {
 
   #number() {
     const value = this.value.valueAsNumber;
-    if (!Number.isInteger(value) || value < 0 || value > 255) throw new Error("The value of a byte is a number from 0 to 255.");
-    return value;
+    if (Number.isInteger(value) && value >= 0 && value <= 255) return value;
+    throw new Error("The value of a byte is a number from 0 to 255.");
   }
 
   #poke(event) {
@@ -72,7 +73,8 @@ export class RamPanel {
       cell.classList.toggle("named", this.names[index] !== "");
     });
     this.boxes = entry.interventions.map(({ name, description, writes }) => {
-      const box = h("input", { type: "checkbox", onchange: () => this.app.toggleIntervention(name, writes) });
+      const box = h("input", { type: "checkbox" });
+      box.addEventListener("change", () => this.app.attempt(() => this.app.toggleIntervention(name, writes)));
       return { name, box, element: h("label", { title: description }, box, h("span", {}, name.replaceAll("_", " "))) };
     });
     this.interventions.replaceChildren(...this.boxes.map(({ element }) => element));

@@ -11,7 +11,7 @@ export class ReplayBar {
     this.element = h("div", { class: "replay card", hidden: true }, this.slider,
       h("div", { class: "line" }, this.state,
         button("Go on by hand", "Play on from this frame", () => app.goOn(), { class: "primary" }),
-        button("Close the replay", "Begin a new game", () => app.restart())));
+        button("Close the replay", "Begin a new game", () => app.attempt(() => app.restart()))));
   }
 
   draw({ play, seeking }) {

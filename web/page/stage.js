@@ -17,6 +17,7 @@ export class Stage {
     this.element = h("div", { class: "stage", tabIndex: 0, role: "group", "aria-label": "Screen" });
     this.screens = [];
     new ResizeObserver(() => this.#fit()).observe(this.element);
+    window.addEventListener("resize", () => this.#fit()); // its height
   }
 
   /** Makes empty screens of a height, one for each label. */

@@ -2,20 +2,19 @@
 
 import { unpack } from "./files.js";
 
-const END = 0x06054b50, ENTRY = 0x02014b50, MOST_ENTRIES = 10_000;
+const END = 0x06054b50, ENTRY = 0x02014b50, MOST_FILES = 400;
 const END_SIZE = 22, ENTRY_SIZE = 46, LOCAL_SIZE = 30;
 const STORED = 0, DEFLATED = 8;
 
 export const isZip = (bytes) => bytes.length > 4 && bytes[0] === 0x50 && bytes[1] === 0x4b && bytes[2] === 3;
 
-/** The files of at most `most` bytes whose names fit, as {name, bytes}. */
+/** The first files of at most `most` bytes whose names fit, as {name, bytes}. */
 export async function readZip(bytes, fits, most) {
   try {
     const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+    const fitting = [...entries(view, bytes)].filter(({ name, size }) => size <= most && fits(name)).slice(0, MOST_FILES);
     const found = [];
-    for (const entry of entries(view, bytes))
-      if (entry.size <= most && fits(entry.name))
-        found.push({ name: entry.name, bytes: await contentOf(entry, view, bytes, most) });
+    for (const entry of fitting) found.push({ name: entry.name, bytes: await contentOf(entry, view, bytes, most) });
     return found;
   } catch {
     throw new Error("The zip is damaged: it cannot be read.");
@@ -26,8 +25,7 @@ function* entries(view, bytes) {
   let end = bytes.length - END_SIZE;
   while (view.getUint32(end, true) !== END) end -= 1; // a comment may follow it; before the start this throws
   let at = view.getUint32(end + 16, true);
-  const count = Math.min(view.getUint16(end + 10, true), MOST_ENTRIES);
-  for (let i = 0; i < count; i += 1) {
+  for (let left = view.getUint16(end + 10, true); left > 0; left -= 1) {
     if (view.getUint32(at, true) !== ENTRY) throw new RangeError("no entry");
     const [name, extra, comment] = [28, 30, 32].map((place) => view.getUint16(at + place, true));
     yield {
