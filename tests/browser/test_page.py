@@ -203,6 +203,22 @@ def test_ram(new_page: Any, address: str, tmp_path: Path) -> None:
     assert verified(page, "Save replay", tmp_path).frames_total == shown(page, "app.play.changes.frame")
 
 
+def test_rewinding_takes_changes_back(new_page: Any, site: str) -> None:
+    page = started(new_page(site))
+    page.keyboard.press("p")
+    page.evaluate(
+        "atariPage.toggleFreeze(1, 9); atariPage.stepFrame(); atariPage.toggleFreeze(1); atariPage.stepFrame()"
+    )
+    page.evaluate("atariPage.play.goBack()")
+    assert shown(page, "app.play.changes.inForce") == []
+    page.evaluate("atariPage.play.goBack()")
+    assert shown(page, "[app.play.changes.inForce.length, app.play.changes.canUndo]") == [1, True]
+    page.evaluate("atariPage.stepFrame()")
+    assert ram(page)[LIVES] == 9
+    page.evaluate("atariPage.play.goBack(); atariPage.play.goBack()")
+    assert shown(page, "[app.play.changes.inForce.length, app.play.changes.canUndo]") == [0, False]
+
+
 def test_a_reload_loses_nothing(new_page: Any, address: str, tmp_path: Path) -> None:
     page = started(new_page(address))
     page.get_by_text("RAM", exact=True).click()
