@@ -20,7 +20,8 @@ export function actionOf(vertical, horizontal, fire) {
 export function isTaken(event) {
   if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing) return true;
   const { target, code } = event;
-  if (target.matches("select, input:not([type=checkbox])")) return true;
+  if (target.matches("select, input:not([type=checkbox], [type=range])")) return true;
+  if (target.matches("[type=range]")) return /^(Arrow|Page|Home|End)/.test(code);
   return target.matches("button, summary, input") && (code === "Space" || code === "Enter");
 }
 
