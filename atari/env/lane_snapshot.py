@@ -1,6 +1,6 @@
 """`LaneSnapshot`: the state of a lane of a vector, which continues in the single environment of its task, too.
 
-The bytes of a lane's state are those of a single environment, in another order:
+A lane's state has the same parts as the state of a single environment, in another order:
 
     lane                        single environment
     outcome of the last step    the first byte of the state of its `_emulator.Episode`

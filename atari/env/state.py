@@ -127,8 +127,8 @@ class EnvState(gymnasium.Env[Any, Any]):
         """Continue from a snapshot of the same task; only the kind of observations may differ.
 
         `data` may also be the content of a file that F5 in `atari play` has saved. Its game, mode and difficulty must
-        equal those of this environment, which keeps its own sticky actions, sound and limit of frames. Or it is an
-        element of what `AtariVectorEnv.snapshot` returned, of an equal task.
+        equal those of this environment, which keeps its own sticky actions, sound and limit of frames. `data`
+        may also be an element of what `AtariVectorEnv.snapshot` returned, of an equal task.
 
         Wrappers are not restored; a wrapper of `atari.wrappers` that has a state warns at its next step. Call `restore`
         of the outermost wrapper instead, with what its `snapshot` returned.

@@ -35,7 +35,7 @@ def spread(
         seed: the seed of the moments, of random actions and of the policy, within 0..2**32-1.
         policy: a function of observations, or of observations and lanes, that chooses actions; see
             `atari.policy.Policy`. It must take the observations of the vector. None plays random actions.
-        steps: the most steps of a game; of a longer game, the moment is within so many.
+        steps: the most steps that are played; the moment in a longer game is within them.
 
     Returns:
         The observations and `info` of `AtariVectorEnv.observe`.

@@ -237,7 +237,7 @@ void register_vector(nb::module_& m) {
             nb::sig("def play(self, actions: " NDARRAY("int64") ", strengths: " NDARRAY(
                 "float32") " | None, batch: Batch, environments: " NDARRAY("int64") " | None, steps: int, discount: "
                                                                                     "float, stops: bool, every: bool) -> StepSequence"),
-            "Begin `steps` steps of each environment; `actions` has those of the first environment first. With\n"
+            "Begin `steps` steps of each environment; the first environment has the first `steps` actions. With\n"
             "`stops`, an environment stops when its episode ends. With `every`, the batch needs a row for each step of\n"
             "each environment, otherwise it gets the results of the last step.")
         .def("reset", &BoundEngine::reset, "mask"_a, "seeded"_a, "seeds"_a, "batch"_a.none(), "new_games"_a = false,

@@ -61,8 +61,8 @@ class VectorEngine {
     // environments are those of `recent()`, in any order.
     void step(const std::vector<int>& environments, const int64_t* actions, const float* strengths, const Batch* batch);
     // Plays `sequence->steps` steps of the environments, if batches have all environments: step k of lane
-    // `environments[i]` has the actions and the strength with the number i * steps + k. The batch has the results of the
-    // last step, or those of all steps in rows for each, and the sequence what it adds to them.
+    // `environments[i]` has the actions and the strength with the number i * steps + k. The batch gets the results of the
+    // last step, or a row of results for each step, and the sequence gets its own results.
     void play(const std::vector<int>& environments, const int64_t* actions, const float* strengths, const Batch* batch,
               std::shared_ptr<Sequence> sequence);
     // Waits for a batch; returns whether an episode or a game ended in it. Rethrows the deferred error of an

@@ -99,7 +99,7 @@ class Shadow:
         options: the options of the vector.
         index: the environment.
         path: the file of the replay.
-        observed: whether the states of its episode are those of the environment, for `restore`; this costs time.
+        observed: whether its episode draws the environment's observations, which `restore` needs; this costs time.
 
     Raises:
         ValueError, OSError: see `RecordReplay`.

@@ -30,7 +30,7 @@ class Reset(NamedTuple):
 
 
 Played = Reset | LaneSnapshot | npt.NDArray[Any]
-"""What a node adds: a reset, a state from which the lane went on, or the actions of steps."""
+"""A node adds a reset, a state from which the lane went on, or the actions of steps."""
 
 
 class Node:
