@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.base.gymnasium_versions import AutoresetMode, VectorEnv, VectorWrapper
+from atari.env.env import AtariEnv
 from atari.env.lane_snapshot import LaneSnapshot
 from atari.recording.recordable import recorded_vector
 from atari.recording.replay.record_replay import Shadow
@@ -93,6 +94,10 @@ class RecordSearch(VectorWrapper):
     """
 
     def __init__(self, envs: VectorEnv) -> None:
+        if isinstance(getattr(envs, "unwrapped", None), AtariEnv):
+            raise TypeError(
+                f"RecordSearch records an AtariVectorEnv, got {type(envs).__name__}; give one of 1 environment"
+            )
         self._vector = recorded_vector(envs, "RecordSearch")
         if self._vector is not envs:
             raise TypeError(f"RecordSearch records an AtariVectorEnv itself; put {type(envs).__name__} around it")

@@ -152,6 +152,8 @@ def test_what_is_refused(tmp_path: Path) -> None:
         other.write_replay(found, path)
     with pytest.raises(ValueError, match="a26r"):
         envs.write_replay(found, tmp_path / "x.mp4")
+    with pytest.raises(TypeError, match="records an AtariVectorEnv, got AtariEnv; give one of 1 environment"):
+        RecordSearch(atari.AtariEnv("pong"))  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="put RecordSearch around it"):
         RecordSearch(envs)
     with pytest.raises(ValueError, match="batches of all"):
