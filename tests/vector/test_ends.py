@@ -52,9 +52,10 @@ def test_close() -> None:
 
 def test_one_thread_is_the_caller() -> None:
     before = threads()
-    with begun(num_envs=4, num_threads=1) as envs:
-        envs.step(np.zeros(4, int))
-        assert not threads() - before
+    envs = begun(num_envs=4, num_threads=1)
+    envs.step(np.zeros(4, int))
+    assert not threads() - before
+    envs.close()
 
 
 def test_close_while_environments_are_stepped() -> None:
