@@ -24,7 +24,8 @@ PARTS = Path(__file__).parent / "page"
 """The built parts of the page."""
 
 _CATCH = "catch.toml"
-_LONGEST = 80
+_LONGEST = 80  # letters of a name
+_ODD = r"[^A-Za-z0-9_.-]+"  # what is not in names of files and links
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,8 @@ def page_files(shown: Sequence[Shown], table: Iterable[Game]) -> dict[str, bytes
 
     Raises:
         FileNotFoundError: the page was not built, or there is no ROM of a user's game.
-        ValueError: the ROM of a user's game is that of another game, which a page must not contain.
+        ValueError: the ROM of a user's game is that of another game, which a page must not contain; or the name of its
+            definition has odd letters.
     """
     check_built()
     known = {game.id: game for game in (*table, *(one.game for one in shown))}
@@ -107,6 +109,11 @@ def own_image(game: Game) -> bytes:
     Raises:
         FileNotFoundError, ValueError: see `page_files`.
     """
+    if re.search(_ODD, game.id):
+        raise ValueError(
+            "a page takes games whose definitions have names of letters, digits, '_', '-' and '.', got "
+            f"{str(game.file)!r}; rename it"
+        )
     image = read_image(find(game))
     other = next((known for known in games.values() if known.rom.md5 == md5(image)), None)
     if other is not None:
@@ -123,7 +130,7 @@ def unique(shown: Iterable[Shown]) -> list[Shown]:
     names: set[str] = set()
     titles: set[str] = set()
     for one in shown:
-        plain = re.sub(r"[^A-Za-z0-9_.-]+", "-", one.name)[:_LONGEST].strip(".-") or one.game.id
+        plain = re.sub(_ODD, "-", one.name)[:_LONGEST].strip(".-") or one.game.id
         name, number = plain, 1
         while name.lower() in names:
             number += 1
