@@ -62,7 +62,7 @@ def _web(args: argparse.Namespace) -> int:
             for index, one in enumerate(found)
         ]
         shown = unique(_shown(one, args.seconds) for one in replays)
-    sizes = write_page(args.output, shown, own.values())
+    sizes = write_page(args.output, shown, own)
     if args.json:
         print_json(_facts(args.output, shown, sizes))
     else:
@@ -74,23 +74,28 @@ def _is_game(source: str) -> bool:
     return source.endswith(".toml")
 
 
-def _own_games(paths: list[str]) -> dict[str, Game]:
-    """The games of definitions, by id.
+def _own_games(paths: list[str]) -> list[Game]:
+    """The games of definitions.
 
     Raises:
         FileNotFoundError, ValueError: there is no such definition, or no ROM of the game, or the ROM of another game.
     """
-    own: dict[str, Game] = {}
+    own: list[Game] = []
     for path in paths:
         game = games.resolve(path)
-        if game.id in own:
-            raise ValueError(f"{own[game.id].file} and {path} both define {game.id!r}; leave one of them out")
+        same = _with_id(game.id, own)
+        if same is not None:
+            raise ValueError(f"{same.file} and {path} both define {game.id!r}; leave one of them out")
         own_image(game)
-        own[game.id] = game
+        own.append(game)
     return own
 
 
-def _find(source: str, own: dict[str, Game]) -> "_Named | _Policy":
+def _with_id(game_id: object, own: list[Game]) -> Game | None:
+    return next((game for game in own if game.id == game_id), None)
+
+
+def _find(source: str, own: list[Game]) -> "_Named | _Policy":
     """The replay or the policy of an argument.
 
     Raises:
@@ -117,7 +122,7 @@ class _Named:
     playable: bool = True
 
 
-def _read(source: str, own: dict[str, Game]) -> _Named:
+def _read(source: str, own: list[Game]) -> _Named:
     """The replay of a file.
 
     Raises:
@@ -127,7 +132,7 @@ def _read(source: str, own: dict[str, Game]) -> _Named:
     path = Path(source)
     content = file_format.read(path)
     game_id = content.header.get("game")
-    game = own.get(str(game_id))
+    game = _with_id(game_id, own)
     if game is None and game_id not in games:
         raise ValueError(f"{path} is a replay of {game_id!r}, a game of its own; name its definition (.toml), too")
     try:
