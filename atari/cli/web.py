@@ -10,7 +10,7 @@ from typing import Any
 from atari.base.progress import ProgressBar
 from atari.cli.arguments import Commands, add_command
 from atari.cli.policies import find_played, games_of
-from atari.cli.printing import print_json, print_table, print_warning
+from atari.cli.printing import print_json, print_table, print_warning, printed_warnings
 from atari.games.catalog import games
 from atari.games.game import Game
 from atari.learning import load_policy
@@ -136,7 +136,8 @@ def _read(source: str, own: list[Game]) -> _Named:
     if game is None and game_id not in games:
         raise ValueError(f"{path} is a replay of {game_id!r}, a game of its own; name its definition (.toml), too")
     try:
-        return _Named(Replay.load(path, game=game), path.stem)
+        with printed_warnings():
+            return _Named(Replay.load(path, game=game), path.stem)
     except FileNotFoundError as error:
         print_warning(f"{path} is on the page without a film, because its game cannot be played here: {error}")
         return _Named(Replay(path, content, game or games[str(game_id)]), path.stem, playable=False)

@@ -142,6 +142,17 @@ def test_a_replay_without_the_rom(folder: Path, capsys: Capture, monkeypatch: Pa
     assert (row["film"], row["title"]) == (None, f"Pong: {points} point{'s' * (points != 1)}")
 
 
+def test_a_replay_that_was_cut(folder: Path, capsys: Capture) -> None:
+    path = record(folder / "game.a26r", "pong", 100)
+    path.write_bytes(path.read_bytes()[:-40])
+    assert main(["web", "game.a26r", "--json"]) == 0
+    out, err = capsys.readouterr()
+    with pytest.warns(UserWarning, match="was cut"):
+        frames = Replay.load(path).frames_total
+    assert err == f"atari: warning: game.a26r was cut while it was recorded; its first {frames} frames are whole\n"
+    assert json.loads(out)["replays"][0]["title"].startswith("Pong: ")
+
+
 def damaged(folder: Path) -> None:
     data = bytearray(record(folder / "bad.a26r", "pong", 30).read_bytes())
     data[len(data) // 2] ^= 255
