@@ -19,7 +19,7 @@ ORDER = """
     vector multiplayer registry
     atari
     ale_py policy testing
-    recording lab learning web
+    web recording lab learning
     classic integrations sb3
     play cli __main__
 """.split()
@@ -89,6 +89,7 @@ def test_every_part_of_the_list_exists() -> None:
     [
         ("atari.task.rules", "from atari.vector import AtariVectorEnv"),
         ("atari.recording.episodes", "import atari.lab"),
+        ("atari.web.film", "from atari.recording import Replay"),
         ("atari.cores.native", "def late():\n    from atari.task import Task"),
         ("atari.games.game", "from atari import _emulator"),
         ("atari.base.durable", "from atari.games import actions"),

@@ -15,7 +15,7 @@ from atari.base.program import interruptible, run
 from atari.task.parser import Parser
 
 _COMMANDS = tuple(
-    "info roms verify record replay play train watch evaluate diagnose collect lab causes completion".split()
+    "info roms verify record replay play train watch evaluate diagnose collect lab causes web completion".split()
 )
 
 _EXAMPLES = """\
@@ -37,6 +37,7 @@ examples:
   atari verify pong --frames 10000         compare the native core with ale-py
   atari completion bash >~/.local/share/bash-completion/completions/atari
                                            complete commands, options, games and IDs with Tab
+  atari web game.a26r -o page              write a page in which it plays in a browser
   atari lab breakout                       see, search and change the game's RAM, on a local page
 """
 

@@ -4,7 +4,9 @@ import dataclasses
 import enum
 import json
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +36,16 @@ def print_table(rows: Iterable[Sequence[object]]) -> None:
     """Print rows with aligned columns."""
     for line in aligned(rows):
         print(line)
+
+
+@contextmanager
+def printed_warnings() -> Iterator[None]:
+    """Print the warnings of a block as `print_warning` does."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        yield
+    for warning in caught:
+        print_warning(warning.message)
 
 
 def print_warning(warning: object) -> None:

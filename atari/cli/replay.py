@@ -3,7 +3,6 @@
 import argparse
 import json
 import math
-import warnings
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ from atari.base.program import removed_at_ctrl_c
 from atari.base.progress import ProgressBar
 from atari.base.validation import check_integer
 from atari.cli.arguments import Commands, add_command
-from atari.cli.printing import print_json, print_table, print_warning
+from atari.cli.printing import print_json, print_table, printed_warnings
 from atari.cli.video_flags import VideoFlags, add_video_flags, best_or_number
 from atari.cores import CORES
 from atari.recording import Replay
@@ -181,12 +180,8 @@ def _part(args: argparse.Namespace, replay: Replay) -> tuple[dict[str, Any], int
 
 
 def _load(file: Path) -> Replay:
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        replay = Replay.load(file)
-    for warning in caught:
-        print_warning(warning.message)
-    return replay
+    with printed_warnings():
+        return Replay.load(file)
 
 
 def _time(seconds: float) -> str:

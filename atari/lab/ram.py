@@ -13,8 +13,8 @@ from atari.base.validation import check_integer
 from atari.cores import ByteArray, Core
 from atari.env import AtariEnv
 from atari.games.game import Game, RamLabel
+from atari.games.objects import positions, visible_objects
 from atari.lab.labels import BoolArray, IntArray, byte_index, evaluate_label, labels_of, unknown_label
-from atari.lab.objects import positions, visible_objects
 from atari.vector import AtariVectorEnv
 
 _MOST_COLUMNS = 8

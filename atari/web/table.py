@@ -18,8 +18,8 @@ from atari.games.actions import Action
 from atari.games.game import Game, RamLabel
 from atari.games.interventions import Intervention, WriteRule, compile_write, load
 from atari.games.labels import compile_label
+from atari.games.objects import constants, positions
 from atari.games.players import choose_mode
-from atari.lab.objects import constants, positions
 from atari.roms import find
 from atari.roms.image import md5, read_image
 

@@ -8,7 +8,7 @@ import random
 from drawn_objects import Play, undecided
 
 import atari
-from atari.lab.objects import positions
+from atari.games.objects import positions
 
 GAMES = tuple(game.id for game in atari.games.playable() if positions(game.ram_labels))
 

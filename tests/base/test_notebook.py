@@ -19,6 +19,7 @@ from atari.lab.inspector.inspection import Inspection
 from atari.lab.widget import static_html
 from atari.recording import Replay
 from atari.recording.replay.file_format import SUFFIX
+from atari.web import shelf
 
 
 def pictures(page: str) -> list[bytes]:
@@ -34,6 +35,12 @@ def played(data: bytes) -> list[np.ndarray]:
     with av.open(io.BytesIO(data), format="apng") as file:
         file.streams.video[0].codec_context.options = {"err_detect": "crccheck+explode"}
         return [frame.to_ndarray(format="rgb24") for frame in file.decode(video=0)]
+
+
+@pytest.fixture
+def no_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A package without the page, where replays are animations; tests/recording/replay/test_shown.py tests the page."""
+    monkeypatch.setattr(shelf, "PARTS", tmp_path / "missing")
 
 
 def test_an_environment_shows_its_screen() -> None:
@@ -105,6 +112,7 @@ def test_markup_in_facts_is_text() -> None:
     assert "empty" not in page
 
 
+@pytest.mark.usefixtures("no_page")
 def test_a_replay_plays(tmp_path: Path) -> None:
     replay = Replay.load(record(tmp_path / "game.a26r", "breakout", steps=100))
     page = replay._repr_html_()
@@ -122,6 +130,7 @@ def test_a_replay_without_frames_shows_nothing(tmp_path: Path) -> None:
     assert Replay.load(record(tmp_path / "game.a26r", steps=0))._repr_html_() is None
 
 
+@pytest.mark.usefixtures("no_page")
 def test_a_replay_of_players_shows_itself(tmp_path: Path) -> None:
     from atari.multiplayer import MultiplayerCore
     from atari.recording import RecordReplay

@@ -5,8 +5,8 @@ import pytest
 from drawn_objects import Play, Probe, undecided
 
 import atari
+from atari.games.objects import constants, positions
 from atari.lab import Ram
-from atari.lab.objects import constants, positions
 
 FIXED, MOVING, FEW = 4, 9, 4
 """Pixels of difference, for objects with a constant row or column and for others; a shot moves nine in a frame. Fewer

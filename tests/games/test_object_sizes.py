@@ -7,8 +7,8 @@ import pytest
 
 import atari
 from atari import Action
+from atari.games.objects import GameObject
 from atari.lab import Ram
-from atari.lab.objects import GameObject
 
 GAMES = (
     "alien", "bank_heist", "boxing", "carnival", "demon_attack", "fishing_derby", "freeway", "galaxian", "montezuma_revenge",

@@ -11,8 +11,8 @@ from atari import AtariEnv, AtariVectorEnv
 from atari.base.frozen import FrozenDict
 from atari.base.text_table import Table
 from atari.cores import NativeCore
+from atari.games.objects import GameObject
 from atari.lab import Ram
-from atari.lab.objects import GameObject, constants, positions, visible_objects
 from atari.wrappers import DqnPreprocessing
 
 UNNAMED = replace(atari.games["pong"], ram_labels=FrozenDict())
@@ -258,32 +258,6 @@ def test_objects_with_one_byte_have_their_constant_row_or_column():
     assert [things[f"car_{lane}"].y for lane in range(10)] == list(range(27, 187, 16))
     assert things["car_3"].x == Ram(freeway)["car_3_x"]
     assert (things["player"].x, things["player"].y) == (44, Ram(freeway)["player_y"])
-
-
-def test_four_objects_have_one_axis():
-    """Combat moves its tanks by HMOVE alone, so that no byte has their columns. Play never met the other two."""
-    lacking = {
-        (game.id, name)
-        for game in atari.games.values()
-        for name, axes in positions(game.ram_labels).items()
-        if len(axes | constants(axes)) < 2
-    }
-    assert lacking == {
-        ("combat", "player"), ("combat", "player_2"), ("crazy_climber", "helicopter"), ("hero", "platform"),
-    }  # fmt: skip
-
-
-def test_positions_are_paired_by_their_names():
-    def named(game):
-        return {name: "".join(sorted(axes)) for name, axes in positions(atari.games[game].ram_labels).items()}
-
-    assert named("pong") == {"player": "xy", "enemy": "xy", "ball": "xy"}
-    assert named("breakout") == {"player": "x", "ball": "xy"}
-    asteroids = positions(atari.games["asteroids"].ram_labels)
-    values = dict.fromkeys(atari.games["asteroids"].ram_labels, 5)
-    kinds = {thing.kind for thing in visible_objects(asteroids, values)}
-    assert "asteroid" in kinds
-    assert "player" in kinds
 
 
 def test_the_table(pong, envs):

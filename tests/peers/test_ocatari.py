@@ -13,8 +13,8 @@ import pytest
 from ocatari_names import DIFFERENT, NAMES
 
 import atari
+from atari.games.objects import GameObject
 from atari.lab import Ram
-from atari.lab.objects import GameObject
 
 pytestmark = pytest.mark.peers
 

@@ -18,9 +18,9 @@ import atari._emulator as _emulator
 from atari.cores import NativeCore
 from atari.games.game import Game, RamLabel
 from atari.games.labels import compile_label
+from atari.games.objects import constants, positions
 from atari.games.toml_file import tomllib
 from atari.lab.labels import Labels
-from atari.lab.objects import constants, positions
 
 Array = Any
 

@@ -19,9 +19,9 @@ from rules_interpreter import evaluate
 import atari
 from atari.cores import NativeCore
 from atari.games.game import Game, load_game
+from atari.games.objects import positions
 from atari.lab import Ram
 from atari.lab.labels import Labels
-from atari.lab.objects import positions
 
 Array = Any
 

@@ -15,8 +15,8 @@ from atari.cores import NativeCore, snapshot
 from atari.cores.writes import make_writes, possible_values, write_of
 from atari.games.game import Game
 from atari.games.interventions import load
+from atari.games.objects import positions, visible_objects
 from atari.lab.labels import Labels
-from atari.lab.objects import positions, visible_objects
 from atari.web.table import core_text
 
 SINGLE = [name for name in GAMES if atari.games[name].single_player]

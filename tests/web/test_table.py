@@ -8,7 +8,7 @@ import pytest
 
 import atari
 from atari.games.interventions import load
-from atari.lab.objects import positions
+from atari.games.objects import positions
 from atari.roms.image import md5
 from atari.web.table import FORMAT, core_text, entry, table_files
 

@@ -11,10 +11,10 @@ import numpy.typing as npt
 
 from atari.cores import ByteArray, Core
 from atari.games.game import Game
+from atari.games.objects import positions, visible_objects
 from atari.lab.causal.files import shipped_causes
 from atari.lab.causal.map import ByteCauses, CausalMap
 from atari.lab.labels import labels_of
-from atari.lab.objects import positions, visible_objects
 
 _CHANGES = (1, 255, 8, 248, 128)
 """Added to a byte, modulo 256."""

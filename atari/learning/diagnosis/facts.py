@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.games.game import RamLabel
+from atari.games.objects import Positions, positions
 from atari.lab.labels import Labels
-from atari.lab.objects import Positions, positions
 from atari.learning.diagnosis.plays import Place, Play, Plays
 
 _MOST_FACTS = 3

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from atari.env.lane_snapshot import LaneSnapshot
 from atari.games.actions import Action
-from atari.lab.objects import positions
+from atari.games.objects import positions
 from atari.learning.diagnosis.findings import Finding, Step, spread
 from atari.learning.diagnosis.plays import Plays
 from atari.vector import AtariVectorEnv

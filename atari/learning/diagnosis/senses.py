@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from atari.lab.objects import positions
+from atari.games.objects import positions
 from atari.learning.diagnosis.findings import Finding, Step, losses, spread
 from atari.learning.diagnosis.plays import Plays
 from atari.learning.diagnosis.reach import player_axes

@@ -9,6 +9,7 @@ import json
 import warnings
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import cached_property
 from itertools import chain, takewhile
 from os import PathLike
@@ -32,6 +33,7 @@ from atari.recording.replay.observations import Observed, ObservedReplay, Walk
 from atari.recording.replay.players import PlayersRunner, make_core
 from atari.recording.replay.results import Divergence, EpisodeSummary, Frame, Verification, difference, frames_of
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
+from atari.recording.replay.shown import in_notebook
 from atari.recording.video.facts import PACKAGE
 from atari.recording.video.formats import has_sound, is_picture
 from atari.recording.video.overlay import Overlay
@@ -178,7 +180,12 @@ class Replay:
         return f"Replay({str(self.path)!r}, {self.game.id}, {self.frames_total} frames{cut})"
 
     def _repr_html_(self) -> str | None:
-        """The first seconds as an animation, for a notebook; None without the ROM or without frames."""
+        """The first seconds in a page with sound, for a notebook, or as an animation if the page is not built.
+
+        None without the ROM or without frames.
+        """
+        with suppress(OSError, ValueError):
+            return in_notebook(self, _SECONDS_SHOWN)
         try:
             screens = (frame.screen for frame in self.frames(0, _SECONDS_SHOWN * 60))
             data, shown = animation(pooled(screens, 2), round(frame_rate(self.game) / 2))
