@@ -101,10 +101,10 @@ EXPORT(session_act) int session_act(PlaySession* session, int first, int second,
     return guarded([&] { return int{session->act({first, second}, strength)}; }, -1);
 }
 EXPORT(session_mode) int session_mode(PlaySession* session, int mode) {
-    return succeeds([&] { session->set_mode(mode); });
+    return succeeds([&] { session->choose(EventKind::kMode, mode); });
 }
 EXPORT(session_difficulty) int session_difficulty(PlaySession* session, int difficulty) {
-    return succeeds([&] { session->set_difficulty(difficulty); });
+    return succeeds([&] { session->choose(EventKind::kDifficulty, difficulty); });
 }
 EXPORT(session_poke) int session_poke(PlaySession* session, int index, int value) {
     return succeeds([&] { session->poke(index, value); });
