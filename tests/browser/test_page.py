@@ -6,7 +6,7 @@ Run by scripts/test --browser, after scripts/web has built it into build/web.
 import json
 import statistics
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 

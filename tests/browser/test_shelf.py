@@ -7,7 +7,7 @@ import re
 import shutil
 import struct
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +61,7 @@ def film() -> bytes:
     return film_of("pong")
 
 
-def write_shelf(folder: Path, films: dict[str, bytes], replays: tuple[str, ...] = ("pong", "breakout")) -> None:
+def write_shelf(folder: Path, films: dict[str, bytes], *, replays: Sequence[str], roms: Sequence[str]) -> None:
     """Put replays, with films, into both forms of a page in a folder."""
     rows = [
         {
@@ -73,7 +73,7 @@ def write_shelf(folder: Path, films: dict[str, bytes], replays: tuple[str, ...] 
         }
         for name in replays
     ]
-    shelf = {"format": 1, "replays": rows, "roms": ["catch.bin"]}
+    shelf = {"format": 1, "replays": rows, "roms": list(roms)}
     files = {f"replays/{name}.a26r": (REPLAYS / f"{name}.a26r").read_bytes() for name in replays}
     files |= {f"replays/{name}.film": data for name, data in films.items()}
     files["shelf.json"] = json.dumps(shelf).encode()
@@ -93,7 +93,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, film: bytes) -> Path:
     """A page with two replays, of which the first has a film."""
     made = tmp_path_factory.mktemp("shelf") / "page"
     shutil.copytree(BUILD, made)
-    write_shelf(made, {"pong": zlib.compress(film)})
+    write_shelf(made, {"pong": zlib.compress(film)}, replays=["pong", "breakout"], roms=["catch.bin"])
     return made
 
 
@@ -189,7 +189,7 @@ def test_a_film_has_sound_after_a_click(new_page: Any, address: str) -> None:
 def test_what_needs_the_rom_says_so(new_page: Any, address: str) -> None:
     page = film_shown(new_page(address))
     page.get_by_text("RAM", exact=True).click()
-    expect(page.locator("#ram")).to_contain_text("it needs the ROM of Pong.")
+    expect(page.locator("#ram")).to_contain_text("the page needs the ROM of Pong to show it.")
     expect(page.locator("#ram .cell").first).to_be_hidden()
     for key in ("k", "l", "Enter", "z", "v", "o"):
         page.keyboard.press(key)
@@ -284,6 +284,20 @@ def test_a_damaged_film(new_page: Any, site: str, film: bytes, damage: Callable[
     said(page, "The film pong is damaged.")
     assert shown(page, "app.play.entry.id") == "catch"
     expect(page.get_by_role("combobox", name="Replays")).to_have_value("")
+
+
+def test_a_page_with_a_film_alone(new_page: Any, film: bytes, tmp_path: Path) -> None:
+    write_shelf(tmp_path, {"pong": zlib.compress(film)}, replays=["pong"], roms=[])
+    page = film_shown(new_page((tmp_path / "atari.html").as_uri()))
+    page.get_by_role("button", name="Close the replay").click()
+    said(page, "This page has no game of its own: drop a ROM file on it.")
+    page.get_by_role("button", name="Empty the library").click()
+    said(page, "The library is empty.")
+    assert shown(page, "app.play.isFilm")
+    give(page, "breakout.bin", rom("breakout"))  # not the ROM of the film
+    wait_for(page, "app.play.entry.id === 'breakout' && !app.play.isReplay")
+    choose_replay(page, "pong")
+    film_shown(page)
 
 
 def test_a_page_without_a_shelf(new_page: Any, folder: Path, tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ function playAll(player) {
 }
 
 function goOn(player, { frame, back = 0, actions }) {
-  const recording = player.recorded("0.0.1");
+  const recording = player.recorded("0.0.1", frame);
   seekTo(recording, frame);
   const session = recording.takeSession();
   for (let i = 0; i < back; i += 1) if (!session.goBack()) throw new Error("there is no older state");

@@ -6,7 +6,7 @@
 namespace atari::web {
 namespace {
 
-constexpr uint32_t kMostRemembered = 18000;  // frames: five minutes
+constexpr uint32_t kMostRemembered = 3600;  // frames: a minute
 constexpr size_t kMostSaves = 512, kMostCheckpoints = 256;
 constexpr int kFramesOfReset = 70;  // a load and a reset play about as many
 constexpr uint64_t kActionCount = 18;
@@ -219,10 +219,10 @@ void ReplayPlayer::resume(const Checkpoint& checkpoint) {
     episodes_ = checkpoint.episodes;
 }
 
-std::unique_ptr<ReplayPlayer> ReplayPlayer::recorded(std::string_view package) const {
+std::unique_ptr<ReplayPlayer> ReplayPlayer::recorded(std::string_view package, uint32_t frame) const {
     auto player = std::make_unique<ReplayPlayer>(game_, content_);
     player->session_->start_recording(package);
-    player->remember_from_ = now_.frame - std::min(now_.frame, kMostRemembered);
+    player->remember_from_ = frame - std::min(frame, kMostRemembered);
     return player;
 }
 

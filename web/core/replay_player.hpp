@@ -38,9 +38,9 @@ class ReplayPlayer {
     // The action and the strength of the last frame.
     const Actions& actions() const { return actions_; }
 
-    // Returns a player whose session records. Going to the same frame may take time: `seek` it to `frame()`, then take its
-    // session, which can take the last frames back.
-    std::unique_ptr<ReplayPlayer> recorded(std::string_view package) const;
+    // Returns a player at the start whose session records. `seek` it to `frame`, then take its session, which can take the
+    // last frames back.
+    std::unique_ptr<ReplayPlayer> recorded(std::string_view package, uint32_t frame) const;
     std::unique_ptr<PlaySession> take_session() { return std::move(session_); }
 
   private:

@@ -273,10 +273,10 @@ export class App {
     return this.library.rom(id) ? this.choose(id) : this.chooseOwn();
   }
 
-  async goOn() {
-    this.seeking = this.play.frame;
+  async goOn(frame = this.play.frame) {
+    this.seeking = frame;
     await this.attempt(async () => {
-      await this.play.goOn(pause);
+      await this.play.goOn(frame, pause);
       this.shelf.mark(null);
     });
     this.seeking = null;

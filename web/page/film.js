@@ -100,8 +100,9 @@ export class Film {
     for (; next <= to; next += 1) this.#draw(next);
     this.#picture = to;
     const { palette } = this.#film;
-    this.#indices.forEach((index, i) => { this.#colours[i] = palette[index]; });
-    return new Uint8ClampedArray(this.#colours.buffer);
+    const indices = this.#indices, colours = this.#colours;
+    for (let i = 0; i < colours.length; i += 1) colours[i] = palette[indices[i]];
+    return new Uint8ClampedArray(colours.buffer);
   }
 
   #draw(picture) {

@@ -75,8 +75,8 @@ export class Keeper {
       await app.shelf.show(kept.show, kept.frame);
     } else {
       await app.watch(bytesOf(kept.replay));
-      await app.seek(kept.state ? app.play.frames : kept.frame);
       if (kept.state) await this.#goOnByHand(kept);
+      else await app.seek(kept.frame);
     }
     this.#setAside(this.#aside.filter((one) => one !== kept));
     app.showView(kept.view);
@@ -86,7 +86,7 @@ export class Keeper {
 
   async #goOnByHand({ state, changes, isPlayed }) {
     const { app } = this;
-    await app.goOn();
+    await app.goOn(app.play.frames);
     const { play } = app;
     // A poke after the last frame is in the state alone.
     if (base64Of(play.session.snapshot()) !== state) play.session.restore(bytesOf(state));

@@ -116,10 +116,10 @@ export class Play {
     return there;
   }
 
-  /** Leaves the replay at its present frame: what is played from here is recorded after it. */
-  async goOn(pause) {
-    const recorded = this.#player.recorded(this.entry.release);
-    while (!recorded.seek(this.frame)) await pause();
+  /** Leaves the replay at a frame: what is played from there is recorded after it. */
+  async goOn(frame, pause) {
+    const recorded = this.#player.recorded(this.entry.release, frame);
+    while (!recorded.seek(frame)) await pause();
     this.#closeReplay();
     this.session = recorded.takeSession();
   }

@@ -94,7 +94,7 @@ export class RamPanel {
     if (!this.element.open) return;
     this.missing.hidden = !play.isFilm;
     this.content.hidden = play.isFilm;
-    if (play.isFilm) return setText(this.missing, `A film has no RAM. The replay has it: it needs the ROM of ${play.entry.title}.`);
+    if (play.isFilm) return setText(this.missing, `A film has no RAM: the page needs the ROM of ${play.entry.title} to show it.`);
     const ram = play.session.ram().slice();
     const { changes, isReplay } = play;
     ram.forEach((value, index) => {
