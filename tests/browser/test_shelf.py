@@ -246,6 +246,17 @@ def test_a_link_to_a_replay_of_the_shelf(new_page: Any, address: str) -> None:
     assert shown(page, "app.shelf.shown") == "breakout"
 
 
+def test_a_film_plays_offline_after_the_first_visit(new_page: Any, folder: Path) -> None:
+    files = ["replays/pong.film", "shelf.json", "catch.bin", "table/games/pong.json"]
+    with served(folder) as address:
+        page = film_shown(new_page(address))
+        wait_until(page, lambda: page.evaluate("navigator.serviceWorker.controller !== null"))
+        kept = "(names) => Promise.all(names.map((name) => caches.match(name))).then((found) => found.every(Boolean))"
+        wait_until(page, lambda: page.evaluate(kept, files))
+    page.reload()
+    film_shown(page)
+
+
 def changed(data: bytes, start: int, *numbers: int) -> bytes:
     return data[:start] + bytes(numbers) + data[start + len(numbers) :]
 
