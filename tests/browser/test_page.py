@@ -3,141 +3,40 @@
 Run by scripts/test --browser, after scripts/web has built it into build/web.
 """
 
-import io
+import json
 import statistics
-import threading
 import zipfile
-from collections.abc import Callable, Iterator
-from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from browser_tools import LIMIT, wait_until
+from browser_tools import wait_until
+from page_tools import FORMS, REPLAYS, drop, give, ram, rom, said, served, shown, started, verified, wait_for, zipped
 from web_tools import BUILD
 
-import atari
 from atari.recording import Replay
+from atari.recording.replay import file_format
 
 playwright = pytest.importorskip("playwright.sync_api")
 if not (BUILD / "atari.html").exists():
     pytest.skip("the page is not built; run ./scripts/web", allow_module_level=True)
 
 expect = playwright.expect
-REPLAYS = Path(__file__).parents[2] / "docs" / "games" / "replays"
-CATCH = Path(__file__).parents[2] / "examples" / "catch" / "catch.toml"
-FORMS = ["site", "file"]
 LIVES, PLAYER_X = 1, 2  # bytes of catch
-
-
-class Handler(SimpleHTTPRequestHandler):
-    """Serves the page without a log."""
-
-    def log_message(self, *_: Any) -> None:
-        """Print nothing."""
 
 
 @pytest.fixture(scope="module")
 def site() -> Iterator[str]:
     """The address of the page on a server."""
-    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Handler, directory=str(BUILD))) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield f"http://127.0.0.1:{server.server_port}/"
-        server.shutdown()
-
-
-@pytest.fixture
-def new_page(browser: Any) -> Iterator[Callable[..., Any]]:
-    """Opens pages of one browser profile. None may report an error, or request another host, until the test has ended."""
-    faults: list[str] = []
-    contexts: list[Any] = []
-
-    def opened(address: str, init: str = "", **options: Any) -> Any:
-        if options or not contexts:
-            contexts.append(browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **options}))
-            contexts[-1].set_default_timeout(1000 * LIMIT)
-        page = contexts[-1].new_page()
-        page.on("console", lambda said: faults.append(said.text) if said.type in ("error", "warning") else None)
-        page.on("pageerror", lambda error: faults.append(str(error)))
-        own = (address.split("#")[0], "data:", "blob:")
-        page.on("request", lambda asked: None if asked.url.startswith(own) else faults.append(asked.url))
-        if init:
-            page.add_init_script(init)
-        page.goto(address)
-        return page
-
-    yield opened
-    for context in contexts:
-        context.close()
-    assert faults == []
+    with served(BUILD) as address:
+        yield address
 
 
 @pytest.fixture(params=FORMS)
 def address(request: Any, site: str) -> str:
     """The address of the page, in both forms."""
     return site if request.param == "site" else (BUILD / "atari.html").as_uri()
-
-
-def shown(page: Any, expression: str) -> Any:
-    """The value of an expression of the page's `app`."""
-    return page.evaluate(f"((app) => {expression})(window.atariPage)")
-
-
-def wait_for(page: Any, condition: str) -> None:
-    wait_until(page, lambda: shown(page, f"!!(app?.play && ({condition}))"))
-
-
-def started(page: Any) -> Any:
-    wait_for(page, "app.play.session.facts().frame > 0")
-    return page
-
-
-def said(page: Any, text: str) -> None:
-    expect(page.locator(".message")).to_contain_text(text)
-
-
-def ram(page: Any) -> list[int]:
-    return list(shown(page, "[...app.play.session.ram()]"))
-
-
-def give(page: Any, name: str, data: bytes) -> None:
-    """Give the page a file by its button."""
-    page.set_input_files("input[type=file]", {"name": name, "mimeType": "application/octet-stream", "buffer": data})
-
-
-def drop(page: Any, name: str, data: bytes) -> None:
-    """Drop a file on the page."""
-    transfer = page.evaluate_handle(
-        """([name, bytes]) => { const data = new DataTransfer();
-        data.items.add(new File([new Uint8Array(bytes)], name)); return data; }""",
-        [name, list(data)],
-    )
-    page.dispatch_event("main", "drop", {"dataTransfer": transfer})
-
-
-def zipped(files: dict[str, bytes], method: int = zipfile.ZIP_DEFLATED) -> bytes:
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w", method) as file:
-        for name, data in files.items():
-            file.writestr(name, data)
-    return out.getvalue()
-
-
-def rom(game: str) -> bytes:
-    return atari.roms.find(game).read_bytes()
-
-
-def verified(page: Any, button: str, tmp_path: Path) -> Replay:
-    """The replay that a button saves, which the package has verified."""
-    with page.expect_download() as pending:
-        page.get_by_role("button", name=button).click()
-    path = tmp_path / pending.value.suggested_filename
-    pending.value.save_as(path)
-    replay = Replay.load(path, game=CATCH if path.stem == "catch" else None)
-    assert replay.complete
-    assert replay.verify(), replay.verify()
-    return replay
 
 
 def test_catch_plays_at_once(new_page: Any, address: str) -> None:
@@ -227,6 +126,7 @@ def test_a_reload_loses_nothing(new_page: Any, address: str, tmp_path: Path) -> 
     page.get_by_role("button", name="Pause").click()
     page.evaluate("atariPage.toggleFreeze(1, 5)")
     page.keyboard.press(".")
+    older = ram(page)
     page.evaluate("atariPage.poke(40, 77)")
     before, frames = ram(page), shown(page, "app.play.changes.frame")
     page.reload()
@@ -236,6 +136,15 @@ def test_a_reload_loses_nothing(new_page: Any, address: str, tmp_path: Path) -> 
     page.get_by_role("button", name="lives", exact=True).click()
     expect(page.get_by_role("button", name="Release")).to_be_visible()
     assert verified(page, "Save replay", tmp_path).frames_total == frames
+    page.get_by_role("button", name="Undo").click()  # of the poke
+    assert ram(page) == older
+    page.evaluate("atariPage.play.goBack()")  # before the byte was frozen
+    assert shown(page, "[app.play.changes.inForce, app.play.changes.frame]") == [["1"], frames - 1]
+    page.get_by_role("button", name="Undo").click()
+    for _ in range(50):
+        assert page.evaluate("atariPage.play.goBack()")
+    assert shown(page, "app.play.changes.frame") == frames - 51
+    assert verified(page, "Save replay", tmp_path).frames_total == frames - 51
 
 
 def test_saved_states(new_page: Any, address: str) -> None:
@@ -267,6 +176,105 @@ def test_a_link_to_a_moment(new_page: Any, address: str) -> None:
     assert shown(other, "[app.speed, app.ram.element.open, app.sound.state]") == [0.5, True, "none"]
     said(other, "This is the moment of the link")
     assert "#" not in other.url
+
+
+def test_a_link_says_what_it_leaves_out(new_page: Any, site: str) -> None:
+    page = started(new_page(site))
+    page.evaluate("atariPage.toggleFreeze(1, 5)")
+    page.get_by_role("button", name="Link to this moment").click()
+    said(page, "Frozen bytes and interventions are not in it.")
+    page.evaluate("atariPage.toggleFreeze(1, 5)")
+    page.get_by_role("button", name="Link to this moment").click()
+    expect(page.locator(".message")).not_to_contain_text("Frozen")
+
+
+def played_by_hand(page: Any) -> list[int]:
+    """Play for some frames, pause, and return the RAM."""
+    page.keyboard.down("ArrowRight")
+    wait_for(page, "app.play.isPlayed && app.play.changes.frame > 20")
+    page.keyboard.up("ArrowRight")
+    page.keyboard.press("p")
+    return ram(page)
+
+
+def test_a_link_puts_the_game_aside(new_page: Any, address: str, tmp_path: Path) -> None:
+    page = started(new_page(address))
+    back = page.get_by_role("button", name="Back to your game")
+    page.get_by_role("button", name="Link to this moment").click()
+    link = page.locator(".address").input_value()
+    expect(back).to_be_hidden()
+    page.keyboard.press("p")
+    first = played_by_hand(page)
+    page.evaluate("(link) => { location.hash = link.split('#')[1]; }", link)
+    said(page, "This is the moment of the link")
+    page.keyboard.press("p")
+    second = played_by_hand(page)
+    assert second != first
+    back.click()
+    said(page, "This is your game")
+    assert ram(page) == first
+    back.click()  # to the game that was played after the link
+    wait_for(page, "app.seeking === null && !app.play.isReplay")
+    assert ram(page) == second
+    page.reload()
+    wait_for(page, "app.seeking === null && !app.play.isReplay")
+    assert ram(page) == second
+    back.click()
+    said(page, "This is your game")
+    assert ram(page) == first
+    verified(page, "Save replay", tmp_path)
+
+
+def test_a_link_at_the_start_puts_the_kept_game_aside(new_page: Any, address: str) -> None:
+    page = started(new_page(address))
+    before = played_by_hand(page)
+    page.evaluate("atariPage.keeper.keep()")
+    other = started(new_page(f"{address}#game=catch"))
+    other.get_by_role("button", name="Back to your game").click()
+    said(other, "This is your game")
+    assert ram(other) == before
+    expect(other.get_by_role("button", name="Back to your game")).to_be_hidden()
+
+
+def test_a_dropped_replay_puts_the_game_aside(new_page: Any, site: str) -> None:
+    page = started(new_page(site))
+    give(page, "pong.bin", rom("pong"))
+    wait_for(page, "app.play.entry.id === 'pong'")
+    before = played_by_hand(page)
+    drop(page, "pong.a26r", (REPLAYS / "pong.a26r").read_bytes())
+    wait_for(page, "app.play.isReplay && app.play.frame > 0")
+    page.get_by_role("button", name="Back to your game").click()
+    said(page, "This is your game")
+    assert ram(page) == before
+
+
+def forged(**header: Any) -> bytes:
+    """The replay of Pong with another header."""
+    data = (REPLAYS / "pong.a26r").read_bytes()
+    size = int.from_bytes(data[9:13], "little")
+    facts = json.loads(data[19 : 19 + size])
+    return data[:8] + file_format._chunk(b"H", json.dumps({**facts, **header}).encode()) + data[19 + size :]
+
+
+@pytest.mark.parametrize(
+    ("header", "sentence"),
+    [
+        ({"rom": "0" * 32}, "The replay was recorded with a ROM of MD5 000000"),
+        ({"format": 3}, "the format is 3, and this page reads 1"),
+        ({"game": "nothing"}, "The page has no such game."),
+    ],
+)
+def test_a_replay_that_the_page_cannot_play(new_page: Any, site: str, header: dict[str, Any], sentence: str) -> None:
+    page = started(new_page(site))
+    give(page, "pong.bin", rom("pong"))
+    wait_for(page, "app.play.entry.id === 'pong'")
+    before = played_by_hand(page)
+    drop(page, "pong.a26r", forged(**header))
+    said(page, sentence)
+    assert ram(page) == before
+    assert not shown(page, "app.play.isReplay")
+    page.keyboard.press("p")
+    wait_for(page, f"app.play.session.facts().frame > {shown(page, 'app.play.session.facts().frame')}")
 
 
 def test_a_zip_with_a_rom(new_page: Any, address: str) -> None:
@@ -435,14 +443,18 @@ def test_no_part_is_wider_than_a_phone(new_page: Any, address: str, scheme: str)
 
 
 def test_offline_after_the_first_visit(new_page: Any) -> None:
-    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Handler, directory=str(BUILD))) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        page = started(new_page(f"http://127.0.0.1:{server.server_port}/"))
+    with served(BUILD) as address:
+        page = started(new_page(address))
+        give(page, "games.whl", zipped({"pong.bin": rom("pong"), "breakout.bin": rom("breakout")}))
+        wait_for(page, "app.play.entry.id === 'pong'")
         page.evaluate("navigator.serviceWorker.ready.then(() => true)")
         wait_until(page, lambda: page.evaluate("navigator.serviceWorker.controller !== null"))
-        server.shutdown()
+        kept = "caches.match('table/table.json.gz').then((found) => found !== undefined)"
+        wait_until(page, lambda: page.evaluate(kept))
     page.reload()
-    started(page)
+    wait_for(page, "app.play.entry.id === 'pong' && app.seeking === null")
+    page.get_by_role("combobox", name="Game").select_option("breakout")  # which was never played
+    wait_for(page, "app.play.entry.id === 'breakout' && app.play.session.facts().frame > 0")
 
 
 @pytest.mark.parametrize("form", FORMS)

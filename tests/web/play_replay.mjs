@@ -21,12 +21,14 @@ function playAll(player) {
   }
 }
 
-function goOn(player, { frame, actions }) {
-  const recording = player.recorded("0.0.1");
+function goOn(player, { frame, back = 0, actions }) {
+  const recording = player.recorded("0.0.1", frame);
   seekTo(recording, frame);
   const session = recording.takeSession();
+  for (let i = 0; i < back; i += 1) if (!session.goBack()) throw new Error("there is no older state");
+  const from = new Sums().add(session).sums;
   for (const action of actions) session.act(action);
-  return base64Of(session.replay());
+  return { from, replay: base64Of(session.replay()) };
 }
 
 function play(one) {

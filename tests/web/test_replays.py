@@ -56,10 +56,21 @@ def test_a_replay_of_the_repository(path: Path, tmp_path: Path) -> None:
     (found,) = played(path.stem, one)
     assert (found["frames"], found["difference"]) == (replay.frames_total, None)
     assert found["at"] == [sums_at(replay, place) for place in places]
-    gone_on = verified(tmp_path, unpacked(found["goneOn"]))
+    gone_on = verified(tmp_path, unpacked(found["goneOn"]["replay"]))
     assert gone_on.frames_total <= frame + 90
     assert [one.action for one in gone_on.frames(0, frame)] == [one.action for one in replay.frames(0, frame)]
     assert [one.action for one in gone_on.frames(frame)] == actions[: gone_on.frames_total - frame]
+
+
+@needs_core
+def test_frames_of_a_replay_are_taken_back(tmp_path: Path) -> None:
+    replay = Replay.load(REPLAYS / "seaquest.a26r")
+    one = {"replay": packed(replay.path.read_bytes()), "goOn": {"frame": 700, "back": 650, "actions": [3] * 70}}
+    (found,) = played("seaquest", one)
+    assert found["goneOn"]["from"] == sums_at(replay, 50)
+    gone_on = verified(tmp_path, unpacked(found["goneOn"]["replay"]))
+    assert gone_on.frames_total == 120
+    assert [one.action for one in gone_on.frames(0, 50)] == [one.action for one in replay.frames(0, 50)]
 
 
 @needs_core
@@ -103,7 +114,7 @@ def test_writes_and_restored_states(tmp_path: Path) -> None:
     (found,) = played("breakout", one)
     assert (found["frames"], found["difference"]) == (replay.frames_total, None)
     assert found["at"] == [sums_at(replay, place) for place in one["at"]]
-    assert verified(tmp_path, unpacked(found["goneOn"])).frames_total == 1090
+    assert verified(tmp_path, unpacked(found["goneOn"]["replay"])).frames_total == 1090
 
 
 @needs_core
@@ -168,7 +179,7 @@ def test_two_players(tmp_path: Path) -> None:
     one = {"replay": packed((tmp_path / "a.a26r").read_bytes()), "goOn": {"frame": 600, "actions": [2, 3] * 20}}
     (found,) = played("pong", one, players=2)
     assert (found["frames"], found["difference"]) == (700, None)
-    assert verified(tmp_path, unpacked(found["goneOn"])).frames_total == 640
+    assert verified(tmp_path, unpacked(found["goneOn"]["replay"])).frames_total == 640
 
 
 @needs_core

@@ -287,10 +287,10 @@ class Player {
     return size ? { frame, what: this.core.text(size) } : null;
   }
 
-  /** A player that records. Seek it to `frame`, then `takeSession` goes on from there. */
-  recorded(release) {
+  /** A player that records. Seek it to a frame, then `takeSession` goes on from there, and can go back for a minute. */
+  recorded(release, frame) {
     return new Player(this.core, this.core.given([release], (...data) =>
-      this.core.checked(this.core.calls.player_recorded(this.handle, ...data))));
+      this.core.checked(this.core.calls.player_recorded(this.handle, ...data, frame))));
   }
 
   /** Closes the player, and returns its session. */

@@ -101,10 +101,10 @@ EXPORT(session_act) int session_act(PlaySession* session, int first, int second,
     return guarded([&] { return int{session->act({first, second}, strength)}; }, -1);
 }
 EXPORT(session_mode) int session_mode(PlaySession* session, int mode) {
-    return succeeds([&] { session->set_mode(mode); });
+    return succeeds([&] { session->choose(EventKind::kMode, mode); });
 }
 EXPORT(session_difficulty) int session_difficulty(PlaySession* session, int difficulty) {
-    return succeeds([&] { session->set_difficulty(difficulty); });
+    return succeeds([&] { session->choose(EventKind::kDifficulty, difficulty); });
 }
 EXPORT(session_poke) int session_poke(PlaySession* session, int index, int value) {
     return succeeds([&] { session->poke(index, value); });
@@ -231,8 +231,9 @@ EXPORT(player_differing_frame) uint32_t player_differing_frame(const ReplayPlaye
 EXPORT(player_action) int player_action(const ReplayPlayer* player, int which) {
     return player->actions()[static_cast<size_t>(which)];
 }
-EXPORT(player_recorded) ReplayPlayer* player_recorded(const ReplayPlayer* player, const uint8_t* package, size_t size) {
-    return guarded([&] { return player->recorded(text(package, size)).release(); });
+EXPORT(player_recorded)
+ReplayPlayer* player_recorded(const ReplayPlayer* player, const uint8_t* package, size_t size, uint32_t frame) {
+    return guarded([&] { return player->recorded(text(package, size), frame).release(); });
 }
 // Closes the player, and returns its session.
 EXPORT(player_take_session) PlaySession* player_take_session(ReplayPlayer* player) {

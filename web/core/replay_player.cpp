@@ -6,6 +6,7 @@
 namespace atari::web {
 namespace {
 
+constexpr uint32_t kMostRemembered = 3600;  // frames: a minute
 constexpr size_t kMostSaves = 512, kMostCheckpoints = 256;
 constexpr int kFramesOfReset = 70;  // a load and a reset play about as many
 constexpr uint64_t kActionCount = 18;
@@ -115,6 +116,7 @@ bool ReplayPlayer::play_frame(const Event& event) {
     const uint64_t word = event.numbers[0];
     if (several && word >= kActionCount * kActionCount)
         throw Refused("the replay has actions of more than two players");
+    if (now_.frame >= remember_from_) session_->remember();
     actions_ = {static_cast<int>(word % kActionCount), static_cast<int>(word / kActionCount)};
     if (!session_->act(actions_, event.floats.empty() ? 1.0f : event.floats.front())) return false;
     ++now_.frame;
@@ -125,7 +127,6 @@ bool ReplayPlayer::play_frame(const Event& event) {
 int ReplayPlayer::run(const Event& event) {
     const auto [first, second] = event.numbers;
     const auto integer = [](uint64_t number) { return static_cast<int64_t>(number); };
-    const bool several = game_->players > 1;
     switch (event.kind) {
         case EventKind::kReset:
             end_episode();
@@ -145,18 +146,14 @@ int ReplayPlayer::run(const Event& event) {
             session_->restore(content_->snapshots[first], true);
             break;
         case EventKind::kMode:
-        case EventKind::kDifficulty:
-            if (several) throw Refused("replays of several players have no such event");
-            if (event.kind == EventKind::kMode) session_->set_mode(integer(first));
-            else session_->set_difficulty(integer(first));
-            break;
+        case EventKind::kDifficulty: session_->choose(event.kind, integer(first)); break;
         case EventKind::kAddWrite:
             if (first >= content_->writes.size()) throw Refused("the replay has no write " + std::to_string(first));
             session_->add_write(content_->writes[first], second != 0);
             break;
         case EventKind::kRemoveWrite: session_->remove_write(first); break;
         case EventKind::kContinuousAction:
-            if (several) throw Refused("replays of several players have no such event");
+            if (game_->players > 1) throw Refused("replays of several players have no such event");
             break;
         default: break;
     }
@@ -222,9 +219,10 @@ void ReplayPlayer::resume(const Checkpoint& checkpoint) {
     episodes_ = checkpoint.episodes;
 }
 
-std::unique_ptr<ReplayPlayer> ReplayPlayer::recorded(std::string_view package) const {
+std::unique_ptr<ReplayPlayer> ReplayPlayer::recorded(std::string_view package, uint32_t frame) const {
     auto player = std::make_unique<ReplayPlayer>(game_, content_);
     player->session_->start_recording(package);
+    player->remember_from_ = frame - std::min(frame, kMostRemembered);
     return player;
 }
 

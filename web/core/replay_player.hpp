@@ -38,9 +38,9 @@ class ReplayPlayer {
     // The action and the strength of the last frame.
     const Actions& actions() const { return actions_; }
 
-    // Returns a player that has played to the same frame, and whose session records. Going there may take time: `seek` it
-    // to `frame()`, then take its session.
-    std::unique_ptr<ReplayPlayer> recorded(std::string_view package) const;
+    // Returns a player at the start whose session records. `seek` it to `frame`, then take its session, which can take the
+    // last frames back.
+    std::unique_ptr<ReplayPlayer> recorded(std::string_view package, uint32_t frame) const;
     std::unique_ptr<PlaySession> take_session() { return std::move(session_); }
 
   private:
@@ -81,6 +81,7 @@ class ReplayPlayer {
     std::shared_ptr<const ReplayContent> content_;
     Options options_;
     std::unique_ptr<PlaySession> session_;
+    uint32_t remember_from_ = UINT32_MAX;  // the frame from which the session remembers its states
     Position now_;
     size_t loaded_chunk_ = SIZE_MAX;
     std::vector<Event> events_;  // of the loaded chunk

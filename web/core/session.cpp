@@ -96,25 +96,16 @@ bool PlaySession::act(const Actions& actions, float strength) {
     return played;
 }
 
-// A replay of several players has the mode and the difficulty in its header.
-void PlaySession::check_one_player() const {
+void PlaySession::choose(EventKind kind, int64_t value) {
+    const bool mode = kind == EventKind::kMode;
+    // A replay of several players has the mode and the difficulty in its header.
     if (players() > 1) throw Refused("a game of several players keeps its mode and its difficulty; begin another game");
-}
-
-void PlaySession::set_mode(int64_t mode) {
-    check_one_player();
-    if (!contains(game_->modes, mode)) throw Refused(game_->id + " has no such mode");
+    if (!contains(mode ? game_->modes : game_->difficulties, value))
+        throw Refused(game_->id + " has no such " + (mode ? "mode" : "difficulty"));
     fresh_ = false;
-    environment_.set_mode(static_cast<int>(mode));
-    if (recorder_) recorder_->record(EventKind::kMode, static_cast<uint64_t>(mode));
-}
-
-void PlaySession::set_difficulty(int64_t difficulty) {
-    check_one_player();
-    if (!contains(game_->difficulties, difficulty)) throw Refused(game_->id + " has no such difficulty");
-    fresh_ = false;
-    environment_.set_difficulty(static_cast<int>(difficulty));
-    if (recorder_) recorder_->record(EventKind::kDifficulty, static_cast<uint64_t>(difficulty));
+    if (mode) environment_.set_mode(static_cast<int>(value));
+    else environment_.set_difficulty(static_cast<int>(value));
+    if (recorder_) recorder_->record(kind, static_cast<uint64_t>(value));
 }
 
 void PlaySession::poke(int64_t index, int64_t value) {

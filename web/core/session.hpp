@@ -32,8 +32,8 @@ class PlaySession {
     // Plays a frame, and returns whether one was played: none is after the end of the game. Throws Refused for an unknown
     // action, or a strength beyond 1000.
     bool act(const Actions& actions, float strength = 1.0f);
-    void set_mode(int64_t mode);  // of a game of one player, as the next
-    void set_difficulty(int64_t difficulty);
+    // Chooses the mode (kMode) or the difficulty (kDifficulty) of a game of one player. Throws Refused if it has no such.
+    void choose(EventKind kind, int64_t value);
     void poke(int64_t index, int64_t value);
     // Adds a write of a definition, in JSON, and returns its slot. With `now`, it is also applied at once.
     int add_write(const std::string& definition, bool now);
@@ -92,7 +92,6 @@ class PlaySession {
     static uint32_t usable_seed(uint32_t seed, int players);
     std::string facts() { return facts_of(*game_, options_, environment_.mode()); }
     void load(View state);
-    void check_one_player() const;
 
     std::shared_ptr<const PageGame> game_;
     Options options_;

@@ -12,11 +12,11 @@ import { openFiles } from "./opening.js";
 import { Play, settingsOf } from "./play.js";
 import { RamPanel } from "./ram.js";
 import { ReplayBar } from "./replays.js";
+import { Shelf } from "./shelf.js";
 import { Sound } from "./sound.js";
 import { Stage } from "./stage.js";
 import { savedState, saveState } from "./store.js";
 
-export const OWN = "catch"; // the game whose ROM comes with the page
 const KEEP_EVERY = 600; // frames
 const pause = () => new Promise((resolve) => setTimeout(resolve));
 
@@ -29,11 +29,11 @@ export class App {
   rewinding = false;
   objectsShown = false;
   seeking = null; // the frame of a replay to which the page goes
-  waiting = null; // a link, or a replay, that needs a ROM
+  waiting = null; // {game, call}: a link, or a replay, that needs the ROM of a game
   replayBytes = null;
   #kept = 0;
 
-  constructor(core, table, library) {
+  constructor(core, table, library, replays) {
     Object.assign(this, { core, table, library });
     this.sound = new Sound();
     this.input = new Input();
@@ -43,6 +43,7 @@ export class App {
     this.ram = new RamPanel(this);
     this.gamePanel = new GamePanel(this);
     this.links = new Links(this);
+    this.shelf = new Shelf(this, replays);
     this.keeper = new Keeper(this);
     this.panels = [this.gamePanel.element, this.ram.element, this.controls.help];
     this.loop = new Loop(() => this.#runs, () => this.#frame(), () => this.#draw());
@@ -58,10 +59,10 @@ export class App {
     this.facts = h("div", { class: "facts" });
     this.message = h("p", { class: "message", role: "status" });
     document.querySelector("main").replaceChildren(
-      h("header", {}, h("h1", {}, "Atari"), this.games,
+      h("header", {}, h("h1", {}, "Atari"), this.games, this.shelf.element,
         button("Open files ...", open, () => this.file.click()),
         button("Empty the library", "Forget all ROM files", () => this.attempt(() => this.emptyLibrary())), this.file),
-      this.stage.element, h("div", { class: "line below" }, this.facts, this.message), this.links.element, this.bar.element,
+      this.stage.element, h("div", { class: "line below" }, this.facts, this.message, this.keeper.element), this.links.element, this.bar.element,
       this.input.touch.element, this.controls.element, h("div", { class: "panels" }, ...this.panels),
       h("footer", {}, "Files that you open stay in this browser. ",
         "Drop ROM files, a zip, a wheel of ale-py or a replay anywhere on the page."));
@@ -150,7 +151,9 @@ export class App {
 
   /** Shows a play in place of the present one. */
   show(play) {
+    this.keeper.putAside();
     this.play?.close();
+    this.shelf.mark(null);
     Object.assign(this, { play, over: false, seeking: null });
     this.input.players = play.players;
     this.#pace();
@@ -166,12 +169,15 @@ export class App {
   }
 
   #listGames() {
-    this.games.replaceChildren(...this.library.ids.map((id) => h("option", { value: id }, this.table.title(id))));
-    this.games.value = this.play.entry.id;
+    const now = this.play?.entry.id;
+    if (now === undefined) return;
+    const ids = this.library.rom(now) ? this.library.ids : [now, ...this.library.ids]; // a film has no ROM
+    this.games.replaceChildren(...ids.map((id) => h("option", { value: id }, this.table.title(id))));
+    this.games.value = now;
   }
 
   #pace() {
-    this.loop.rate = this.play.entry.frame_rate * this.speed;
+    this.loop.rate = this.play.rate * this.speed;
     this.sound.pace(this.loop.rate);
   }
 
@@ -188,10 +194,16 @@ export class App {
     this.setPaused(false);
   }
 
-  /** Begins a new game with settings, by default those of the present one. */
-  restart(settings = this.play.settings) {
-    const { entry } = this.play;
-    this.show(Play.begin(this.core, entry, this.library.rom(entry.id), settings));
+  /** Begins a game whose ROM comes with the page. */
+  async chooseOwn() {
+    const [id] = this.library.own;
+    if (id === undefined) throw new Error("This page has no game of its own: drop a ROM file on it.");
+    await this.choose(id);
+  }
+
+  /** Begins a new game with settings. */
+  async restart(settings) {
+    this.show(Play.begin(...(await this.load(this.play.entry.id)), settings));
     this.setPaused(false);
   }
 
@@ -213,7 +225,8 @@ export class App {
         problems.push(error.message);
       }
       if (replay) await this.watch(replay);
-      else if (ids.length && this.waiting) await this.waiting();
+      else if (ids.includes(this.waiting?.game)) await this.waiting.call();
+      else if (this.play?.isFilm && ids.includes(this.play.entry.id)) await this.#playFilmed();
       else if (ids.length) await this.choose(ids[0]);
       if (ids.length > 1) problems.unshift(`${ids.length} games are in the library.`);
       if (problems.length) this.say(problems.join(" "));
@@ -222,34 +235,50 @@ export class App {
   }
 
   async emptyLibrary() {
-    await this.library.empty([OWN]);
-    if (this.play.entry.id !== OWN) await this.choose(OWN);
+    await this.library.empty();
+    if (!this.play.isFilm && !this.library.rom(this.play.entry.id)) await this.chooseOwn();
     this.#listGames();
     this.say("The library is empty.");
   }
 
   // Replays
 
+  /** Makes a call when the reader has given the ROM of a game, if it is missing. */
+  waitFor(game, call) { this.waiting = this.library.rom(game) ? null : { game, call }; }
+
   /** Plays a replay. Where its ROM is missing, it waits for it. */
   async watch(bytes) {
     const replay = this.core.replay(bytes);
-    this.waiting = () => this.watch(bytes);
+    this.waitFor(replay.header.game, () => this.watch(bytes));
     try {
-      const loaded = await this.load(replay.header.game);
-      this.show(Play.watch(...loaded, replay));
+      this.show(Play.watch(...(await this.load(replay.header.game)), replay));
     } catch (error) {
       replay.close();
-      if (this.library.rom(replay.header.game)) this.waiting = null;
       throw error;
     }
-    this.waiting = null;
     this.replayBytes = bytes;
     this.setPaused(false);
   }
 
-  async goOn() {
-    this.seeking = this.play.frame;
-    await this.attempt(() => this.play.goOn(pause));
+  // The ROM of the film is there: its replay takes over at the same frame.
+  async #playFilmed() {
+    const { paused } = this;
+    await this.shelf.show(this.shelf.shown, this.play.frame);
+    this.setPaused(paused);
+  }
+
+  /** Begins a new game in place of a replay; without its ROM, of a game whose ROM comes with the page. */
+  closeReplay() {
+    const { id } = this.play.entry;
+    return this.library.rom(id) ? this.choose(id) : this.chooseOwn();
+  }
+
+  async goOn(frame = this.play.frame) {
+    this.seeking = frame;
+    await this.attempt(async () => {
+      await this.play.goOn(frame, pause);
+      this.shelf.mark(null);
+    });
     this.seeking = null;
     this.over = false;
     this.setPaused(false);

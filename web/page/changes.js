@@ -1,8 +1,8 @@
 // What the reader has changed in the RAM of a game: pokes, bytes that are held, interventions. The newest can be undone.
 
 export class Changes {
-  #writes = []; // {name, slots, from, until}: frames between which the session has the writes
-  #undo = []; // {frame, call}
+  #writes = []; // {name, slots, from, until}: frames between which the session has the writes; until null, to the present
+  #undo = []; // {frame, name} ends writes, {frame, index, value} restores a byte
 
   constructor(play) {
     Object.assign(this, { play, frame: 0 });
@@ -13,7 +13,7 @@ export class Changes {
   poke(index, value) {
     const old = this.#session.ram()[index];
     this.#session.poke(index, value);
-    this.#undo.push({ frame: this.frame, call: () => this.#session.poke(index, old) });
+    this.#undo.push({ frame: this.frame, index, value: old });
   }
 
   /** Adds writes under a name: definitions in JSON. */
@@ -25,17 +25,20 @@ export class Changes {
       for (const slot of slots) this.#session.removeWrite(slot);
       throw error;
     }
-    this.#writes.push({ name, slots, from: this.frame, until: Infinity });
-    this.#undo.push({ frame: this.frame, call: () => this.remove(name) });
+    this.#writes.push({ name, slots, from: this.frame, until: null });
+    this.#undo.push({ frame: this.frame, name });
   }
 
-  /** The writes that are in force, as {name, slots}, and as a list that a later session of the same game takes over. */
-  get inForce() {
-    return this.#writes.filter(({ until }) => until === Infinity).map(({ name, slots }) => ({ name, slots }));
-  }
+  /** The names of the writes that are in force. */
+  get inForce() { return this.#writes.filter(({ until }) => until === null).map(({ name }) => name); }
 
-  takeOver(writes) {
-    this.#writes = writes.map(({ name, slots }) => ({ name, slots, from: -Infinity, until: Infinity }));
+  /** All that is known of the changes, as values of JSON, which a later session of the same game takes over. */
+  get kept() { return { frame: this.frame, writes: this.#writes, undo: this.#undo }; }
+
+  takeOver({ frame, writes, undo }) {
+    this.frame = frame;
+    this.#writes = writes;
+    this.#undo = undo;
   }
 
   has(name) { return this.#active(name) !== undefined; }
@@ -52,15 +55,19 @@ export class Changes {
 
   get canUndo() { return this.#undo.length > 0; }
 
-  undo() { this.#undo.pop()?.call(); }
+  undo() {
+    const last = this.#undo.pop();
+    if (last?.name) this.remove(last.name);
+    else if (last) this.#session.poke(last.index, last.value);
+  }
 
   /** The play has taken a frame back, and its session has the writes of that time. */
   goBack() {
     this.frame -= 1;
     this.#writes = this.#writes.filter(({ from }) => from <= this.frame);
-    for (const write of this.#writes) if (write.until > this.frame) write.until = Infinity;
+    for (const write of this.#writes) if (write.until > this.frame) write.until = null;
     this.#undo = this.#undo.filter(({ frame }) => frame <= this.frame);
   }
 
-  #active(name) { return this.#writes.find((write) => write.name === name && write.until === Infinity); }
+  #active(name) { return this.#writes.find((write) => write.name === name && write.until === null); }
 }

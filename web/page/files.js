@@ -2,8 +2,11 @@
 
 const packed = (name) => document.getElementById(`file:${name}`);
 
+/** Whether the page is one file that has this file in it. */
+export const isInside = (name) => packed(name) !== null;
+
 /** Whether the page is one file, which can be opened without a server. */
-export const ONE_FILE = packed("core.wasm") !== null;
+export const ONE_FILE = isInside("core.wasm");
 
 export const bytesOf = (base64) => Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
 
@@ -11,8 +14,8 @@ export const bytesOf = (base64) => Uint8Array.from(atob(base64), (letter) => let
 export async function load(name) {
   const inside = packed(name);
   if (inside) return unpack(bytesOf(inside.textContent), "gzip", 1 << 24);
-  const answer = await fetch(name);
-  if (!answer.ok) throw new Error(`The site has no file ${name}; copy the whole folder of the page there.`);
+  const answer = ONE_FILE ? null : await fetch(name);
+  if (!answer?.ok) throw new Error(`The page has no file ${name}; copy the whole folder of the page to the site.`);
   return new Uint8Array(await answer.arrayBuffer());
 }
 
@@ -27,7 +30,7 @@ export function scriptAddress(name) {
   return inside ? `data:text/javascript;base64,${inside.textContent}` : name;
 }
 
-/** Unpacks a stream of the format "gzip" or "deflate-raw" into at most `most` bytes. */
+/** Unpacks a stream of the format "gzip", "deflate" or "deflate-raw" into at most `most` bytes. */
 export async function unpack(bytes, format, most) {
   const reader = new Blob([bytes]).stream().pipeThrough(new DecompressionStream(format)).getReader();
   const parts = [];

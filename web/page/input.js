@@ -16,8 +16,20 @@ export function actionOf(vertical, horizontal, fire) {
   return moved === 0 ? 1 : moved + 8;
 }
 
+// In a frame of another page, keys are that page's until the reader has gone into this one: by a click, or by Tab to the stage.
+class Entrance {
+  open = window === window.top;
+  constructor() {
+    const enter = () => { this.open = true; };
+    document.addEventListener("pointerdown", enter, { capture: true });
+    document.addEventListener("focusin", ({ target }) => target.matches(".stage") && enter());
+  }
+}
+const entrance = new Entrance();
+
 /** Whether the browser or a field needs a key, so that the page may not have it. */
 export function isTaken(event) {
+  if (!entrance.open) return true;
   if (event.ctrlKey || event.altKey || event.metaKey || event.isComposing) return true;
   const { target, code } = event;
   if (target.matches("select, input:not([type=checkbox], [type=range])")) return true;
@@ -49,7 +61,7 @@ export class Input {
 
   /** The actions of both players now. */
   actions() {
-    const pads = [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.connected);
+    const pads = gamepads();
     const ofPlayer = [pads.slice(0, this.players > 1 ? 1 : pads.length), this.players > 1 ? pads.slice(1) : []];
     return this.#held.map((keys, player) => {
       const names = new Set([...keys].map((code) => ARROWS[code] ?? LETTERS[code]));
@@ -60,6 +72,14 @@ export class Input {
         Math.sign(names.has("right") - names.has("left") + horizontal),
         names.has("fire") || fire);
     });
+  }
+}
+
+function gamepads() {
+  try {
+    return [...(navigator.getGamepads?.() ?? [])].filter((pad) => pad?.connected);
+  } catch {
+    return []; // a frame may forbid them
   }
 }
 

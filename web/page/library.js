@@ -15,6 +15,7 @@ async function openDatabase() {
 }
 
 export class Library {
+  own = []; // the ids of the games whose ROMs come with the page
   #roms = new Map(); // by the id of the game
   #database = null;
 
@@ -41,6 +42,12 @@ export class Library {
     return id;
   }
 
+  /** Adds a ROM that comes with the page. */
+  addOwn(bytes) {
+    const id = this.#take(bytes);
+    if (id) this.own.push(id);
+  }
+
   /** Adds a ROM, and returns the id of its game; undefined if its bytes are of no game in the table. */
   add(bytes) { return this.#take(bytes); }
 
@@ -62,9 +69,9 @@ export class Library {
     return [...this.#roms.keys()].sort((one, other) => this.table.title(one).localeCompare(this.table.title(other)));
   }
 
-  /** Forgets all ROMs but those of `ids`. */
-  async empty(ids) {
-    for (const id of [...this.#roms.keys()]) if (!ids.includes(id)) this.#roms.delete(id);
+  /** Forgets all ROMs but those of the page. */
+  async empty() {
+    for (const id of [...this.#roms.keys()]) if (!this.own.includes(id)) this.#roms.delete(id);
     if (this.#database) await done(this.#store("readwrite").clear());
   }
 }

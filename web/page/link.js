@@ -1,5 +1,6 @@
 // Links: the part of an address after "#", which no server gets. A link to a moment has a game, its state, speed and open
-// panels; a link to a replay has its bytes. A link writes no RAM: it has no interventions.
+// panels; a link to a replay has its bytes, or its name where it comes with the page. A link writes no RAM: it has no
+// interventions.
 
 import { bytesOf } from "./files.js";
 
@@ -16,12 +17,16 @@ const packed = (bytes) => base64Of(bytes).replaceAll("+", "-").replaceAll("/", "
 const unpacked = (text) => bytesOf(text.replaceAll("-", "+").replaceAll("_", "/"));
 
 function addressWith(values) {
+  if (location.protocol === "about:") throw new Error("This frame has no address for a link; save the replay instead.");
   const address = `${location.href.split("#")[0]}#${new URLSearchParams(values)}`;
   if (address.length > MOST) throw new Error("This is too long for a link; save it as a file instead.");
   return address;
 }
 
 export const linkToReplay = (bytes) => addressWith({ replay: packed(bytes) });
+
+/** A link to a replay that comes with the page. */
+export const linkToShown = (name) => addressWith({ show: name });
 
 /** A link to the present moment of a play. */
 export function linkToMoment(play, speed, panels) {
@@ -38,10 +43,11 @@ export function linkToMoment(play, speed, panels) {
   });
 }
 
-/** What a link shows: {replay}, {game, settings, speed, panels, state}, {game} alone, or null where there is none. */
+/** What a link shows: {replay}, {show}, {game, settings, speed, panels, state}, {game} alone; null where there is no link. */
 export function readLink(hash) {
   const values = new URLSearchParams(hash.replace(/^#/, ""));
-  if (!values.has("replay") && !values.has("game")) return null;
+  if (!["replay", "show", "game"].some((name) => values.has(name))) return null;
+  if (values.has("show")) return { show: values.get("show") };
   try {
     if (values.has("replay")) return { replay: unpacked(values.get("replay")) };
     if (!values.has("state")) return { game: values.get("game") };

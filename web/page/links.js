@@ -2,7 +2,7 @@
 // goes on from where the reader is.
 
 import { h } from "./dom.js";
-import { linkToMoment, linkToReplay, readLink } from "./link.js";
+import { linkToMoment, linkToReplay, linkToShown, readLink } from "./link.js";
 import { Play } from "./play.js";
 
 export class Links {
@@ -23,7 +23,8 @@ export class Links {
   async #show(link) {
     const { app } = this;
     if (link.replay) return app.watch(link.replay);
-    app.waiting = app.library.rom(link.game) ? null : () => this.#show(link);
+    if (link.show) return app.shelf.show(link.show);
+    app.waitFor(link.game, () => this.#show(link));
     if (!link.state) return app.choose(link.game);
     app.show(Play.begin(...(await app.load(link.game)), link.settings, link.state));
     app.showView(link);
@@ -32,23 +33,25 @@ export class Links {
   }
 
   giveReplay() {
-    const { play, replayBytes } = this.app;
+    const { play, replayBytes, shelf } = this.app;
+    if (shelf.shown) return this.#give(linkToShown(shelf.shown));
     return this.#give(linkToReplay(play.isReplay ? replayBytes : play.session.replay()));
   }
 
   giveMoment() {
     const { app } = this;
     app.setPaused(true);
-    return this.#give(linkToMoment(app.play, app.speed, app.openPanels()));
+    const left = app.play.changes.inForce.length ? " Frozen bytes and interventions are not in it." : "";
+    return this.#give(linkToMoment(app.play, app.speed, app.openPanels()), left);
   }
 
-  async #give(address) {
+  async #give(address, left = "") {
     this.element.value = address;
     this.element.hidden = false;
     this.element.select();
     const size = `The link has ${address.length} letters`;
-    this.app.say(`${size}; it is selected, to be copied.`);
+    this.app.say(`${size}; it is selected, to be copied.${left}`);
     const copied = navigator.clipboard?.writeText(address);
-    await copied?.then(() => this.app.say(`${size}; it is copied.`), () => {}); // a browser may refuse
+    await copied?.then(() => this.app.say(`${size}; it is copied.${left}`), () => {}); // a browser may refuse
   }
 }

@@ -1,30 +1,42 @@
-// The start of the page: it loads the core and the table, and shows what the link says, what was played, or `catch`.
+// The start of the page: it loads the core and the table, and shows what the link says, what was played, a replay of the
+// shelf, or a game whose ROM comes with the page.
 
-import { App, OWN } from "./app.js";
+import { App } from "./app.js";
 import { loadCore } from "./core.js";
 import { h } from "./dom.js";
-import { load, ONE_FILE } from "./files.js";
+import { load } from "./files.js";
 import { Library } from "./library.js";
+import { keepOffline } from "./offline.js";
+import { readShelf } from "./shelf.js";
 import { Table } from "./table.js";
 
 async function start() {
   if (typeof WebAssembly !== "object") throw new Error("This browser has no WebAssembly, which the emulator needs.");
-  const [core, table, rom] = await Promise.all([load("core.wasm").then(loadCore), Table.load(), load("catch.bin")]);
+  const readPage = async () => {
+    const { replays, roms } = await readShelf();
+    return [replays, await Promise.all(roms.map(load))];
+  };
+  const [core, table, [replays, roms]] = await Promise.all([load("core.wasm").then(loadCore), Table.load(), readPage()]);
   const library = new Library(core, table);
-  library.add(rom);
+  for (const rom of roms) library.addOwn(rom);
   await library.open();
-  const app = new App(core, table, library);
+  const app = new App(core, table, library, replays);
   window.atariPage = app; // for tests, and for readers who program
-  await app.attempt(async () => {
-    if (location.hash.length > 1) await app.links.follow();
-    else await app.keeper.goOn();
-  });
-  if (!app.play) {
-    const problem = app.message.textContent;
-    await app.choose(OWN);
-    app.say(problem);
+  const linked = location.hash.length > 1;
+  const ways = [
+    () => app.keeper.start(linked),
+    () => app.links.follow(),
+    () => replays.length > 0 && app.shelf.show(replays[0].name),
+    () => app.chooseOwn(),
+  ];
+  const said = [];
+  for (const way of ways) {
+    if (app.play) break;
+    await app.attempt(way);
+    said.push(app.message.textContent);
   }
-  if (!ONE_FILE && "serviceWorker" in navigator) navigator.serviceWorker.register("worker.js").catch(() => {});
+  app.say(said.filter(Boolean).join(" "));
+  await keepOffline();
 }
 
 start().catch(({ message }) => {

@@ -31,6 +31,8 @@ function opened(play, open) {
 }
 
 export class Play {
+  isFilm = false;
+  acted = false; // whether the reader has played
   #game;
   #player = null;
   #replay = null;
@@ -65,7 +67,10 @@ export class Play {
   #open() { return this.#game.play({ seed: randomSeed(), ...this.settings.options }); }
 
   get players() { return this.settings.players; }
+  get rate() { return this.entry.frame_rate; }
   get isReplay() { return this.#player !== null; }
+  /** Whether the reader would lose something with this game. */
+  get isPlayed() { return !this.isReplay && (this.acted || this.changes.canUndo); }
   get frames() { return this.#replay.frames; }
   get frame() { return this.#player.frame; }
   get difference() { return this.#player.difference; }
@@ -75,6 +80,7 @@ export class Play {
   /** Plays a frame; false after the end. */
   advance([first, second]) {
     if (this.#player) return this.#advanceReplay();
+    this.acted ||= first !== 0 || second !== 0;
     this.session.remember();
     if (!this.session.act(first, second)) {
       this.session.goBack();
@@ -110,10 +116,10 @@ export class Play {
     return there;
   }
 
-  /** Leaves the replay at its present frame: what is played from here is recorded after it. */
-  async goOn(pause) {
-    const recorded = this.#player.recorded(this.entry.release);
-    while (!recorded.seek(this.frame)) await pause();
+  /** Leaves the replay at a frame: what is played from there is recorded after it. */
+  async goOn(frame, pause) {
+    const recorded = this.#player.recorded(this.entry.release, frame);
+    while (!recorded.seek(frame)) await pause();
     this.#closeReplay();
     this.session = recorded.takeSession();
   }

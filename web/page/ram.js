@@ -23,14 +23,15 @@ export class RamPanel {
     this.fork = does("Fork", "Go on beside this game, without later changes: V", () => app.toggleFork());
     this.form = h("form", { class: "line", onsubmit: (event) => this.#poke(event) }, this.value,
       h("button", { type: "submit" }, "Poke"), this.freeze, this.undo, this.objects, this.fork);
+    this.missing = h("p", {});
     this.labels = h("tbody", {});
     this.interventions = h("div", { class: "interventions" });
-    this.element = h("details", { class: "card", id: "ram" }, h("summary", {}, "RAM"),
-      h("div", { class: "ram" },
-        h("div", {}, this.grid, this.title, this.form, this.interventions),
-        h("div", { class: "labels", tabIndex: 0, role: "region", "aria-label": "Labels" },
-          h("table", {}, h("thead", {}, h("tr", {}, ...["Name", "Byte", "Value"].map((text) => h("th", {}, text)))),
-            this.labels))));
+    this.content = h("div", { class: "ram" },
+      h("div", {}, this.grid, this.title, this.form, this.interventions),
+      h("div", { class: "labels", tabIndex: 0, role: "region", "aria-label": "Labels" },
+        h("table", {}, h("thead", {}, h("tr", {}, ...["Name", "Byte", "Value"].map((text) => h("th", {}, text)))),
+          this.labels)));
+    this.element = h("details", { class: "card", id: "ram" }, h("summary", {}, "RAM"), this.missing, this.content);
   }
 
   #cell(index) {
@@ -85,12 +86,15 @@ export class RamPanel {
     this.cells[this.chosen].tabIndex = -1;
     this.chosen = index;
     this.cells[index].tabIndex = 0;
-    this.value.value = this.app.play.session.ram()[index];
+    if (!this.app.play.isFilm) this.value.value = this.app.play.session.ram()[index];
     this.cells.forEach((cell, i) => cell.classList.toggle("chosen", i === index));
   }
 
   draw({ play, objectsShown }) {
     if (!this.element.open) return;
+    this.missing.hidden = !play.isFilm;
+    this.content.hidden = play.isFilm;
+    if (play.isFilm) return setText(this.missing, `A film has no RAM: the page needs the ROM of ${play.entry.title} to show it.`);
     const ram = play.session.ram().slice();
     const { changes, isReplay } = play;
     ram.forEach((value, index) => {

@@ -40,10 +40,12 @@ export class Stage {
     const gap = 12;
     const count = this.element.clientWidth < 320 * this.screens.length + gap ? 1 : this.screens.length;
     const across = (this.element.clientWidth - gap * (count - 1)) / count / 320;
-    const down = Math.max(innerHeight - 210, 210) / this.screens[0].height;
+    const around = parseInt(getComputedStyle(this.element).getPropertyValue("--around"), 10); // pixels above and below it
+    const down = Math.max(innerHeight - around, 190) / this.screens[0].height;
     const ratio = window.devicePixelRatio || 1;
-    // Whole pixels of the device; on a narrow page the factor is at least one.
-    const zoom = Math.max(Math.floor(Math.min(across, down) * ratio) / ratio, 1);
+    // Whole pixels of the device, if there is room for one.
+    const fits = Math.min(across, down);
+    const zoom = Math.floor(fits * ratio) / ratio || fits;
     for (const screen of this.screens) screen.zoom(zoom);
   }
 }

@@ -1,13 +1,12 @@
-// What the browser keeps beside the ROMs, as text of JSON: the game in play, so that a reload loses nothing, and one saved
-// state of each game.
+// What the browser keeps beside the ROMs, as text of JSON: the games in play (keeper.js), and one saved state of each game.
 
 import { bytesOf } from "./files.js";
 import { base64Of } from "./link.js";
 
-const NOW = "atari-envs:now";
 const stateName = (id) => `atari-envs:state:${id}`;
 
-function write(name, value) {
+/** Keeps a value of JSON under a name. */
+export function write(name, value) {
   try {
     localStorage.setItem(name, JSON.stringify(value));
   } catch {
@@ -15,24 +14,13 @@ function write(name, value) {
   }
 }
 
-function read(name) {
+/** The value of a name; null if there is none. */
+export function read(name) {
   try {
     return JSON.parse(localStorage.getItem(name));
   } catch {
     return null;
   }
-}
-
-/** Keeps the game in play: `view` is what the page shows around it. */
-export function keepNow(play, bytes, view) {
-  const place = play.isReplay ? { frame: play.frame } : { state: base64Of(play.session.snapshot()) };
-  const changes = play.changes.inForce;
-  write(NOW, { game: play.entry.id, replay: base64Of(bytes), ...place, changes, view });
-}
-
-export function keptNow() {
-  const kept = read(NOW);
-  return kept && { ...kept, replay: bytesOf(kept.replay), state: kept.state && bytesOf(kept.state) };
 }
 
 export function saveState(play) {

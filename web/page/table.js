@@ -1,6 +1,6 @@
 // The table of games, which atari/web/table.py writes. The entry of a game is loaded when the game is played.
 
-import { loadJson, ONE_FILE } from "./files.js";
+import { isInside, loadJson, ONE_FILE } from "./files.js";
 
 export class Table {
   #entries = new Map();
@@ -18,7 +18,8 @@ export class Table {
   /** The entry of a game. */
   async entry(id) {
     if (!this.#entries.has(id)) {
-      const found = ONE_FILE && id !== "catch" ? await this.#whole(id) : await loadJson(`table/games/${id}.json`);
+      const name = `table/games/${id}.json`;
+      const found = ONE_FILE && !isInside(name) ? await this.#whole(id) : await loadJson(name);
       this.#entries.set(id, found);
     }
     return this.#entries.get(id);
