@@ -5,8 +5,8 @@
     scripts/generate/learning_curves.py draw                                           # docs/ppo.svg and others
     scripts/generate/learning_curves.py table                                          # Markdown on standard output
 
-A run folder becomes `docs/curves/GAME-AGENT.csv`, with sticky actions `GAME-AGENT-sticky-SEED.csv`, at most 100 rows of
-its log, and an entry of `docs/curves/runs.json`: the options that differ from the agent's defaults, versions, and the
+A run folder becomes `docs/curves/GAME-AGENT.csv`, with sticky actions `GAME-AGENT-sticky-SEED.csv`, with restarts
+`GAME-AGENT-restarts-sticky-SEED.csv`, at most 100 rows of its log, and an entry of `docs/curves/runs.json`: the options that differ from the agent's defaults, versions, and the
 scores of the evaluation after the training. It needs the extra `learn`.
 """
 
@@ -27,6 +27,7 @@ FOLDER = DOCS / "curves"
 RUNS = FOLDER / "runs.json"
 COLUMNS = ("step", "frames", "seconds", "games", "score")
 COLORS = {"ppo": "#c2410c", "dqn": "#1d4ed8", "pqn": "#15803d", "pqn, sticky actions": "#a21caf"}
+COLORS["pqn, restarts, sticky actions"] = "#0e7490"
 NEWER = {"dopamine_nets/dqn_cnn": ":", "dopamine_nets/rainbow_cnn": "--"}
 """Curves of Dopamine's newer trainings, which the report of a training does not draw, and their line styles."""
 PUBLISHED = {
@@ -45,7 +46,8 @@ def collect(path: Path) -> None:
     folder = RunFolder.open(path)
     agent, options = folder.config["agent"], read_options(folder)
     sticky = bool(options.task.repeat_action_probability)
-    name = f"{options.task.game}-{agent}{f'-sticky-{options.seed}' if sticky else ''}"
+    restarts = "-restarts" if getattr(options, "restart_share", 0) else ""
+    name = f"{options.task.game}-{agent}{restarts}{f'-sticky-{options.seed}' if sticky else ''}"
     rows = folder.rows()
     thinned = rows[:: math.ceil(len(rows) / 99)]
     FOLDER.mkdir(exist_ok=True)
@@ -81,8 +83,8 @@ def read_rows(name: str) -> list[dict[str, float]]:
 
 
 def suffix(name: str) -> str:
-    """The words after the agent of a run with sticky actions; "" without them."""
-    return ", sticky actions" if "-sticky-" in name else ""
+    """The words after the agent of a run with restarts or sticky actions; "" without them."""
+    return f"{', restarts' if '-restarts' in name else ''}{', sticky actions' if '-sticky-' in name else ''}"
 
 
 def runs_of_agents() -> dict[str, dict[str, Any]]:

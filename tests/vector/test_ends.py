@@ -50,6 +50,14 @@ def test_close() -> None:
     assert not threads() - before
 
 
+def test_one_thread_is_the_caller() -> None:
+    before = threads()
+    envs = begun(num_envs=4, num_threads=1)
+    envs.step(np.zeros(4, int))
+    assert not threads() - before
+    envs.close()
+
+
 def test_close_while_environments_are_stepped() -> None:
     before = threads()
     envs = begun(num_envs=8, num_threads=3)

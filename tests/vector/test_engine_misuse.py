@@ -105,7 +105,7 @@ MISUSES = {
         "TypeError",
     ),
     "a lane without a game": ("engine_of(_emulator.LaneSpec())", "ValueError"),
-    "an action number that ALE does not have": ("engine_of(spec(actions=[99]))", "ValueError"),
+    "an action number that ALE does not have": ("engine_of(spec(actions=[18]))", "ValueError"),
     "a negative action number": ("engine_of(spec(actions=[-1]))", "ValueError"),
     "a skip without end": ("engine_of(spec(), frameskip=(2**31 - 2, 2**31 - 1))", "ValueError"),
     "no-ops without end": ("engine_of(spec(), noops=(2**31 - 1, 2**31 - 1))", "ValueError"),

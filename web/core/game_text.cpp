@@ -55,19 +55,6 @@ class Line {
     std::string_view rest_, name_;
 };
 
-void read_outputs(const std::vector<int32_t>& outputs, GameDefinition& game) {
-    if (outputs.size() < 4 || outputs.size() > 2 * kMaxPlayers + 2 || outputs.size() % 2)
-        throw Refused("the game's outputs are terminal, mode, and reward and lives of each player");
-    game.terminal = outputs[0];
-    game.mode_variable = outputs[1];
-    game.players = static_cast<int>(outputs.size()) / 2 - 1;
-    for (size_t player = 0; player < kMaxPlayers; ++player) {  // players that do not play share player 1's
-        const size_t at = player < static_cast<size_t>(game.players) ? 2 * player + 2 : 2;
-        game.rewards[player] = outputs[at];
-        game.lives[player] = outputs[at + 1];
-    }
-}
-
 // Reads a line of the arguments of `make_game`, as atari/cores/compiled.py names them. Returns whether it is one.
 bool read_definition(Line& line, GameDefinition& game) {
     const std::string_view name = line.name();
@@ -82,16 +69,14 @@ bool read_definition(Line& line, GameDefinition& game) {
     else if (name == "swap_paddles") game.swap_paddles = line.flag();
     else if (name == "paddle_range") game.paddle_min = line.number(), game.paddle_max = line.number();
     else if (name == "power_on_switches") game.power_on_switches = static_cast<uint8_t>(line.number());
-    else if (name == "legal_actions") {
-        game.legal_actions = 0;
-        for (const int32_t action : line.numbers()) game.legal_actions |= action >= 0 && action < 18 ? 1u << action : 0;
-    } else if (name == "starting_actions") game.starting_actions = line.numbers();
+    else if (name == "legal_actions") game.set_legal_actions(line.numbers());
+    else if (name == "starting_actions") game.starting_actions = line.numbers();
     else if (name == "default_mode") game.default_mode = line.number();
     else if (name == "variables") game.variables = line.number();
     else if (name == "initial") game.initial = line.numbers();
     else if (name == "kept") {
         for (const int32_t keep : line.numbers()) game.kept.push_back(keep != 0);
-    } else if (name == "outputs") read_outputs(line.numbers(), game);
+    } else if (name == "outputs") game.set_outputs(line.numbers());
     else if (name == "step") game.step = line.numbers();
     else if (name == "select_mode") game.select_mode = line.numbers();
     else return false;

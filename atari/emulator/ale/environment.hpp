@@ -36,6 +36,10 @@ struct GameRules {
     OfPlayers<int> rewards{0}, lives{2};
     int terminal = 1;
     int mode_variable = 0;  // variable that holds the selected mode
+
+    void set_legal_actions(const std::vector<int32_t>& actions);  // others than ALE's 18 are left out
+    // Of variables: terminal, mode, and reward and lives of each player. Throws std::invalid_argument for another number.
+    void set_outputs(const std::vector<int32_t>& outputs);
 };
 
 // A game definition, as atari/games/compiler.py compiles it, with the image of the game's ROM.

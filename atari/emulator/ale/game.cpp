@@ -7,6 +7,24 @@
 
 namespace atari {
 
+void GameRules::set_legal_actions(const std::vector<int32_t>& actions) {
+    legal_actions = 0;
+    for (const int32_t action : actions) legal_actions |= action >= 0 && action < kActions ? 1u << action : 0u;
+}
+
+void GameRules::set_outputs(const std::vector<int32_t>& outputs) {
+    if (outputs.size() < 4 || outputs.size() > 2 * kMaxPlayers + 2 || outputs.size() % 2)
+        throw std::invalid_argument("a game's outputs are terminal, mode, and reward and lives of each player");
+    terminal = outputs[0];
+    mode_variable = outputs[1];
+    players = static_cast<int>(outputs.size()) / 2 - 1;
+    for (size_t player = 0; player < kMaxPlayers; ++player) {  // players that do not play share player 1's
+        const size_t at = player < static_cast<size_t>(players) ? 2 * player + 2 : 2;
+        rewards[player] = outputs[at];
+        lives[player] = outputs[at + 1];
+    }
+}
+
 std::shared_ptr<const Game> make_game(const GameDefinition& definition) {
     auto game = std::make_shared<Game>();
     static_cast<GameRules&>(*game) = definition;

@@ -41,10 +41,8 @@ Shared<Game> bound_game(nb::bytes image, const std::string& cartridge, const std
                         bool swap_paddles, std::pair<int, int> paddle_range, int power_on_switches,
                         const std::vector<int>& legal_actions, const std::vector<int>& starting_actions,
                         int default_mode, int variables, const std::vector<int32_t>& initial,
-                        const std::vector<bool>& kept, std::vector<int> outputs, const std::vector<int32_t>& step,
-                        const std::vector<int32_t>& select_mode) {
-    if (outputs.size() < 4 || outputs.size() > 10 || outputs.size() % 2)
-        throw std::invalid_argument("a game's outputs are terminal, mode, and reward and lives of each player");
+                        const std::vector<bool>& kept, const std::vector<int>& outputs,
+                        const std::vector<int32_t>& step, const std::vector<int32_t>& select_mode) {
     GameDefinition game;
     const auto* bytes = static_cast<const uint8_t*>(image.data());
     game.image.assign(bytes, bytes + image.size());
@@ -61,21 +59,13 @@ Shared<Game> bound_game(nb::bytes image, const std::string& cartridge, const std
     game.power_on_switches = static_cast<uint8_t>(power_on_switches);
     game.paddle_min = paddle_range.first;
     game.paddle_max = paddle_range.second;
-    game.legal_actions = 0;
-    for (int action : legal_actions) game.legal_actions |= action >= 0 && action < kActions ? 1u << action : 0u;
+    game.set_legal_actions(legal_actions);
     game.starting_actions = starting_actions;
     game.default_mode = default_mode;
     game.variables = variables;
     game.initial = initial;
     game.kept.assign(kept.begin(), kept.end());
-    game.terminal = outputs[0];
-    game.mode_variable = outputs[1];
-    game.players = static_cast<int>(outputs.size()) / 2 - 1;
-    for (size_t player = 0; player < kMaxPlayers; ++player) {  // players that do not play share player 1's
-        const size_t at = player < static_cast<size_t>(game.players) ? 2 * player + 2 : 2;
-        game.rewards[player] = outputs[at];
-        game.lives[player] = outputs[at + 1];
-    }
+    game.set_outputs(outputs);
     game.step = step;
     game.select_mode = select_mode;
     return {make_game(game)};
