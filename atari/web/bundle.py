@@ -25,7 +25,7 @@ _POLICY = (
 
 
 def site(files: Mapping[str, bytes]) -> dict[str, bytes]:
-    """The files of a site by name, with the one file among them.
+    """The files of a site by name.
 
     Beside the given files it has `files.json`, the list of those that the service worker keeps after the first visit.
     Its `index.html` names what a browser can load at once, before the modules say so.
@@ -45,7 +45,6 @@ def site(files: Mapping[str, bytes]) -> dict[str, bytes]:
         **files,
         "index.html": files["index.html"].replace(_LOADS.encode(), "".join(links).encode()),
         "files.json": json.dumps(kept).encode(),
-        ONE_FILE: one_file(files).encode(),
     }
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from atari.base import durable
 from atari.games.game import Game
-from atari.web.bundle import site
+from atari.web.bundle import ONE_FILE, one_file, site
 from atari.web.shelf import Shown, page_files, whole_table
 
 _SHELF, _CORE = "shelf.json", "core.wasm"
@@ -36,7 +36,8 @@ def write_page(folder: Path, shown: Sequence[Shown] = (), own_games: Iterable[Ga
         OSError: the disk is full, for example.
     """
     check_folder(folder)
-    files = site(page_files(shown, [*whole_table(), *own_games]))
+    parts = page_files(shown, [*whole_table(), *own_games])
+    files = {**site(parts), ONE_FILE: one_file(parts).encode()}
     folder.parent.mkdir(parents=True, exist_ok=True)
     if shutil.disk_usage(folder.parent).free < sum(map(len, files.values())):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))

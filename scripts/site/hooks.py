@@ -12,6 +12,7 @@ import documents
 import games
 import hero
 import notebooks
+import player
 import reference
 from mkdocs.exceptions import PluginError
 from mkdocs.plugins import event_priority
@@ -24,6 +25,7 @@ SOURCES: tuple[Callable[[], Iterator[Page]], ...] = (
     reference.pages,
     hero.pages,
     games.pages,
+    player.pages,
     notebooks.pages,
 )
 
@@ -31,6 +33,7 @@ SOURCES: tuple[Callable[[], Iterator[Page]], ...] = (
 INSERTS: dict[str, Callable[[], str]] = {
     "hero": hero.html,
     "games": lambda: "[All games](games/index.md){ .md-button }",  # a page that only the site has
+    "player": player.link,
 }
 _INSERT = re.compile(r"<!-- site: ([\w.]+) -->")
 

@@ -85,6 +85,17 @@ def test_a_click_turns_the_sound_on(page: Any) -> None:
     assert video.evaluate("video => video.muted")
 
 
+@pytest.mark.skipif(not (SITE / "play" / "index.html").exists(), reason="the site has no page in which the games play")
+def test_a_click_opens_the_page_that_plays_the_game(page: Any) -> None:
+    page.goto("/games/pong.html")
+    page.locator(".play-here summary").click()
+    frame = page.frame_locator(".play-here iframe")
+    frame.get_by_text("Pictures and sound of the recording").wait_for()
+    screen = frame.locator(".stage canvas").first
+    before = screen.evaluate("canvas => canvas.toDataURL()")
+    wait_until(page, lambda: screen.evaluate("canvas => canvas.toDataURL()") != before)
+
+
 def test_the_filters_of_the_index(page: Any) -> None:
     page.goto("/games/index.html")
     count = page.locator("ul.games > li").count()

@@ -99,3 +99,16 @@ def test_media_are_linked_where_the_build_has_them(pages):
     assert page.count("url(pong/modes.png)") == len(game.modes)
     assert page.count("url(pong/views.png)") == len(atari.PRESETS)
     assert index.page([game], ["pong"]).count("<img") == 1
+
+
+@pytest.mark.parametrize(
+    ("built", "media", "address"),
+    [(True, {"play.film"}, "../play/index.html#show=pong"), (True, set(), "../play/index.html#game=pong"), (False, {}, "")],
+)
+def test_the_game_plays_on_its_page(pages, monkeypatch, built, media, address):
+    import player
+    from gamepages import text
+
+    monkeypatch.setattr(player, "is_built", lambda: built)
+    page = text.page(atari.games["pong"], frozenset(media))
+    assert page.count(f'<iframe src="{address}"') == built

@@ -9,7 +9,7 @@ from atari.games.game import Game
 from atari.play.controls import ALL_KEYS
 from atari.task.env_ids import FAMILIES, Family
 
-VIDEO, SCREEN, MODES, VIEWS = "play.mp4", "screen.png", "modes.png", "views.png"
+VIDEO, FILM, SCREEN, MODES, VIEWS = "play.mp4", "play.film", "screen.png", "modes.png", "views.png"
 """The names of a game's media."""
 
 _ARROWS = MappingProxyType({"up": "↑", "down": "↓", "left": "←", "right": "→"})

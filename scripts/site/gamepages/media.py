@@ -15,7 +15,8 @@ from atari.games.game import Game
 from atari.multiplayer import MultiplayerCore
 from atari.recording import Replay, VideoWriter
 from atari.task import PRESETS
-from gamepages.facts import MODES, SCREEN, VIDEO, VIEWS, shown_modes
+from atari.web.film import film
+from gamepages.facts import FILM, MODES, SCREEN, VIDEO, VIEWS, shown_modes
 from gamepages.markup import shape
 from gamepages.plays import Play, play_of
 
@@ -27,12 +28,13 @@ _VIEW_STEPS = 60  # steps of four frames, before the observation that is shown
 
 
 def render(game: Game, folder: Path) -> None:
-    """Write the media of a game: a video of its play with sound, a screen, its modes, and the presets' observations."""
+    """Write the media of a game: a video and a film of its play, a screen, its modes, and the presets' observations."""
     play = play_of(game.id)
     if play is not None:
         replay = Replay.load(play.path)
         start, stop = _window([frame.reward for frame in replay.frames()])
         replay.render(folder / VIDEO, start=start, stop=stop)
+        (folder / FILM).write_bytes(film_of(replay))
         screens = (frame.screen for frame in islice(replay.frames(start, stop), 0, None, 15))
     else:
         screens = iter(_write_random(game, folder / VIDEO)[::15])
@@ -42,6 +44,11 @@ def render(game: Game, folder: Path) -> None:
         _write(folder / MODES, mosaic(modes, shape(len(modes))[0]))
     if game.single_player:
         _write(folder / VIEWS, np.concatenate([strip(list(_view(game, name, play))) for name in PRESETS]))
+
+
+def film_of(replay: Replay) -> bytes:
+    """The whole replay as a film, for the page that plays it."""
+    return film(replay.frames(sound=True), replay.frames_total, replay.game.screen.frame_rate, replay.players)
 
 
 def _write(path: Path, image: Image) -> None:

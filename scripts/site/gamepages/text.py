@@ -7,8 +7,9 @@ from atari.games.game import Game
 from atari.multiplayer import ENVIRONMENTS
 from atari.task import PRESETS
 from atari.task.env_ids import stem
+import player
 from gamepages import facts, scores, settings
-from gamepages.facts import MODES, SCREEN, VIDEO, VIEWS, shown_modes
+from gamepages.facts import FILM, MODES, SCREEN, VIDEO, VIEWS, shown_modes
 from gamepages.markup import code, folded, pictures, table, text
 from gamepages.plays import Play, play_of
 
@@ -29,6 +30,8 @@ def _sections(game: Game, media: frozenset[str], play: Play | None) -> Iterator[
     yield f"---\ntitle: {game.title}\nhide: [navigation]\n---\n"
     yield f"# {text(game.title)}\n"
     yield _head(game, media, play)
+    if player.is_built():
+        yield _play_here(game, "show" if FILM in media else "game")
     yield f"## Make it\n\n{_lines(game)}\n"
     yield f"## Rules\n\n{_rules(game)}\n"
     yield f"## Actions\n\n{settings.actions(game)}\n{_start(game)}\n"
@@ -84,6 +87,16 @@ def _show(game: Game, media: frozenset[str], play: Play | None) -> str:
         f'<img src="{where}{SCREEN}" {size} alt="The screen of {text(game.title)}">'
         f'<button type="button" class="sound" hidden>Sound on</button>'
         f'<figcaption>{text(caption)}</figcaption></figure><script src="../assets/games.js" defer></script>'
+    )
+
+
+def _play_here(game: Game, shown: str) -> str:
+    """The page in which the game plays, which a click opens. It shows the recorded play, or the game."""
+    address = f"../{player.PLAYER}#{shown}={game.id}"
+    return (
+        f'<details class="play-here"><summary>Play here</summary><iframe src="{address}" title="{text(game.title)}" '
+        f'allow="autoplay; gamepad; fullscreen" loading="lazy"></iframe><p><a href="{address}">The same on a page of '
+        "its own</a>. It takes your ROM files, or a wheel of ale-py, and sends nothing anywhere.</p></details>\n"
     )
 
 
