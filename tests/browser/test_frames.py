@@ -12,7 +12,7 @@ from web_tools import BUILD
 
 playwright = pytest.importorskip("playwright.sync_api")
 if not (BUILD / "atari.html").exists():
-    pytest.skip("the page is not built; run ./scripts/web", allow_module_level=True)
+    pytest.skip("the page is not built; run ./scripts/web --python PYTHON", allow_module_level=True)
 
 SOURCES = {
     "site": 'src="page/#game=catch"',

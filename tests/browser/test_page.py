@@ -20,7 +20,7 @@ from atari.recording.replay import file_format
 
 playwright = pytest.importorskip("playwright.sync_api")
 if not (BUILD / "atari.html").exists():
-    pytest.skip("the page is not built; run ./scripts/web", allow_module_level=True)
+    pytest.skip("the page is not built; run ./scripts/web --python PYTHON", allow_module_level=True)
 
 expect = playwright.expect
 LIVES, PLAYER_X = 1, 2  # bytes of catch

@@ -22,7 +22,7 @@ from atari.recording import Replay
 
 playwright = pytest.importorskip("playwright.sync_api")
 if not (BUILD / "atari.html").exists():
-    pytest.skip("the page is not built; run ./scripts/web", allow_module_level=True)
+    pytest.skip("the page is not built; run ./scripts/web --python PYTHON", allow_module_level=True)
 
 expect = playwright.expect
 FILMED = 700  # frames
