@@ -6,8 +6,9 @@
     scripts/generate/learning_curves.py table                                          # Markdown on standard output
 
 A run folder becomes `docs/curves/GAME-AGENT.csv`, with sticky actions `GAME-AGENT-sticky-SEED.csv`, with restarts
-`GAME-AGENT-restarts-sticky-SEED.csv`, at most 100 rows of its log, and an entry of `docs/curves/runs.json`: the options that differ from the agent's defaults, versions, and the
-scores of the evaluation after the training. It needs the extra `learn`.
+`GAME-AGENT-restarts-sticky-SEED.csv`, at most 100 rows of its log, and an entry of `docs/curves/runs.json`: the options
+that differ from the agent's defaults, versions, and the scores of the evaluation after the training. It needs the extra
+`learn`.
 """
 
 import argparse

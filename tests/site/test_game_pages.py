@@ -103,7 +103,11 @@ def test_media_are_linked_where_the_build_has_them(pages):
 
 @pytest.mark.parametrize(
     ("built", "media", "address"),
-    [(True, {"play.film"}, "../play/index.html#show=pong"), (True, set(), "../play/index.html#game=pong"), (False, {}, "")],
+    [
+        (True, {"play.film"}, "../play/index.html#show=pong"),
+        (True, set(), "../play/index.html#game=pong"),
+        (False, {}, ""),
+    ],
 )
 def test_the_game_plays_on_its_page(pages, monkeypatch, built, media, address):
     import player

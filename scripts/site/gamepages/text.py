@@ -3,11 +3,12 @@
 import re
 from collections.abc import Iterator
 
+import player
+
 from atari.games.game import Game
 from atari.multiplayer import ENVIRONMENTS
 from atari.task import PRESETS
 from atari.task.env_ids import stem
-import player
 from gamepages import facts, scores, settings
 from gamepages.facts import FILM, MODES, SCREEN, VIDEO, VIEWS, shown_modes
 from gamepages.markup import code, folded, pictures, table, text
