@@ -54,7 +54,7 @@ PLACES: dict[str, tuple[str, ...]] = {
         "tests/games/test_own_games.py",
         "tests/vector",
     ),
-    "atari/base/validation.py": ("tests/env/test_env.py", "tests/wrappers", "tests/vector"),
+    "atari/base/validation.py": ("tests/env/test_env.py", "tests/cores", "tests/wrappers", "tests/vector"),
     "atari/games/interventions": ("tests/lab",),
     "atari/games": ("tests/games", "tests/conformance/test_ale_goldens.py"),
     "atari/learning/frame_episode.py": ("tests/learning/test_frame_agent.py", "tests/play/test_player_agent.py"),

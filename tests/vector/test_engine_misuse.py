@@ -108,6 +108,8 @@ MISUSES = {
     "an action number that ALE does not have": ("engine_of(spec(actions=[18]))", "ValueError"),
     "a negative action number": ("engine_of(spec(actions=[-1]))", "ValueError"),
     "a skip without end": ("engine_of(spec(), frameskip=(2**31 - 2, 2**31 - 1))", "ValueError"),
+    "no players": ("engine_of(spec(), players=0)", "ValueError"),
+    "more players than there are ports": ("engine_of(spec(), players=5)", "ValueError"),
     "no-ops without end": ("engine_of(spec(), noops=(2**31 - 1, 2**31 - 1))", "ValueError"),
     "a core with a skip without end": (
         "_emulator.Emulator(game=spec().game, repeat_action_probability=0.0, frame_skip=2**31 - 1,"

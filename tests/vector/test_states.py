@@ -184,6 +184,16 @@ def test_a_pickled_snapshot_is_checked_too() -> None:
     envs.restore([0, 1], [pong, breakout])
 
 
+def test_a_refused_snapshot_leaves_those_before_it_unused() -> None:
+    envs, twin = begun(num_envs=2, seed=0), begun(num_envs=2, seed=0)
+    first, second = pickle.loads(pickle.dumps(envs.snapshot()))
+    bad = second._replace(state=damaged(*second.state.__getstate__()[:1], 0))
+    play(envs, 5, seed=1), play(twin, 5, seed=1)
+    with pytest.raises(ValueError, match="snapshot 1 is of another game than environment 1"):
+        envs.restore([0, 1], [first, bad])
+    assert play(envs, 5, seed=2) == play(twin, 5, seed=2)
+
+
 def damaged(state: bytes, image: int) -> Any:
     one: Any = atari._emulator.MemberSnapshot.__new__(atari._emulator.MemberSnapshot)
     one.__setstate__((state, image))
