@@ -14,7 +14,7 @@ from atari.web.bundle import one_file
 from atari.web.film import film
 from atari.web.shelf import Shown, page_files
 
-_WIDTH, _HEIGHT = 480, 420  # pixels of a notebook's frame, in which the page is compact
+_WIDTH, _HEIGHT = 640, 512  # pixels of a notebook's frame, in which the page is compact
 _MOST_PLAYERS = 2
 
 
