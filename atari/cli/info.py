@@ -14,6 +14,7 @@ from atari.cli.printing import print_json, print_table, to_json_types
 from atari.env.settings import observation_space
 from atari.games.catalog import games
 from atari.games.game import Controllers, Game
+from atari.games.interventions import load
 from atari.games.manual import Manual
 from atari.games.multiplayer import Multiplayer
 from atari.games.pettingzoo import ENVIRONMENTS
@@ -55,7 +56,8 @@ def _info(args: argparse.Namespace) -> int:
         return _of_task(args, task_of(args, found), not options)
     game = found.definition
     if args.json:
-        print_json({**to_json_types(game), "manual": game.manual, "ids": _ids(game)})
+        own = {"manual": game.manual, "interventions": _interventions(game), "ids": _ids(game)}
+        print_json({**to_json_types(game), **own})
     else:
         print(_description(game, args.game))
     return 0
@@ -189,6 +191,7 @@ def _description(game: Game, file: str) -> str:
         ),
         *(_multiplayer(game.multiplayer, game.manual) if game.multiplayer else []),
         ("RAM", [f"{len(game.ram_labels)} names for bytes of it (name:index)", *_labels(game)]),
+        ("changes", _changes(game)),
         ("ROM", [f"{rom.size} bytes, {rom.cartridge}, MD5 {rom.md5}"]),
         ("notes", [*(game.manual.notes if game.manual else ()), *game.notes]),
         ("IDs", _ids(game) if game.file is None else []),
@@ -249,6 +252,23 @@ def _labels(game: Game) -> list[str]:
         for kind, names in sorted(kinds.items())
         for line in textwrap.wrap(f"{kind}: {', '.join(names)}", 100, subsequent_indent="    ", break_on_hyphens=False)
     ]
+
+
+def _interventions(game: Game) -> dict[str, str]:
+    """What each of the package's interventions changes, by name; none for a game of the user's own."""
+    return {} if game.file else {name: one.description for name, one in load(game).items()}
+
+
+def _changes(game: Game) -> list[str]:
+    """Return a line on the use of interventions, then each of them with what it changes."""
+    known = _interventions(game)
+    if not known:
+        return []
+    width = max(map(len, known))
+    lines = [f"{len(known)} interventions, such as `atari play {game.id} --intervention {next(iter(known))}`"]
+    for name, text in known.items():
+        lines += textwrap.wrap(f"{name:{width}}  {text}", 100, subsequent_indent=" " * (width + 2))
+    return lines
 
 
 def _rules(rules: Rules) -> list[str]:

@@ -52,6 +52,8 @@ def summary(task: TaskData) -> str:
         return f"{title}, {task.players} players"
     name, near = min(_named(task).items(), key=lambda item: len(_changed(task, item[1])))
     changed = _changed(task, near)
+    if "interventions" in changed:  # a user gives their names; the definitions are long
+        changed["interventions"] = [one.name for one in task.interventions]
     but = ", ".join(f"{field}={value!r}" for field, value in changed.items())
     return f"{title}, as {name}" + (f", but {but}" if but else "")
 

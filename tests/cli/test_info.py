@@ -68,6 +68,15 @@ def test_info_says_what_the_manual_says(capsys: Capture) -> None:
     assert lines[difficulties + 2] == "1  left switch at A: a hit chicken is thrown back to the start"
 
 
+def test_info_says_what_each_intervention_changes(capsys: Capture) -> None:
+    lines = [line.strip() for line in read(capsys, "info", "pong").splitlines()]
+    first = lines.index("changes       6 interventions, such as `atari play pong --intervention falling_ball`")
+    assert lines[first + 1] == "falling_ball   The ball sinks by one row on every third frame."
+    assert read_json(capsys, "info", "pong")["interventions"]["lazy_enemy"] == "The opponent's paddle stands still."
+    assert "changes" not in read(capsys, "info", "tetris")
+    assert read_json(capsys, "info", "tetris")["interventions"] == {}
+
+
 def test_info_json_has_rules_labels_and_the_manual(capsys: Capture) -> None:
     facts = read_json(capsys, "info", "breakout")
     assert facts["rules"]["lives_initial"] == 5

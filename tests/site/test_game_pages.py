@@ -5,6 +5,7 @@ import gymnasium
 import pytest
 
 import atari
+from atari.games.interventions import load
 
 SITE = Path(__file__).parents[2] / "scripts" / "site"
 
@@ -31,6 +32,9 @@ def test_every_game_has_a_page_with_its_sections(pages):
         assert heads[:5] == ["Make it", "Rules", "Actions", "Modes", "Difficulties"], game.id
         assert ("Scores" in heads) == game.single_player
         assert ("RAM" in heads) == bool(game.ram_labels)
+        changes = load(game)
+        assert ("Interventions" in heads) == bool(changes)
+        assert all(f"<tr><td><code>{one.name}</code></td><td>" in page for one in changes.values()), game.id
         assert ">None<" not in page, game.id
 
 
@@ -56,6 +60,8 @@ def test_facts_of_a_game_of_one_player(pages):
         "<td>human</td><td>6,951.6</td>",
         "At the start `info` has 3.",
         "<code>player_x</code>",
+        'atari.make("ms_pacman", interventions=["frightened_ghosts"])',
+        "<td><code>frozen_ghosts</code></td><td>The ghosts stand still.</td>",
     ):
         assert text in page, text
 

@@ -20,6 +20,7 @@ from atari.games.actions import Action
 from atari.games.catalog import games
 from atari.task import PRESETS, Task
 from atari.task.arguments import descriptions
+from atari.task.description import summary
 from atari.task.fields import DEFAULTS, FIELDS, GROUPS, ROWS, TYPES, MakeOptions, TaskOptions, VectorTaskOptions
 from atari.task.resolution import ALIASES, OPTIONS
 from atari.vector import ale_names
@@ -240,6 +241,12 @@ def test_the_printed_task_has_every_field(name: str) -> None:
     others = {"game": "breakout", **case.needs, **case.seen}
     one, other = (str(Task(**fields)).splitlines()[1:] for fields in (others, {**others, name: case.value}))
     assert one != other
+
+
+def test_the_first_line_names_interventions() -> None:
+    task = Task.of("pong", interventions=["lazy_enemy", "slow_enemy"])
+    assert summary(task) == "pong: Pong, as ALE/Pong-v5, but interventions=['lazy_enemy', 'slow_enemy']"
+    assert Task.of("pong", interventions=["lazy_enemy", "slow_enemy"]) == task  # the words can be given again
 
 
 def test_fields_without_effect_of_another_task_are_left_out() -> None:

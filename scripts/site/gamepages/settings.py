@@ -1,9 +1,10 @@
-"""Actions, modes, difficulties and RAM labels of a game, as tables."""
+"""Actions, modes, difficulties, RAM labels and interventions of a game, as tables."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from atari.games.actions import PLAYER_ACTIONS
 from atari.games.game import Game, RamLabel
+from atari.games.interventions import Intervention
 from atari.games.labels import value_source
 from gamepages.facts import keys
 from gamepages.markup import code, folded, pictures, table, text
@@ -75,6 +76,11 @@ def ram(game: Game) -> str:
             for label in labels
         ),
     )
+
+
+def interventions(known: Iterable[Intervention]) -> str:
+    """A row for each intervention."""
+    return table(("name", "what it changes"), ((code(one.name), text(one.description)) for one in known))
 
 
 def _meaning(label: RamLabel) -> Iterator[str]:

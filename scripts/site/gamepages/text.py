@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import player
 
 from atari.games.game import Game
+from atari.games.interventions import load
 from atari.multiplayer import ENVIRONMENTS
 from atari.task import PRESETS
 from atari.task.env_ids import stem
@@ -52,6 +53,11 @@ def _sections(game: Game, media: frozenset[str], play: Play | None) -> Iterator[
     if game.ram_labels:
         yield f"## RAM\n\n{len(game.ram_labels)} names; [RAM by name](../ram.md) reads and writes them.\n"
         yield settings.ram(game)
+    if changes := load(game):
+        one = next(iter(changes))
+        made = f'`atari.make("{game.id}", interventions=["{one}"])` or `atari play {game.id} --intervention {one}`'
+        yield f"## Interventions\n\n[Interventions](../interventions.md) change the game: {made}.\n"
+        yield settings.interventions(changes.values())
     yield from _notes(game)
 
 
