@@ -118,6 +118,7 @@ BY_ANOTHER = {
     "atari.recording.replay.file_format": "RecordReplay",
     "atari.recording.video.encoder": "MP4",
     "atari.roms.locations": "imported ROM",
+    "atari.web.folder": "atari web",
 }
 """The modules that write, and what in the table writes through them, or who else attacks them."""
 
@@ -132,6 +133,7 @@ ITSELF = {
     "atari.learning.memory.memory_file",  # with all its room
     "atari.learning.sweep.processes",  # by `durable.open_to_append`
     "atari.roms.locations",  # a new file by a hard link
+    "atari.web.folder",  # in a folder of its own, from which the files are moved
 }
 """The modules that open files for writing themselves."""
 

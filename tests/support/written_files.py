@@ -343,6 +343,12 @@ WRITTEN: dict[str, Written] = {
         command=("diagnose", "-o"),
     ),
     "atari evaluate": Written("result.json", played, command=("evaluate", "-o")),
+    "atari web": Written(
+        "page",
+        of_command("-o", "web", "--seconds", 0.2, replay=True),
+        ("atari.web.page",),  # the folder of the page, if it was built
+        command=("web", "-o"),
+    ),
 }
 
 
