@@ -1,7 +1,7 @@
 """`CoreOptions`: the options of every core, checked against what the game offers."""
 
 import operator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from atari.base.validation import AleError, check_integer, check_probability
@@ -26,6 +26,7 @@ class CoreOptions:
     @classmethod
     def check(cls, game: Game, /, **options: Any) -> "CoreOptions":
         """Check a user's options against the options that `game` offers; other arguments of a core have no effect."""
+        options = {field.name: options.get(field.name, field.default) for field in fields(cls)}
         probability = options["repeat_action_probability"]
         checked = cls(
             repeat_action_probability=check_probability("repeat_action_probability", probability),

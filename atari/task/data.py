@@ -74,10 +74,7 @@ class TaskData(TaskFields):
             repeat_action_probability=fields["repeat_action_probability"],
             mode=fields["mode"],
             difficulty=chosen,
-            frame_skip=1,
             max_num_frames_per_episode=fields["max_num_frames_per_episode"] or 0,
-            sound=False,
-            color_averaging=False,
         )
         fields["mode"] = game.default_mode if fields["mode"] is None else operator.index(fields["mode"])
         fields["difficulty"] = 0 if chosen is None else operator.index(chosen)
