@@ -241,7 +241,7 @@ def test_after_a_click_space_is_fire(page: Any) -> None:
         page.keyboard.press(" ")
         assert [message["fire"] for message in holds(page)[before:]] == [True, False]
 
-    page.get_by_role("button", name="Play").click()
+    page.get_by_role("button", name="▶ Play").click()
     wait_for(page, "shown.playing")
     at = frame(page)
     expect_fire()
@@ -301,9 +301,46 @@ def test_addresses_stand_on_rows_and_columns(page: Any) -> None:
         assert box["y"] < middle < box["y"] + box["height"]
 
 
+@pytest.mark.parametrize("width", [390, 1280])
+def test_whole_names_stand_beside_the_grid(page: Any, width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 844})
+    rows = page.locator(".names li")
+    assert {text.rstrip("-0123456789") for text in rows.all_text_contents()} >= {"lives", "player_x", "ball_y"}
+    cut = "(rows) => rows.filter((li) => li.scrollWidth > li.clientWidth || li.firstChild.scrollWidth > li.firstChild.clientWidth)"
+    assert page.locator(".names li").evaluate_all(f"{cut}.length") == 0
+    rows.filter(has_text=re.compile("^lives")).get_by_role("button").click()
+    expect(page.locator(".byte h2")).to_have_text("lives")
+    expect(rows.filter(has_text=re.compile("^lives")).locator("output")).to_have_text("5")
+    page.fill("#poke-value", "3")
+    page.keyboard.press("Enter")
+    expect(rows.filter(has_text=re.compile("^lives")).locator("output")).to_have_text("3")
+
+
+@pytest.mark.parametrize(("width", "least"), [(390, 320), (768, 640), (1280, 600), (1400, 640)])
+def test_a_fork_does_not_shrink_the_screens(page: Any, width: int, least: int) -> None:
+    page.set_viewport_size({"width": width, "height": 900})
+    page.keyboard.press("v")
+    wait_for(page, "shown.fork")
+    for screen in page.locator(".screen").all():
+        wait_until(page, lambda screen=screen: screen.bounding_box()["width"] >= least)
+        box = screen.bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= width
+
+
+def test_an_intervention_is_a_click(page: Any) -> None:
+    box = page.get_by_role("checkbox", name="one_row Only the lowest row of bricks stands.")
+    box.check()
+    page.keyboard.press(".")
+    wait_for(page, "shown.ram[1] === 0")
+    page.click("#tab-Changes")
+    expect(page.locator(".changes li").first).to_contain_text("one_row on")
+    page.keyboard.press("z")
+    expect(box).not_to_be_checked()
+    expect(page.locator(".changes li").first).to_have_text("Nothing was changed yet.")
+
+
 def test_the_whole_name_stands_at_pointer_and_focus(page: Any) -> None:
-    name = cell(page, PADDLE).locator("i")
-    assert name.evaluate("(i) => i.scrollWidth > i.clientWidth")  # the cell cuts it short
     tip = page.locator(".tip")
     expect(tip).to_be_hidden()
     cell(page, PADDLE).hover()

@@ -11,6 +11,9 @@ from atari.games.actions import Action
 from atari.lab.inspector import timeline
 from atari.lab.inspector.inspection import Inspection
 
+SCORE_PONG, ENEMY_Y = 14, 50
+HELD_Y = 120  # by lazy_enemy
+
 
 @pytest.fixture
 def inspection() -> Inspection:
@@ -192,6 +195,62 @@ def test_a_release_ends_it_on_the_core_at_once(inspection: Inspection) -> None:
     for _ in range(5):
         env.step(int(Action.RIGHT))
     assert env.core.ram()[PADDLE] != 60
+
+
+def test_an_intervention_is_switched_on_and_off_as_time_goes() -> None:
+    inspection = new_inspection("pong")
+    inspection.step(100)
+    inspection.freeze(SCORE_PONG, 7)
+    inspection.intervene("lazy_enemy")
+    inspection.intervene("lazy_enemy")  # it is on already
+    inspection.step(60)
+    inspection.intervene("slow_enemy")  # has conditions and remembers values
+    inspection.step(60)
+    inspection.intervene("lazy_enemy", on=False)
+    inspection.step(60)
+    seen = [ram_at(inspection, frame)[ENEMY_Y] for frame in range(281)]
+    assert {*seen[101:221]} == {HELD_Y}
+    assert len({*seen[:101]}) > 1 < len({*seen[221:]})
+    assert ram_at(inspection, 280)[SCORE_PONG] == 7
+    assert [*inspection.active.added] == ["slow_enemy"]
+    for frame in (150, 130, 279, 101, 250, 20, 280):
+        inspection.seek(frame)
+        assert_array_equal(inspection.ram(), ram_at(inspection, frame))
+    inspection.undo()
+    assert [*inspection.active.added] == ["slow_enemy", "lazy_enemy"]
+    inspection.step(1)
+    assert inspection.ram()[ENEMY_Y] == HELD_Y
+    assert [change.kind for change in inspection.changes] == ["freeze", "intervention", "intervention"]
+
+
+def test_interventions_of_a_fork_and_of_a_task() -> None:
+    inspection = Inspection(AtariEnv("pong", interventions=["lazy_enemy"], frameskip=1), seed=0)
+    assert "lazy_enemy" not in inspection.interventions
+    for name in ("lazy_enemy", "nothing"):
+        with pytest.raises(ValueError, match="intervention must be one of 'falling_ball'"):
+            inspection.intervene(name)
+    inspection.intervene("falling_ball")
+    inspection.open_fork()
+    inspection.intervene("shaky_ball")
+    inspection.step(250)
+    assert (inspection.ram() != inspection.main.core.ram()).any()
+    inspection.close_fork()
+    assert [*inspection.active.added] == ["falling_ball"]
+    inspection.open_fork()
+    inspection.intervene("falling_ball", on=False)
+    inspection.step(20)
+    ram = inspection.ram()
+    inspection.close_fork(keep=True)
+    assert inspection.active.added == {}
+    assert_array_equal(inspection.ram(), ram)
+    assert inspection.ram()[ENEMY_Y] == HELD_Y
+    for index in range(62):
+        inspection.freeze(index)
+    with pytest.raises(ValueError, match="at most 64 writes"):
+        inspection.intervene("perfect_enemy")
+    assert (len(inspection.frozen), inspection.active.added) == (62, {})
+    inspection.step(1)
+    assert inspection.ram()[ENEMY_Y] == inspection.frozen[ENEMY_Y]
 
 
 def test_at_most_64_bytes_are_held(inspection: Inspection) -> None:

@@ -176,6 +176,27 @@ def test_an_environment_plays_the_exported_interventions(inspection: Inspection,
     assert (env.core.ram()[LIVES], env.core.ram()[PADDLE]) == (3, 80)
 
 
+def test_interventions_that_are_switched_on_are_exported(tmp_path: Path) -> None:
+    inspection = new_inspection("pong")
+    inspection.step(60)
+    inspection.intervene("slow_enemy")
+    inspection.freeze(14, 3)
+    inspection.step(60)
+    inspection.intervene("slow_enemy", on=False)
+    inspection.intervene("lazy_enemy")
+    inspection.step(60)
+    path = export.write_replay(inspection, tmp_path / "a.a26r")
+    assert Replay.load(path).verify()
+    again = inspection_of_replay(path)
+    for frame in (180, 61, 121, 10, 150):
+        again.seek(frame)
+        assert_array_equal(again.ram(), ram_at(inspection, frame))
+    own = tmp_path / "own.toml"
+    own.write_text(export.interventions_toml(inspection))
+    assert {*load("pong", own)} == {"lazy_enemy", "frozen_score_player"}
+    assert load("pong", own)["lazy_enemy"] == load("pong")["lazy_enemy"]
+
+
 def test_a_clip(inspection: Inspection, tmp_path: Path) -> None:
     av = pytest.importorskip("av")
     play(inspection, 120)

@@ -7,7 +7,7 @@ import tomli_w
 
 from atari.base import durable
 from atari.env import AtariEnv
-from atari.lab.inspector.inspection import Inspection
+from atari.lab.inspector.inspection import Change, Inspection
 from atari.lab.inspector.timeline import Timeline
 from atari.recording import RecordReplay, VideoWriter
 
@@ -34,15 +34,17 @@ def labels_toml(inspection: Inspection) -> str:
 
 
 def interventions_toml(inspection: Inspection) -> str:
-    """The frozen bytes and the pokes, as a file of interventions.
+    """The interventions that are switched on, the frozen bytes and the pokes, as a file of interventions.
 
     Raises:
-        ValueError: there are neither.
+        ValueError: there are none of these.
     """
-    pokes = [change for change in inspection.changes if change.kind == "poke"]
-    if not inspection.frozen and not pokes:
-        raise ValueError("nothing is frozen and no byte was poked; there is no intervention to export")
-    tables: dict[str, Any] = {}
+    pokes = [change for change in inspection.changes if isinstance(change, Change) and change.kind == "poke"]
+    tables: dict[str, Any] = {name: inspection.interventions[name].definition() for name in inspection.active.added}
+    if not inspection.frozen and not pokes and not tables:
+        raise ValueError("nothing is frozen or switched on, and no byte was poked; there is no intervention to export")
+    for table in tables.values():
+        del table["name"]  # the file has it as the table's name
     for index, value in sorted(inspection.frozen.items()):
         name = _name(inspection, index)
         tables[f"frozen_{name}"] = {

@@ -11,10 +11,12 @@ import numpy as np
 from atari.base.json_text import escaped
 from atari.base.validation import check_action, check_integer, check_name
 from atari.cores import ByteArray, Core
+from atari.cores.writes import make_writes
 from atari.env import AtariEnv
 from atari.games.actions import Action, nearest_action
+from atari.games.interventions import load
 from atari.lab.inspector.readings import Readings, ahead, causes_of, changed_pixels
-from atari.lab.inspector.timeline import NEW_GAME, FrameInput, Timeline
+from atari.lab.inspector.timeline import NEW_GAME, Timeline
 from atari.lab.search import Search
 
 _log = logging.getLogger(__name__)
@@ -58,6 +60,16 @@ class Change:
     kind: str
     game_frame: int = 0
     """Frames since the game began."""
+
+
+@dataclass
+class Switch:
+    """An intervention that the user has switched on or off."""
+
+    frame: int
+    name: str
+    on: bool
+    kind: str = "intervention"
 
 
 class _ActiveCore:
@@ -111,7 +123,11 @@ class Inspection:
         self.selected: int | None = None
         self.names: dict[int, str] = {}
         """Names that the user has given to bytes."""
-        self.changes: list[Change] = []
+        own = {one.name for one in atari.interventions}
+        known = {} if atari.game.file else load(atari.game)
+        self.interventions = {name: one for name, one in known.items() if name not in own}
+        """The interventions that can be switched on: those of the package for the game which the task does not have."""
+        self.changes: list[Change | Switch] = []
         """The changes that can be undone."""
         self.new_search()
         self.readings = Readings(self.game)
@@ -218,7 +234,7 @@ class Inspection:
     def new_game(self) -> None:
         """Begin a new game."""
         for timeline in self._timelines():
-            timeline.play(FrameInput(NEW_GAME, held=tuple(timeline.frozen.items())))
+            timeline.play_new(NEW_GAME)
         self._moved()
 
     def set_speed(self, speed: float) -> None:
@@ -295,11 +311,31 @@ class Inspection:
             self.changes.append(Change(self.at, index, timeline.frozen[index], None, "freeze"))
             timeline.freeze({other: held for other, held in timeline.frozen.items() if other != index})
 
+    def intervene(self, name: str, on: bool = True) -> None:
+        """Switch one of `interventions` on or off, from the present frame on.
+
+        Raises:
+            ValueError: the game has no such intervention, or the core has no room for its writes.
+        """
+        check_name("intervention", name, self.interventions)
+        if on != (name in self.active.added):
+            self._switch(name, on)
+            self.changes.append(Switch(self.active.at, name, on))
+
+    def _switch(self, name: str, on: bool) -> None:
+        added = {other: writes for other, writes in self.active.added.items() if other != name}
+        if on:
+            added[name] = tuple(make_writes(self.game, [self.interventions[name]]))
+        self.active.intervene(added)
+
     def undo(self) -> None:
         """Undo the last change: a poke is taken back, or its old value is written if frames were played since."""
         if not self.changes:
             raise ValueError("there is no change of RAM to undo")
         change, timeline = self.changes.pop(), self.active
+        if isinstance(change, Switch):
+            self._switch(change.name, not change.on)
+            return
         if change.kind == "freeze":
             held = {**timeline.frozen, change.index: change.old}
             timeline.freeze({index: value for index, value in held.items() if value is not None})
@@ -330,7 +366,7 @@ class Inspection:
             self.names[index] = name
 
     def copied_env(self) -> AtariEnv:
-        """A copy of the environment, without the bytes that the inspection holds; a `FrameInput` has its held bytes."""
+        """A copy of the environment, without the held bytes and added interventions, which each `FrameInput` has."""
         env = copy.deepcopy(self.env)
         if hasattr(env.core, "writes"):
             env.core.writes = self.main.own_slots
@@ -346,6 +382,7 @@ class Inspection:
         twin.core.restore_state(self.main.core.clone_state(include_rng=True))
         self.main.cut()
         self.fork = Timeline(twin.core, self.main.at, self.main.score)
+        self.fork.intervene(self.main.added)
         self.fork.freeze(self.main.frozen)
         self._changes_of_main = len(self.changes)
 
@@ -359,6 +396,7 @@ class Inspection:
             self.main.cut()
             for frame in fork.frames(fork.first, fork.at):
                 self.main.play(frame)
+            self.main.intervene(fork.added)
             self.main.freeze(fork.frozen)
             for index, value in fork.pending.items():
                 self.main.write(index, value)
@@ -460,7 +498,7 @@ class Inspection:
             return
         action = self._ask_agent(self.agent) if self.by_agent and self.agent is not None else int(self.action)
         for timeline in self._timelines():
-            timeline.play(FrameInput(action, held=tuple(timeline.frozen.items())))
+            timeline.play_new(action)
 
     def _ask_agent(self, agent: Agent) -> int:
         try:

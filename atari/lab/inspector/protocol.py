@@ -53,6 +53,8 @@ def hello(inspection: Inspection) -> dict[str, Any]:
             "palette": base64.b64encode(_emulator.palette(game.screen.format).tobytes()).decode(),
             "labels": inspection.readings.names,
             "facts": inspection.readings.facts(),
+            "interventions": {name: one.description for name, one in inspection.interventions.items()},
+            "task_interventions": {one.name: one.description for one in inspection.env.interventions},
             "speeds": SPEEDS,
             "history": HISTORY,
             "agent": None if inspection.agent is None else inspection.agent.name,
@@ -67,6 +69,7 @@ def state(inspection: Inspection) -> dict[str, Any]:
         "state": {
             "speed": inspection.speed,
             "frozen": inspection.frozen,
+            "interventions": [*inspection.active.added],
             "watched": inspection.watched,
             "selected": inspection.selected,
             "names": inspection.names,
@@ -133,8 +136,8 @@ _COMMANDS: dict[str, Callable[..., Any]] = {
     **{
         name: getattr(Inspection, name)
         for name in (
-            "play pause step seek take_over new_game hold poke freeze release undo name close_fork select watch "
-            "new_search filter undo_filter"
+            "play pause step seek take_over new_game hold poke freeze release intervene undo name close_fork select "
+            "watch new_search filter undo_filter"
         ).split()
     },
     "speed": Inspection.set_speed,

@@ -5,6 +5,7 @@ gives the same bytes.
 """
 
 from collections.abc import Mapping
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -57,10 +58,13 @@ class Timeline:
         """Bytes that were written since the newest frame."""
         self.frozen: dict[int, int] = {}
         """Bytes that new frames hold."""
+        self.added: dict[str, tuple[Any, ...]] = {}
+        """The interventions of new frames beside those of the core: their writes by name."""
         self._holds: dict[tuple[int, int], Freeze] = {}
         self.own_slots = tuple(getattr(core, "writes", ()))
         """The writes of the core by slot, without the writes that hold frozen bytes; None where one has ended."""
         self._slots: tuple[Any, ...] | None = None
+        self._new_slots: tuple[Any, ...] | None = None
         self._frames: list[FrameInput] = []
         self._states = [core.clone_state(include_rng=True)]
         self._ram: ByteArray = np.zeros((4096, 128), np.uint8)
@@ -80,6 +84,10 @@ class Timeline:
     def frames(self, start: int, stop: int) -> list[FrameInput]:
         """The inputs of the frames after `start`, up to `stop`."""
         return self._frames[start - self.first : stop - self.first]
+
+    def play_new(self, action: int) -> None:
+        """Play a frame with the frozen bytes and the interventions of this timeline."""
+        self.play(FrameInput(action, held=tuple(self.frozen.items()), slots=self._new_slots))
 
     def play(self, frame: FrameInput) -> None:
         """Play a frame; the recorded frames after the present one are dropped."""
@@ -147,6 +155,24 @@ class Timeline:
         self._hold(values)
         self.frozen = dict(values)
 
+    def intervene(self, added: Mapping[str, tuple[Any, ...]]) -> None:
+        """Play new frames with these interventions, and no others. Recorded frames after the present one are dropped.
+
+        Raises:
+            ValueError: the core has no room for their writes; then only these frames are dropped.
+        """
+        self.cut()
+        before = self._slots
+        slots = (*self.own_slots, *chain.from_iterable(added.values())) if added else None
+        try:
+            self._apply(slots)
+            self._hold(self.frozen)
+        except (RuntimeError, ValueError):
+            self._apply(before)
+            self._hold(self.frozen)
+            raise
+        self.added, self._new_slots = dict(added), slots
+
     def forget_write(self, index: int) -> None:
         """Undo the writes of a byte since the newest frame."""
         self.pending.pop(index, None)
@@ -164,10 +190,7 @@ class Timeline:
 
     def _make(self, frame: FrameInput) -> None:
         core: Any = self.core
-        if frame.slots is not self._slots:
-            self._hold({})
-            core.writes = self.own_slots if frame.slots is None else frame.slots
-            self._slots = frame.slots
+        self._apply(frame.slots)
         if frame.state is not None:
             core.restore_state(frame.state)
         self._write(dict(frame.before))
@@ -181,6 +204,14 @@ class Timeline:
             self.score += core.act(frame.action, frame.strength)
         self.at += 1
         self._keep()
+
+    def _apply(self, slots: tuple[Any, ...] | None) -> None:
+        """Give the core these writes, see `FrameInput.slots`; if they are others, no byte is held after that."""
+        if slots is not self._slots:
+            self._hold({})
+            core: Any = self.core
+            core.writes = self.own_slots if slots is None else slots
+            self._slots = slots
 
     def _hold(self, values: Mapping[int, int]) -> None:
         """Hold these bytes and no others. The others are released first, because a core has room for 64 writes."""

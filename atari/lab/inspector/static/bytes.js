@@ -1,4 +1,4 @@
-// The 128 bytes as a grid, and the panel of the chosen byte.
+// The 128 bytes as a grid, the list of their names, and the panel of the chosen byte.
 
 import { button, h, hex, setText } from "./dom.js";
 import { drawHistory } from "./screen.js";
@@ -34,9 +34,7 @@ export class Grid {
   }
 
   #cell(index) {
-    const value = h("b");
-    const name = h("i");
-    const cell = h("button", { type: "button", class: "cell", role: "gridcell", tabIndex: index ? -1 : 0 }, value, name);
+    const cell = h("button", { type: "button", class: "cell", role: "gridcell", tabIndex: index ? -1 : 0 }, h("b"));
     cell.addEventListener("pointerenter", () => this.#showTip(index));
     cell.onclick = () => {
       this.select(index, true);
@@ -50,7 +48,7 @@ export class Grid {
     return `byte ${index}, address $${hex(128 + index)}${names.length ? `: ${names.join(", ")}` : ""}`;
   }
 
-  // A cell cuts a long name short. Its tip has all names in full, at the pointer and at the focus.
+  // A cell has no room for names. Its tip has them, at the pointer and at the focus.
   #showTip(index) {
     const { tip, element } = this;
     const cell = this.cells[index];
@@ -73,10 +71,8 @@ export class Grid {
 
   name() {
     this.cells.forEach((cell, index) => {
-      const names = this.names(index);
-      setText(cell.lastChild, names[0] ?? "");
       cell.setAttribute("aria-label", this.#text(index));
-      cell.classList.toggle("named", names.length > 0);
+      cell.classList.toggle("named", this.names(index).length > 0);
     });
   }
 
@@ -128,6 +124,32 @@ export class Grid {
         levels[index] = level;
       }
     }
+  }
+}
+
+// All names with their values: those of objects first, then series such as block_bits_0 to block_bits_35.
+export class NameList {
+  constructor(names, choose) {
+    Object.assign(this, { names, choose });
+    this.element = h("ul", { class: "names", "aria-label": "Names of bytes", tabIndex: 0 });
+    this.name();
+  }
+
+  name() {
+    const known = Array.from({ length: 128 }, (_, index) => this.names(index).map((name) => ({ name, index }))).flat();
+    const series = ({ name }) => name.replace(/\d+$/, "");
+    const sizes = new Map();
+    for (const one of known) sizes.set(series(one), (sizes.get(series(one)) ?? 0) + 1);
+    known.sort((one, other) => (sizes.get(series(one)) > 4) - (sizes.get(series(other)) > 4) || one.index - other.index);
+    this.rows = known.map(({ name, index }) => ({ name, index, value: h("output") }));
+    this.element.hidden = !known.length;
+    this.element.replaceChildren(...this.rows.map(({ name, index, value }) => h("li", {},
+      button(name, `byte ${index}, address $${hex(128 + index)}`, () => this.choose(index), { class: "link" }), value)));
+  }
+
+  // The value of a label, "-" where its object is not on the screen; or the byte of a name without a value of its own.
+  draw(ram, labels) {
+    for (const { name, index, value } of this.rows) setText(value, `${(name in labels ? labels[name] : ram[index]) ?? "-"}`);
   }
 }
 

@@ -1,14 +1,17 @@
 // The inspector: shows the frames of a session, and sends it commands. page.js and widget.js mount it.
 
-import { BytePanel, Grid } from "./bytes.js";
+import { BytePanel, Grid, NameList } from "./bytes.js";
 import { button, h, setText } from "./dom.js";
-import { ChangesPanel, ExportPanel, helpDialog, SearchPanel, Tabs, WatchPanel } from "./panels.js";
+import { ChangesPanel, ExportPanel, helpDialog, InterventionPanel, SearchPanel, Tabs, WatchPanel } from "./panels.js";
 import { bytesOf, paletteOf, parse, Screen } from "./screen.js";
 import { TouchStick } from "./touch.js";
 
 const MOST_QUEUED = 3; // frames that came while the page drew none; older ones are left out
 const LIT_MILLISECONDS = 100; // until the pixels that light up are computed again
 const NOTICE_MILLISECONDS = 6000;
+const GAP = 12; // pixels between the screens of a fork
+const WIDEST = 658; // pixels of a stage beside the RAM
+const NEARLY = 0.8;
 
 export function mount(root, link, hello, { keys }) {
   return new Inspector(root, link, hello, keys);
@@ -19,7 +22,7 @@ class Inspector {
     Object.assign(this, { root, hello, keys, queue: [], held: new Set(), objects: [], values: {}, mark: null });
     Object.assign(this, { showObjects: false, drawn: 0, callbacks: 0, zoomChoice: 0 }); // as large as fits
     this.send = (message) => link.send(message);
-    this.state = { names: {}, frozen: {}, watched: [], changes: [], selected: null };
+    this.state = { names: {}, frozen: {}, watched: [], changes: [], interventions: [], selected: null };
     this.names = (index) => [this.state.names[index], ...(hello.labels[index] ?? [])].filter(Boolean);
     this.#build(link);
     this.stop = new AbortController();
@@ -118,10 +121,12 @@ class Inspector {
 
     const choose = (index) => this.#choose(index);
     this.grid = new Grid(this.names, choose);
+    this.list = new NameList(this.names, choose);
     this.byte = new BytePanel(send, this.names, hello.facts);
     this.byte.dark = () => this.#light(null);
     this.search = new SearchPanel(send, this.names, choose);
     this.watch = new WatchPanel(send, this.names, choose);
+    this.interventions = new InterventionPanel(send, hello.interventions, hello.task_interventions);
     this.changes = new ChangesPanel(send, this.names);
     this.exports = new ExportPanel(link, (text, wrong) => this.notify(text, wrong));
     this.tabs = new Tabs([["Search", this.search], ["Changes", this.changes], ["Export", this.exports]]);
@@ -134,7 +139,8 @@ class Inspector {
     this.root.replaceChildren(header,
       h("div", { class: "columns" },
         h("div", { class: "column" }, this.playCard, this.byte.element),
-        h("div", { class: "column" }, h("section", { class: "card ram", "aria-label": "RAM" }, this.grid.element), this.tabs.element, this.watch.element)),
+        h("div", { class: "column" }, h("section", { class: "card ram", "aria-label": "RAM" }, this.grid.element, this.list.element), this.tabs.element,
+          this.interventions.element, this.watch.element)),
       this.help, this.toast);
     this.#readColours();
   }
@@ -142,15 +148,15 @@ class Inspector {
   #setState(state) {
     const named = JSON.stringify(state.names) !== JSON.stringify(this.state.names);
     this.state = state;
-    if (named) this.grid.name();
+    if (named) for (const each of [this.grid, this.list]) each.name();
     if (this.speed.value !== String(state.speed)) this.speed.value = state.speed;
     if (state.selected != null && this.byte.index == null) { // chosen in the tab before; later the page knows it first
       this.grid.select(state.selected, false);
       this.byte.select(state.selected);
     }
-    for (const panel of [this.byte, this.watch, this.changes]) panel.state(state);
+    for (const panel of [this.byte, this.interventions, this.watch, this.changes]) panel.state(state);
     this.search.state(state.search);
-    this.tabs.count(1, Object.keys(state.frozen).length);
+    this.tabs.count(1, Object.keys(state.frozen).length + state.interventions.length);
     this.#marks();
   }
 
@@ -213,10 +219,17 @@ class Inspector {
     this.#resize();
   }
 
+  // One screen is enlarged by the whole number that fits. The screens of a fork are as large: beside each other where there
+  // is nearly the room for that, otherwise one below the other.
   #resize() {
-    const screens = this.forkFigure.hidden ? 1 : 2;
-    const room = (this.stage.clientWidth - 12 * (screens - 1)) / screens;
-    const times = this.zoomChoice || Math.max(1, Math.min(Math.floor(room / 320), Math.floor((window.innerHeight - 210) / this.hello.height)));
+    const forked = !this.forkFigure.hidden;
+    const width = this.stage.clientWidth;
+    const room = forked ? Math.min(width, WIDEST) : width;
+    const one = this.zoomChoice || Math.max(1, Math.min(Math.floor(room / 320), Math.floor((window.innerHeight - 210) / this.hello.height)));
+    const beside = (width - GAP) / 640;
+    const stacked = forked && beside < (this.zoomChoice ? one : NEARLY * one);
+    const times = forked && !stacked ? Math.min(one, beside) : one;
+    this.playCard.classList.toggle("stacked", stacked);
     if (times === this.times && window.devicePixelRatio === this.ratio) return;
     Object.assign(this, { times, ratio: window.devicePixelRatio });
     this.main.zoom(times);
@@ -245,6 +258,7 @@ class Inspector {
       if (frame.fork) this.fork.draw(frame.fork.screen);
       const index = this.byte.index;
       this.byte.draw(ram, frame.histories.get(index), this.hello.history, this.colours, this.values);
+      this.list.draw(ram, this.values);
       this.search.draw(ram);
       this.watch.draw(ram, frame.histories, this.hello.history, this.colours);
       this.#texts(frame, before);
@@ -317,9 +331,9 @@ class Inspector {
     this.#focusGame();
   }
 
-  // A list or a slider that was set by the pointer gives the focus back.
+  // A list, a slider or a box that was set by the pointer gives the focus back.
   #changed({ target }) {
-    if (this.byPointer && target.matches("select, input[type=range]")) this.#focusGame();
+    if (this.byPointer && target.matches("select, input:is([type=range], [type=checkbox])")) this.#focusGame();
   }
 
   #stick() {
@@ -346,7 +360,7 @@ class Inspector {
   #keyDown(event) {
     const { target } = event;
     if (event.ctrlKey || event.metaKey || event.altKey || this.help.open) return;
-    const typing = target.matches?.("input:not([type=range]), textarea, select");
+    const typing = target.matches?.("input:not([type=range], [type=checkbox]), textarea, select");
     const control = target.matches?.("button, input, select");
     if (event.key === "Escape" && control) this.#focusGame();
     if (typing) return;
@@ -366,7 +380,7 @@ class Inspector {
       m: () => send({ do: "agent", on: !this.shown?.byAgent }), g: () => this.grid.cells[this.grid.current].focus(),
       e: () => this.byte.input.select(), x: () => this.byte.toggleFreeze(), k: () => this.byte.toggleWatch(), l: () => this.byte.toggleLight(),
       "/": () => { this.tabs.show(0); this.search.number.select(); }, "?": () => this.help.showModal(),
-      "+": () => this.#setZoom(this.times + 1), "=": () => this.#setZoom(this.times + 1), "-": () => this.#setZoom(Math.max(1, this.times - 1)),
+      "+": () => this.#setZoom(Math.floor(this.times) + 1), "=": () => this.#setZoom(Math.floor(this.times) + 1), "-": () => this.#setZoom(Math.max(1, Math.ceil(this.times) - 1)),
     };
     if (key in commands && (!event.repeat || ",.[]".includes(key))) {
       event.preventDefault();

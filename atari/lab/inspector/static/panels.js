@@ -1,4 +1,4 @@
-// The panels below: search, watch list, changes, export.
+// The panels below: search, interventions, watch list, changes, export.
 
 import { button, h, hex, setText } from "./dom.js";
 import { drawHistory } from "./screen.js";
@@ -92,6 +92,25 @@ export class SearchPanel {
   }
 }
 
+// The changes of the game that the package has. Those of the task stay on.
+export class InterventionPanel {
+  constructor(send, known, ofTask) {
+    const row = (name, about, properties) => {
+      const box = h("input", { type: "checkbox", ...properties });
+      box.onchange = () => send({ do: "intervene", name, on: box.checked });
+      return { name, box, element: h("label", {}, box, h("span", {}, h("b", {}, name), h("span", { class: "dim" }, ` ${about}`))) };
+    };
+    const fixed = Object.entries(ofTask).map(([name, about]) => row(name, about, { checked: true, disabled: true }));
+    this.rows = Object.entries(known).map(([name, about]) => row(name, about, {}));
+    this.element = h("section", { class: "card interventions", "aria-label": "Interventions", hidden: !fixed.length && !this.rows.length },
+      h("h2", {}, "Interventions"), h("div", { class: "scroll" }, ...[...fixed, ...this.rows].map(({ element }) => element)));
+  }
+
+  state({ interventions }) {
+    for (const { name, box } of this.rows) box.checked = interventions.includes(name);
+  }
+}
+
 export class WatchPanel {
   constructor(send, names, choose) {
     Object.assign(this, { send, names, choose });
@@ -144,10 +163,12 @@ export class ChangesPanel {
     this.undo.disabled = !changes.length;
     this.frozen.replaceChildren(...Object.entries(frozen).map(([index, value]) =>
       button(`${name(Number(index))} = ${value} ❄ ×`, "release", () => this.send({ do: "release", index: Number(index) }))));
-    const say = { poke: (c) => `${c.old} → ${c.new}`, freeze: (c) => (c.new == null ? "released" : `frozen at ${c.new}`) };
+    const say = {
+      poke: (c) => `${c.old} → ${c.new}`, freeze: (c) => (c.new == null ? "released" : `frozen at ${c.new}`), intervention: (c) => (c.on ? "on" : "off"),
+    };
     this.list.replaceChildren(...changes.slice().reverse().map((change) => h("li", {},
-      h("span", { class: "dim" }, `frame ${change.frame}`), ` ${name(change.index)} `, h("b", {}, say[change.kind](change)))));
-    if (!changes.length) this.list.append(h("li", { class: "status" }, "No byte was changed yet."));
+      h("span", { class: "dim" }, `frame ${change.frame}`), ` ${change.name ?? name(change.index)} `, h("b", {}, say[change.kind](change)))));
+    if (!changes.length) this.list.append(h("li", { class: "status" }, "Nothing was changed yet."));
   }
 }
 
@@ -171,7 +192,7 @@ export class ExportPanel {
     const file = (text, name, title) => button(text, title, () => fetchFile(name), { "data-export": name });
     this.element = link.exportUrl ? h("div", { class: "exports" },
       h("div", { class: "line" }, file("Labels", "labels.toml", "the names that you gave, for a game definition"), h("span", { class: "dim" }, "your names, TOML")),
-      h("div", { class: "line" }, file("Interventions", "interventions.toml", "what you froze and poked"), h("span", { class: "dim" }, "what you froze and poked, TOML")),
+      h("div", { class: "line" }, file("Interventions", "interventions.toml", "what you froze, poked and switched on"), h("span", { class: "dim" }, "what you froze, poked and switched on, TOML")),
       h("div", { class: "line" }, file("Replay", "replay.a26r", "what was played up to here"), h("span", { class: "dim" }, "all that was played up to here, .a26r")),
       h("div", { class: "line" }, button("Clip", "a video with sound", clip, { "data-export": "clip.mp4" }), "the last", seconds, h("span", { class: "dim" }, "seconds, MP4")))
       : h("p", { class: "status" }, "In a notebook: shown = show(env), then shown.export(folder).");
