@@ -24,14 +24,29 @@ check_compiler() {
   fail "A C++20 compiler is missing; install one (tried: GCC 12, Clang 14; Debian: apt install g++)."
 }
 
-# Writes pip's output to build/wheel.log, and shows the lines of progress: "[12/40] Building CXX object ...".
+# Shows the lines of progress, "[12/40] Building atari/emulator/...", so that they fit in 80 columns. The module is linked when
+# two steps are left; the compiler then optimises all files at once, and prints nothing until it is done.
+show_progress() {
+  local line
+  while IFS= read -r line; do
+    case $line in *" Building CXX object "*) line="${line%% CXX object *} ${line##*.dir/}"; line=${line/__\/__\/__\//} ;; esac
+    line=${line%.o}
+    echo "${line%.cpython-*}"
+    if [[ $line =~ \[\ *([0-9]+)/([0-9]+)\] ]] && [ $((BASH_REMATCH[2] - BASH_REMATCH[1])) = 2 ]; then
+      echo "  Linking, with optimisation over all files: about a minute without a line"
+    fi
+  done
+}
+
+# Writes pip's output to build/wheel.log, and shows its lines of progress.
 build_wheel() {
   rm -rf build/dist
   BUILD=build/wheel/$("$VENV/bin/python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
   mkdir -p "$BUILD"
   SKBUILD_BUILD_DIR=$BUILD SKBUILD_BUILD_TARGETS="all${TARGETS:+;$TARGETS}" \
     "$VENV/bin/python" -m pip wheel --verbose --no-deps --wheel-dir build/dist . 2>&1 | tee build/wheel.log |
-    { grep --line-buffered -oE '^ *\[ *[0-9]+(%|/[0-9]+)\].*|Installing build dependencies: started' || true; }
+    { grep --line-buffered -oE '^ *\[ *[0-9]+(%|/[0-9]+)\].*|Installing build dependencies: started' || true; } |
+    show_progress
 }
 
 make_venv() {

@@ -91,3 +91,25 @@ def test_a_build_that_fails_says_what_to_install(tmp_path: Path) -> None:
     assert done.returncode == 1
     assert "or set CXX." in done.stdout.splitlines()[-1]
     assert "takes a C++20 compiler" in done.stdout
+
+
+def test_the_progress_of_a_build_fits_in_a_terminal() -> None:
+    lines = (
+        "Installing build dependencies: started",
+        "  [12/83] Building CXX object CMakeFiles/emulator.dir/atari/emulator/observations/observation_stack.cpp.o",
+        "  [81/83] Building CXX object CMakeFiles/_emulator.dir/atari/emulator/python/binding.cpp.o",
+        "  [82/83] Linking CXX shared module _emulator.cpython-311-x86_64-linux-gnu.so",
+        "  [83/83] Generating _emulator.pyi",
+    )
+    command = f"set -euo pipefail; source {SCRIPTS / 'setup.sh'}; show_progress"
+    done = subprocess.run(
+        ["bash", "-c", command], input="\n".join(lines) + "\n", capture_output=True, text=True, check=True
+    )
+    assert done.stdout.splitlines() == [
+        lines[0],
+        "  [12/83] Building atari/emulator/observations/observation_stack.cpp",
+        "  [81/83] Building atari/emulator/python/binding.cpp",
+        "  Linking, with optimisation over all files: about a minute without a line",
+        "  [82/83] Linking CXX shared module _emulator",
+        "  [83/83] Generating _emulator.pyi",
+    ]

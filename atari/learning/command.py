@@ -187,9 +187,7 @@ class Lines:
         self._shown = now
         speed = (step - self._first) / (now - self._start)
         left = timedelta(seconds=round(max(0, self._total - step) / speed)) if speed else "unknown time"
-        print(
-            f"step {step:,} of {self._total:,}, {text}, {speed:,.0f} steps/s, {left} left", file=sys.stderr, flush=True
-        )
+        print(f"{step:,} of {self._total:,} steps, {text}, {speed:,.0f}/s, {left} left", file=sys.stderr, flush=True)
 
 
 def _parser(agent: type[Agent], prog: str, output: argparse.ArgumentParser | None) -> argparse.ArgumentParser:

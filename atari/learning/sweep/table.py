@@ -38,7 +38,7 @@ class Table:
             self._next = time.monotonic() + _SECONDS
             lines = self._lines(runs)
             self._stream.write(f"\x1b[{self._drawn}F\x1b[J" if self._drawn else "")
-            self._stream.write("".join(f"{line[: self._width]}\n" for line in lines))
+            self._stream.write("".join(f"{_within(line, self._width)}\n" for line in lines))
             self._stream.flush()
             self._drawn = len(lines)
 
@@ -50,6 +50,11 @@ class Table:
         states = [one.state for one in runs]
         counts = ", ".join(f"{states.count(state)} {state}" for state in dict.fromkeys(states))
         return [*lines, f"{len(runs)} runs: {counts}"]
+
+
+def _within(line: str, width: int) -> str:
+    """The line; if it is wider than the terminal, the whole words that fit."""
+    return line if len(line) <= width else f"{line[: width - 1].rpartition(' ')[0].rstrip()} …"
 
 
 HEAD = ("run", "state", "steps", "of", "score")

@@ -175,3 +175,6 @@ def test_a_table_in_a_terminal_changes_in_place() -> None:
     Table(small, 40, 4).show(runs)  # there is room for one run, the one at work
     assert [line.split()[0] for line in small.getvalue().splitlines()] == ["run", "breakout-seed0", "2"]
     assert max(map(len, small.getvalue().splitlines())) < 40
+    wide = Terminal()
+    Table(wide, 62, 9).show(runs)
+    assert wide.getvalue().splitlines()[1] == "pong-seed0      done: long long long long long long long …"
