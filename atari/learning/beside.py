@@ -2,7 +2,6 @@
 
 import base64
 import html
-import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -14,7 +13,7 @@ from atari.learning.evaluation.evaluate import record_games
 from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.evaluation.results import GameResult, estimates_of, score_rows
-from atari.learning.pages import write_page
+from atari.learning.pages import drawing, write_page
 from atari.recording import Replay
 
 _MOST_FRAMES = 7200
@@ -85,12 +84,11 @@ def _part(game: str, named: Mapping[str, GameResult], videos: list[str]) -> str:
 
     head, *rows = (tuple(html.escape(str(cell)) for cell in row) for row in score_rows("", named))
     lines = [f"<tr>{''.join(f'<th>{cell}' for cell in head)}", *(f"<tr>{_cells(row)}" for row in rows)]
-    text = io.StringIO()
-    score_figure(estimates_of({game: named})).savefig(text, format="svg")
+    plot = drawing(score_figure(estimates_of({game: named})), "mean scores with intervals")
     shown = "".join(videos)
     median = f"<h3>The game with the median score</h3>\n<div class=beside>{shown}</div>" if shown else ""
     table = f"<div class=wide><table>{''.join(lines)}</table></div>"
-    return f"<h2>{html.escape(game)}</h2>\n{table}\n<svg{text.getvalue().partition('<svg')[2]}\n{median}"
+    return f"<h2>{html.escape(game)}</h2>\n{table}\n{plot}\n{median}"
 
 
 def _listed(sentences: Sequence[str]) -> str:

@@ -1,5 +1,6 @@
 """Pages about trainings and policies, HTML that needs no server, and their learning curves."""
 
+import html
 import io
 import math
 from collections.abc import Mapping, Sequence
@@ -46,12 +47,23 @@ def learning_curves(game: str, logs: Sequence[tuple[str, str, Sequence[Mapping[s
     draw_levels(axes, game)
     axes.set_xlabel("million frames")
     axes.set_ylabel("score of whole games")
-    axes.legend(fontsize="small")
-    text = io.StringIO()
-    figure.savefig(text, format="svg")
+    axes.legend(fontsize="small", framealpha=0)
     about = f"Mean score of the last {WINDOW} whole games, all lives, not clipped."
     others = " Published curves are of other protocols, with the same number of frames." if published else ""
-    return f"<p>{about}{others}</p>\n<svg" + text.getvalue().partition("<svg")[2]
+    return f"<p>{about}{others}</p>\n{drawing(figure, 'learning curves')}"
+
+
+def drawing(figure: Any, label: str) -> str:
+    """A figure of Matplotlib as an element of a page, SVG: black becomes the page's color of text, on its ground.
+
+    Args:
+        figure: the figure; its legends have no ground of their own.
+        label: what it shows, for screen readers.
+    """
+    text = io.StringIO()
+    figure.savefig(text, format="svg", transparent=True)
+    content = text.getvalue().partition("<svg")[2].replace("#000000", "currentColor")
+    return f'<svg role="img" aria-label="{html.escape(label)}"{content}'
 
 
 def draw_published(axes: Any, game: str, most: float) -> int:
@@ -94,7 +106,7 @@ _STYLE = """
   dl { display: flex; flex-wrap: wrap; gap: 0.5rem 2rem; margin: 1rem 0; }
   dt { font-size: 0.8rem; opacity: 0.7; }
   dd { margin: 0; font-size: 1.4rem; font-variant-numeric: tabular-nums; }
-  svg { width: 100%; height: auto; background: white; border-radius: 6px; }
+  svg { width: 100%; height: auto; fill: currentColor; }
   video { width: 100%; max-width: 480px; display: block; image-rendering: pixelated; background: black; }
   pre { overflow-x: auto; padding: 0.75rem; border: 1px solid var(--line); font-size: 0.85rem; }
   details { margin: 0.5rem 0; }

@@ -351,7 +351,11 @@ def test_a_line_a_minute_without_a_terminal(capsys: pytest.CaptureFixture[str]) 
     lines = Lines(100, 1100, seconds=0)
     lines._start -= 10
     lines.show(600, "score 1.0")
-    assert capsys.readouterr().err == "step 600 of 1,100, score 1.0, 50 steps/s, 0:00:10 left\n"
+    assert capsys.readouterr().err == "600 of 1,100 steps, score 1.0, 50/s, 0:00:10 left\n"
+    lines = Lines(0, 200_000_000, seconds=0)
+    lines._start -= 6000
+    lines.show(100_000_000, "no whole game yet")
+    assert len(capsys.readouterr().err) <= 80
     Lines(0, 10).show(5, "")
     assert not capsys.readouterr().err
 
@@ -417,6 +421,8 @@ def test_curves_say_what_is_drawn() -> None:
     assert drawn() == drawn(float("nan"))
     short, long = drawn(float("nan"), 3.0), drawn(1.0, 3.0, frames=20e6)
     assert short.startswith("<p>Mean score of the last 100 whole games, all lives, not clipped.</p>\n<svg")
+    assert "currentColor" in short  # it follows the page, light or dark, without a white ground
+    assert not {"#000000", "#ffffff", "white"} & {*re.findall(r"#\w{6}|\bwhite\b", short)}
     assert "Published curves" not in short
     assert "Published curves are of other protocols" in long
 

@@ -17,12 +17,17 @@ _SUMMARIES = {"median": "median", "iqm": "interquartile mean", "mean": "mean"}
 
 
 def plot(comparison: Any, file: Path) -> None:
-    """Draw the summaries of a `Comparison` with their intervals of 95 %, and the performance profile of each agent.
+    """Draw the figure of `comparison_figure` into a file.
 
     Raises:
         ValueError: the file's ending names no format that Matplotlib knows.
         OSError: the file cannot be written.
     """
+    _save(comparison_figure(comparison), file)
+
+
+def comparison_figure(comparison: Any) -> Any:
+    """The summaries of a `Comparison` with their intervals of 95 %, and the performance profile of each agent."""
     figure = Figure(figsize=(11, 3.2 + 0.3 * len(comparison.rows)), layout="constrained")
     axes = figure.subplots(1, 4, width_ratios=(1, 1, 1, 2.2))
     for axis, (name, title) in zip(axes, _SUMMARIES.items(), strict=False):
@@ -34,7 +39,7 @@ def plot(comparison: Any, file: Path) -> None:
     if comparison.mixed:
         title = f"MIXED PROTOCOLS OR BUDGETS, not a fair comparison. {title}"
     figure.suptitle(title, fontsize=11, color="firebrick" if comparison.mixed else "black")
-    _save(figure, file)
+    return figure
 
 
 def plot_scores(games: Mapping[str, Mapping[str, Estimate]], file: Path) -> None:
@@ -96,4 +101,4 @@ def _draw_profiles(axis: Any, comparison: Any) -> None:
     axis.set_ylabel("fraction of runs above it")
     axis.set_ylim(-0.02, 1.02)
     axis.grid(alpha=0.3)
-    axis.legend(fontsize=8)
+    axis.legend(fontsize=8, framealpha=0)

@@ -14,7 +14,7 @@ from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result
 from atari.learning.evaluation.statistics import mean_estimate
-from atari.learning.pages import learning_curves, write_page
+from atari.learning.pages import drawing, learning_curves, write_page
 from atari.learning.run_folder import RunFolder
 from atari.learning.sweep.plan import TrainingRun
 from atari.learning.sweep.processes import Settings
@@ -104,10 +104,12 @@ def write_report(
     games: dict[str, list[TrainingRun]] = {}
     for run in runs:
         games.setdefault(run.options.task.game, []).append(run)
-    drawing = ""
+    plot = ""
     if comparison is not None:
+        from atari.learning.evaluation.plot import comparison_figure  # here, because it imports Matplotlib
+
         comparison.plot(folder / "comparison.svg")
-        drawing = '<img src="comparison.svg" alt="normalised scores with intervals">'
+        plot = drawing(comparison_figure(comparison), "normalised scores with intervals")
     seeds = ",".join(str(seed) for seed in sorted({run.options.seed for run in runs}))
     numbers = ["--games", settings.games, "--protocol", settings.protocol.name, "--episodes", settings.episodes]
     grid = [word for name, values in _grid_of(runs).items() for word in ("--grid", f"{name}={','.join(values)}")]
@@ -122,7 +124,7 @@ def write_report(
         table=_table(runs, results),
         protocol=html.escape(str(settings.protocol)),
         comparison=html.escape("no game has a score of a human" if comparison is None else str(comparison)),
-        drawing=drawing,
+        drawing=plot,
     )
 
 
