@@ -3,11 +3,12 @@
 import json
 from abc import ABC, abstractmethod
 from collections import deque
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar
 
 from atari.base import durable
-from atari.base.validation import check_file
+from atari.base.validation import check_file, check_name
 from atari.cores import ByteArray, snapshot
 from atari.games.actions import Action
 from atari.games.game import Game
@@ -83,6 +84,19 @@ class BaseSession(ABC):
         if len(self.scores) == 1:
             return f"{self.game.title}   {self.scores[0]:,}"
         return "   ".join([self.game.title, *(f"player {i}: {score:,}" for i, score in enumerate(self.scores, 1))])
+
+    @property
+    def interventions(self) -> Mapping[str, bool]:
+        """The interventions that a key switches, by name, and whether each is on; none for several players."""
+        return {}
+
+    def toggle_intervention(self, name: str) -> None:
+        """Switch one of `interventions` on or off.
+
+        Raises:
+            ValueError: there is no such intervention, or the core has no room for its writes.
+        """
+        check_name("intervention", name, self.interventions)
 
     @property
     def _facts(self) -> dict[str, Any]:

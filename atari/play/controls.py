@@ -6,6 +6,7 @@ from typing import Any
 
 from atari.games.actions import Action, nearest_action
 from atari.games.game import Game
+from atari.games.interventions import load
 
 _AXIS_LIMIT = 0.5  # a part of a gamepad stick's full range
 
@@ -22,7 +23,8 @@ P                   pause            N               one frame, while paused
 backspace (held)    go back in time  R               new game
 F5, F9              save, load       F10             begin or end a video
 F11                 full screen      M               sound on or off
-H or F1             help             escape          end"""
+I, then a number    interventions    escape          end
+H or F1             help"""
 
 HELP = f"{_ONE_PLAYER}\n{_PADDLES}\n{_COMMANDS}"
 """The keys of one player."""
@@ -43,6 +45,7 @@ class Command(Enum):
     FULL_SCREEN = "f11"
     MUTE = "m"
     HELP = "h"
+    INTERVENTIONS = "i"
 
 
 _COMMAND_KEYS = {**{command.value: command for command in Command}, "f1": Command.HELP}
@@ -114,6 +117,11 @@ class Controls:
         elif event.type == pygame.WINDOWFOCUSLOST:
             self._held.clear()  # no event comes for keys released in another window
         return None
+
+    def digit(self, event: Any) -> int | None:
+        """The digit whose key an event presses, or None."""
+        name = self._pygame.key.name(event.key) if event.type == self._pygame.KEYDOWN else ""
+        return int(name) if name in tuple("0123456789") else None
 
     def presses(self, event: Any) -> bool:
         """Whether an event presses a key or a button, or moves the stick or the cross of a gamepad."""
@@ -220,6 +228,8 @@ def first_screen(game: Game, actions: Sequence[Action], layouts: Mapping[int, Ke
     for player, keys in layouts.items():
         used = [*_used(keys, actions, game.controllers.paddles)] if keys else ["a gamepad"]
         lines += used if len(layouts) == 1 else [f"player {player}   {'   '.join(used)}"]
+    if changes := load(game):
+        lines.append(f"I: {len(changes)} interventions, which change the game")
     return "\n".join([*lines, "press a key to begin, or H to see all keys"])
 
 

@@ -3,11 +3,15 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
+from itertools import chain
+from textwrap import wrap
 from typing import Any
 
 import gymnasium
 
 from atari.games.game import Game
+from atari.games.interventions import load
 from atari.play.base import BaseSession
 from atari.play.controls import Command, SharedControls, first_screen
 from atari.play.outputs import GameWindow, Speaker, start_pygame
@@ -17,6 +21,9 @@ from atari.recording.video.writer import frame_rate
 _MESSAGE_SECONDS = 2.0
 _FRAMES_PER_REWIND = 6
 _MAX_LAG = 0.25  # seconds; after a longer delay the lost time is dropped
+
+
+_wrapped = partial(wrap, width=76, subsequent_indent="        ")
 
 
 class Pacer:
@@ -107,7 +114,7 @@ class Loop:
         self._first_screen = first_screen(session.game, session.minimal_actions, self._controls.layouts)
         self._waiting = bool(session.humans)
         self._gamepads: dict[int, Any] = {}
-        self._paused = self._single = self._helping = False
+        self._paused = self._single = self._helping = self._listing = False
         self._ticks = 0
         self._rate = float(frame_rate(session.game))
         self._message, self._message_until = "", 0
@@ -128,6 +135,9 @@ class Loop:
                 gamepad = self._pygame.joystick.Joystick(event.device_index)
                 self._gamepads[gamepad.get_instance_id()] = gamepad
                 self._show_message(self._controls.add_gamepad(gamepad.get_instance_id()))
+            if self._listing and (digit := self._controls.digit(event)) is not None:
+                self._show_errors(lambda digit=digit: self._toggle_intervention(digit))  # type: ignore[misc]
+                continue
             command = self._controls.handle(event)
             if command == Command.QUIT:
                 return False
@@ -172,7 +182,26 @@ class Loop:
         elif command == Command.MUTE and self._speaker is not None:
             self._speaker.muted = not self._speaker.muted
         elif command == Command.HELP:
-            self._helping = not self._helping
+            self._helping, self._listing = not self._helping, False
+        elif command == Command.INTERVENTIONS:
+            self._listing, self._helping = bool(session.interventions) and not self._listing, False
+            if not session.interventions:
+                self._show_message("no interventions to switch")
+
+    def _toggle_intervention(self, digit: int) -> None:
+        """Switch the intervention whose number in the list is a digit, if there is one."""
+        names = list(self._session.interventions)
+        if 0 < digit <= len(names):
+            self._session.toggle_intervention(names[digit - 1])
+
+    def _interventions(self) -> str:
+        """The list of interventions: the number, whether it is on, the name, and what it changes."""
+        known = load(self._session.game)
+        lines = [
+            f"{number}  {'on ' if on else 'off'}  {name}: {known[name].description}"
+            for number, (name, on) in enumerate(self._session.interventions.items(), 1)
+        ]
+        return "\n".join(["a number switches one, I closes the list", *chain.from_iterable(map(_wrapped, lines))])
 
     def _show_errors(self, work: Callable[[], None]) -> None:
         try:
@@ -197,4 +226,5 @@ class Loop:
         message = self._message if self._ticks < self._message_until else ""
         line = "   ".join(part for part in ("REC" if session.recording else "", state, message) if part)
         keys = self._controls.help if self._helping else self._first_screen if self._waiting else ""
+        keys = self._interventions() if self._listing else keys
         return "\n".join(filter(None, (keys, line)))

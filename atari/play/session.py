@@ -1,11 +1,14 @@
 """`Session`: a one-player game, played by hand, without its window: the environment and the replay."""
 
 from collections import deque
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
 from atari.cores import ByteArray
+from atari.cores.writes import definitions, make_writes, slots
 from atari.games.actions import Action
+from atari.games.interventions import load
 from atari.play.base import BaseSession
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.recording import RecordReplay
@@ -78,6 +81,11 @@ class Session(BaseSession):
         inner: Any = make_env(self.task, rom=rom)
         inner.unwrapped.driver.make_sound()
         self._inner, self._atari = inner, inner.unwrapped
+        own = {one.name for one in self.task.interventions}
+        known = {} if self.task.definition.file else load(self.task.definition)
+        self._changes = {
+            name: make_writes(self.task.definition, [one]) for name, one in known.items() if name not in own
+        }
         played = inner if replay is None else RecordReplay(inner, replay)
         found, files = self._atari.game, {"state": state, "videos": videos}
         super().__init__(found, played, self.task.action_set, found.minimal_actions, players=1, scale=scale, **files)
@@ -108,6 +116,38 @@ class Session(BaseSession):
     def samples(self) -> ByteArray:
         """The sound of the frame that is shown, (512,) uint8 around 128."""
         return self._samples
+
+    @property
+    def interventions(self) -> Mapping[str, bool]:
+        """The package's interventions for the game that the task does not have, by name, and whether each is on."""
+        present = set(definitions(slots(self._atari.core)))
+        return {
+            name: present.issuperset(write.definition for write in writes) for name, writes in self._changes.items()
+        }
+
+    def toggle_intervention(self, name: str) -> None:
+        """Switch one of `interventions` on or off, from the next frame on; the replay has it.
+
+        Raises:
+            ValueError: there is no such intervention, or the core has no room for its writes.
+        """
+        super().toggle_intervention(name)
+        core: Any = self._atari.core
+        writes = self._changes[name]
+        if self.interventions[name]:
+            self._remove_writes(writes)
+            return
+        for number, write in enumerate(writes):
+            try:
+                core.add_write(write, True)
+            except (RuntimeError, ValueError):
+                self._remove_writes(writes[:number])
+                raise
+
+    def _remove_writes(self, writes: Sequence[Any]) -> None:
+        core: Any = self._atari.core
+        for write in writes:  # after going back the core has others of the same definition
+            core.remove_write(next(one for one in slots(core) if one and one.definition == write.definition))
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Show the frames of the copied environment, which has no observers."""

@@ -101,6 +101,7 @@ def test_commands(controls: Controls) -> None:
         pygame.K_F10: Command.VIDEO,
         pygame.K_F11: Command.FULL_SCREEN,
         pygame.K_m: Command.MUTE,
+        pygame.K_i: Command.INTERVENTIONS,
     }
     assert {key: press(controls, key) for key in expected} == expected
     assert controls.handle(event(pygame.QUIT)) == Command.QUIT

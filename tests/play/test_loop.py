@@ -90,6 +90,30 @@ def test_the_first_screen_shows_the_keys_until_one_is_pressed() -> None:
     assert replay.verify("ale")
 
 
+def test_a_number_switches_an_intervention() -> None:
+    driver = WindowDriver("pong")
+    pygame.event.clear()
+    driver.press(pygame.K_3)  # without the list it is a key as any other
+    driver.press(pygame.K_i)
+    assert "3  off  lazy_enemy: The opponent's paddle stands still." in driver.loop._text().splitlines()
+    driver.press(pygame.K_3)
+    driver.press(pygame.K_9)  # there is none
+    assert "3  on   lazy_enemy: The opponent's paddle stands still." in driver.loop._text().splitlines()
+    driver.press(pygame.K_i)
+    assert driver.loop._text() == ""
+    driver.tick(30)
+    assert {name for name, on in driver.session.interventions.items() if on} == {"lazy_enemy"}
+    assert driver.session._atari.core.ram()[50] == 120
+    driver.press(pygame.K_i)
+    driver.press(pygame.K_3)
+    driver.tick(30)
+    assert not any(driver.session.interventions.values())
+    driver.press(pygame.K_BACKSPACE, frames=12)  # to a moment with it
+    driver.tick(20)
+    assert driver.session.frames > 40
+    assert driver.close().verify()
+
+
 @pytest.mark.parametrize(
     "first",
     [

@@ -338,3 +338,38 @@ def test_what_is_no_action(actions: Any, error: type[Exception], text: str, tmp_
         session.play(*actions)
     assert session.frames == 0
     session.close()
+
+
+def test_interventions_are_switched_and_stay_so_after_going_back(tmp_path: Path) -> None:
+    options = {"state": tmp_path / "a.state", "replay": tmp_path / "a.a26r", "seed": 0, "interventions": ["wind"]}
+    session = Session("breakout", **options)
+    assert "wind" not in session.interventions
+    with pytest.raises(ValueError, match="intervention must be one of 'bricks_return'"):
+        session.toggle_intervention("wind")
+    assert not any(session.interventions.values())
+    session.save()
+    session.toggle_intervention("one_row")
+    for _ in range(40):
+        session.play(Action.FIRE)
+    session.load()
+    session.play(Action.NOOP)
+    assert session.interventions["one_row"]
+    assert session._atari.core.ram()[1] == 0  # bricks of another row
+    session.toggle_intervention("one_row")
+    session.load()
+    for _ in range(40):
+        session.play(Action.RIGHT)
+    assert not session.interventions["one_row"]
+    assert session._atari.core.ram()[1] == 63
+    session.close()
+    assert Replay.load(tmp_path / "a.a26r").verify()
+    assert not Session("tetris").interventions
+
+
+def test_an_intervention_without_room_changes_nothing() -> None:
+    session = Session("breakout", interventions=["one_row"])
+    session.toggle_intervention("invisible_bricks")
+    before = session.interventions
+    with pytest.raises(ValueError, match="at most 64 writes"):
+        session.toggle_intervention("bricks_return")
+    assert session.interventions == before
