@@ -1,7 +1,10 @@
-"""Rows of text with aligned columns; `Table`, which also shows in a notebook; facts by name."""
+"""Rows of text with aligned columns; `Table`, also for notebooks; facts by name; whole words in a terminal."""
 
 import html
 import re
+import shutil
+import sys
+import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +23,14 @@ def aligned(rows: Iterable[Sequence[object]], to_right: Callable[[int], bool] = 
 def fact_lines(name: str, values: Iterable[object]) -> list[str]:
     """A line for each value of a fact, the first with its name."""
     return [f"  {'' if index else name:12}  {value}" for index, value in enumerate(values)]
+
+
+def for_terminal(text: str) -> str:
+    """A line as lines of whole words, if stdout is a terminal that is narrower; otherwise the line."""
+    if sys.stdout is None or not sys.stdout.isatty():
+        return text
+    width = shutil.get_terminal_size().columns
+    return textwrap.fill(text, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
 
 
 @dataclass(frozen=True)
