@@ -1,4 +1,7 @@
-"""`python -m atari.classic script.py [arguments]`: run a script of Gym's time; its `import gym` gives this package."""
+"""`python -m atari.classic script.py [arguments]`: run a script of Gym's time; its `import gym` gives this package.
+
+`python -m atari.classic --modern FILE` shows what a script for Gymnasium has in its place.
+"""
 
 import importlib
 import pkgutil
@@ -6,14 +9,24 @@ import sys
 from pathlib import Path
 
 import atari.classic
+from atari.base.program import run
 from atari.base.script import run_script
 from atari.classic import old_numpy
+from atari.classic.rewrite.files import modernize
 
-_HELP = "Runs a script of OpenAI Gym's time: `import gym` gives it atari.classic."
+_HELP = """\
+       python -m atari.classic --modern FILE... [--write]
+
+Runs a script of OpenAI Gym's time: `import gym` gives it atari.classic.
+
+  --modern FILE...  show as a diff how scripts or notebooks change for Gymnasium, and run nothing
+  --write           change the files, and keep their old text as NAME.orig"""
 
 
 def main(arguments: list[str]) -> int:
-    """Run a script like `python script.py`, and return its exit code."""
+    """Run a script like `python script.py`, or rewrite it, and return the exit code."""
+    if arguments[:1] == ["--modern"]:
+        return run(lambda: modernize(arguments[1:]))
     return run_script("atari.classic", _HELP, arguments, prepare)
 
 

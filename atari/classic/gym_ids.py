@@ -22,6 +22,11 @@ def is_atari(modern: ModernSpec) -> bool:
     return "base" in modern.kwargs and "rom" not in modern.kwargs
 
 
+def is_ours(env_id: str) -> bool:
+    """Whether this package registers an ID, which Gymnasium alone does not have."""
+    return str(gymnasium.registry[env_id].entry_point).startswith("atari.")
+
+
 def atari_steps(env_id: str) -> int:
     """The limit of steps of a game by its ID, as Gym before 0.21 had it; ale-py now counts frames."""
     name, _, version = env_id.rpartition("-v")
@@ -88,11 +93,11 @@ def resolve(env_id: str) -> str:
         load_robotics()
     if is_alive(name):
         return name
-    newest = _newest(name)
-    if newest is None:
+    found = newest(name)
+    if found is None:
         raise gymnasium.error.UnregisteredEnv(f"there is no environment {name!r}; {_cure(name)}")
-    logger.warn_once(f"{name} is no longer there; this is {newest}, its newest version")
-    return newest
+    logger.warn_once(f"{name} is no longer there; this is {found}, its newest version")
+    return found
 
 
 def is_alive(env_id: str) -> bool:
@@ -112,15 +117,16 @@ def load_robotics() -> None:
             import_module("gymnasium_robotics")
 
 
-def _newest(env_id: str) -> str | None:
+def newest(env_id: str) -> str | None:
+    """The newest registered version of an ID that is no longer there; None if there is none."""
     match = _VERSION.fullmatch(env_id)
     if match is None:
         return None
     name, version = match.group(1), int(match.group(2))
     others = [_VERSION.fullmatch(other) for other in gymnasium.registry if is_alive(other)]
     versions = [int(other.group(2)) for other in others if other and other.group(1) == name]
-    newest = max(versions, default=-1)
-    return f"{name}-v{newest}" if newest > version else None
+    last = max(versions, default=-1)
+    return f"{name}-v{last}" if last > version else None
 
 
 def _cure(env_id: str) -> str:

@@ -45,8 +45,10 @@ def benchmark_spec(id: str) -> Benchmark:
     return Benchmark(id, tuple(tasks))
 
 
-def upload(*_: Any, **__: Any) -> None:
-    """Warn that the site for results is closed, and do nothing else; the files do not move."""
+def upload(training_dir: Any = None, *_: Any, **__: Any) -> None:
+    """Say that the site for results is closed, and where results are and go now; the files do not move."""
+    folder = "their folder" if training_dir is None else training_dir
     logger.warn_once(
-        "gym.upload() does nothing, as the site it went to is closed; the results are still in their folder"
+        f"gym.upload() does nothing, as the site it went to is closed; the results are still in {folder}. "
+        "`atari evaluate` scores a policy by a published protocol, and `atari web` writes a page of replays to share"
     )

@@ -93,6 +93,7 @@ BY_ANOTHER = {
     "atari.cli.record": "atari record",
     "atari.cli.sweep": "the lock",
     "atari.classic.monitor_files": "classic Monitor",
+    "atari.classic.rewrite.files": "tests/classic/rewrite",
     "atari.classic.video_recorder": "classic Monitor",
     "atari.cores.ale_interface": "screen",
     "atari.cores.verify": "difference",
