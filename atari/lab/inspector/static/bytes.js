@@ -149,7 +149,7 @@ export class NameList {
 
   // The value of a label, "-" where its object is not on the screen; or the byte of a name without a value of its own.
   draw(ram, labels) {
-    for (const { name, index, value } of this.rows) setText(value, `${(name in labels ? labels[name] : ram[index]) ?? "-"}`);
+    for (const { name, index, value } of this.rows) setText(value, `${(Object.hasOwn(labels, name) ? labels[name] : ram[index]) ?? "-"}`);
   }
 }
 
