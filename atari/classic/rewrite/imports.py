@@ -5,6 +5,7 @@ import importlib
 import re
 from functools import cache
 
+import gymnasium
 import numpy as np
 
 from atari.classic.rewrite.making import RECORDERS, wrapper_name
@@ -85,7 +86,7 @@ class Imports:
         if name.partition(".")[0] != OLD:
             return False
         new = _modern(name)
-        if _found(new) is None:
+        if not _found(new):
             self.script.mark(node, _gone(name))
         if alias.asname:
             self.source.replace_node(alias, f"{new} as {alias.asname}")
@@ -123,7 +124,7 @@ class Imports:
         name = wrapper_name(alias.name) if in_wrappers else alias.name
         if in_wrappers and name == "Monitor":
             self.source.replace_node(alias, ", ".join(RECORDERS))
-        elif _found(f"{module}.{name}") is None:
+        elif not _found(f"{module}.{name}"):
             self.script.mark(node, _gone(f"{str(node.module).replace('atari.classic', OLD)}.{alias.name}"))
         elif name != alias.name:
             self.source.replace_node(alias, f"{name} as {alias.asname}" if alias.asname else name)
@@ -141,7 +142,7 @@ class Imports:
                     self.source.replace_node(node, wrapper_name(last))
                 elif last in ("upload", "undo_logger_setup"):
                     self._known(node, name)
-            elif not self._known(node, name) and _found(_modern(name)) is None:
+            elif not self._known(node, name) and not _found(_modern(name)):
                 self.script.mark(node, _gone(name))
         for node in self.script.walk(ast.Attribute):
             name = self.script.qualified(node) or ""
@@ -237,14 +238,23 @@ def _gone(name: str) -> str:
 
 
 @cache
-def _found(name: str) -> object | None:
-    """A module, or a name of one; None if there is none."""
+def _found(name: str) -> bool:
+    """Whether there is a module, or a name of one; also if it needs a package that is not installed."""
+    module, _, last = name.rpartition(".")
     try:
-        return importlib.import_module(name)
-    except ImportError:
-        module, _, last = name.rpartition(".")
-        parent = _found(module) if module else None
-        return getattr(parent, last, None)
+        importlib.import_module(name)
+        return True
+    except ModuleNotFoundError as error:
+        if error.name is not None and not f"{name}.".startswith(f"{error.name}."):
+            return True
+    except (ImportError, gymnasium.error.DependencyNotInstalled):
+        return True
+    if not module or not _found(module):
+        return False
+    try:
+        return hasattr(importlib.import_module(module), last)
+    except (ImportError, gymnasium.error.DependencyNotInstalled):
+        return True
 
 
 def _is_docstring(node: ast.stmt) -> bool:

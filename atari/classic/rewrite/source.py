@@ -112,7 +112,7 @@ class Source:
 
     def mark(self, statement: ast.AST, text: str) -> None:
         """Insert a comment line before a statement that begins its line, unless it stands there already."""
-        line = min([statement, *getattr(statement, "decorator_list", [])], key=self.start).lineno  # type: ignore[attr-defined]
+        line = min([statement, *getattr(statement, "decorator_list", [])], key=self.start).lineno
         row = f"{self.indent(line)}{PREFIX}{text}{self.newline}"
         start = self._starts[line - 1]
         if (start, text) in self._marks or self.text.endswith(row, 0, start):

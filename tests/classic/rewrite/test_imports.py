@@ -73,6 +73,11 @@ def test_marks(line: str, mark: str) -> None:
     assert mark in marks(f"import gym\n{line}\n")[0]
 
 
+def test_modules_that_need_other_packages_are_no_error() -> None:
+    text = "import gym\nfrom gym.envs.box2d import LunarLander\nfrom gym.wrappers import NumpyToTorch\n"
+    assert "from gymnasium.envs.box2d import LunarLander" in rewritten(text)
+
+
 def test_numpy() -> None:
     names = run("""\
 import numpy as np
