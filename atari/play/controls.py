@@ -6,7 +6,6 @@ from typing import Any
 
 from atari.games.actions import Action, nearest_action
 from atari.games.game import Game
-from atari.games.interventions import load
 
 _AXIS_LIMIT = 0.5  # a part of a gamepad stick's full range
 
@@ -216,20 +215,21 @@ class SharedControls(Controls):
         return [seat.action(allowed) for seat in self._seats.values()]
 
 
-def first_screen(game: Game, actions: Sequence[Action], layouts: Mapping[int, Keys]) -> str:
+def first_screen(game: Game, actions: Sequence[Action], layouts: Mapping[int, Keys], interventions: int = 0) -> str:
     """The lines over the first screen.
 
     Args:
         game: the game.
         actions: its minimal actions. Their directions and FIRE are what the game uses; a paddle turns right and left.
         layouts: the keys of each human player, see `SharedControls`.
+        interventions: the number of interventions that a key switches.
     """
     lines = [game.title]
     for player, keys in layouts.items():
         used = [*_used(keys, actions, game.controllers.paddles)] if keys else ["a gamepad"]
         lines += used if len(layouts) == 1 else [f"player {player}   {'   '.join(used)}"]
-    if changes := load(game):
-        lines.append(f"I: {len(changes)} interventions, which change the game")
+    if interventions:
+        lines.append(f"I: {interventions} interventions, which change the game")
     return "\n".join([*lines, "press a key to begin, or H to see all keys"])
 
 

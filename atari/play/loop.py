@@ -111,7 +111,8 @@ class Loop:
         self._pygame, self._session, self._window, self._speaker = pygame, session, window, speaker
         paddles = session.game.controllers.paddles
         self._controls = SharedControls(pygame, [player + 1 for player in session.humans], paddles=paddles)
-        self._first_screen = first_screen(session.game, session.minimal_actions, self._controls.layouts)
+        interventions = len(session.interventions)
+        self._first_screen = first_screen(session.game, session.minimal_actions, self._controls.layouts, interventions)
         self._waiting = bool(session.humans)
         self._gamepads: dict[int, Any] = {}
         self._paused = self._single = self._helping = self._listing = False

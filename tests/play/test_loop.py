@@ -93,6 +93,7 @@ def test_the_first_screen_shows_the_keys_until_one_is_pressed() -> None:
 def test_a_number_switches_an_intervention() -> None:
     driver = WindowDriver("pong")
     pygame.event.clear()
+    assert "I: 6 interventions, which change the game" in driver.loop._text()
     driver.press(pygame.K_3)  # without the list it is a key as any other
     driver.press(pygame.K_i)
     assert "3  off  lazy_enemy: The opponent's paddle stands still." in driver.loop._text().splitlines()
