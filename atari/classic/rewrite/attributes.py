@@ -91,7 +91,8 @@ class Attributes:
         elif name == "_max_episode_steps":
             self.script.mark(node, "make(..., max_episode_steps=...) changes the time limit now")
         elif name == "reward_range":
-            self.source.replace_node(node, '(-float("inf"), float("inf"))')
+            if isinstance(node.ctx, ast.Load):
+                self.source.replace_node(node, '(-float("inf"), float("inf"))')
             self.script.mark(node, "environments have no reward_range now; Gym's was infinite unless a class set it")
         elif name in ("get_episode_rewards", "get_episode_lengths"):
             self._statistics(node, "return_queue" if name.endswith("rewards") else "length_queue")

@@ -28,7 +28,8 @@ class Environments:
 
     def __init__(self, script: Script) -> None:
         self.script = script
-        self.functions = {node.name: node for node in script.walk(Function)}  # type: ignore[attr-defined,arg-type]
+        functions = script.walk(ast.FunctionDef, ast.AsyncFunctionDef)
+        self.functions = {node.name: node for node in functions if isinstance(node, Function)}
         self._bindings = self._find_bindings()
         self.classes: dict[ast.ClassDef, str] = {}
         for node in script.walk(ast.ClassDef):

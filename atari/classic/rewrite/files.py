@@ -1,5 +1,6 @@
 """`--modern` and `--write`: the diff of a file and its rewritten form, and the file that takes its place."""
 
+import ast
 import difflib
 import io
 import os
@@ -136,7 +137,7 @@ def _modernize_file(file: OldFile, write: bool) -> None:
 
 def _rewritten(path: Path, text: str) -> Source:
     try:
-        return modernized(text)
+        source = modernized(text)
     except (SyntaxError, ValueError) as error:
         line = getattr(error, "lineno", None) or 1
         rows = text.splitlines() or [""]
@@ -144,6 +145,13 @@ def _rewritten(path: Path, text: str) -> Source:
         said = str(getattr(error, "msg", error))
         old = _PYTHON_2.search(row) or "print" in said or "exec" in said or "multiple exception types" in said
         raise ValueError(f"{path}, line {line}: {HINT if old else said} ({row})") from error
+    try:
+        ast.parse(source.result())
+    except SyntaxError as error:
+        raise ValueError(
+            f"{path} is not understood, its new line {error.lineno} would be an error; it stays"
+        ) from error
+    return source
 
 
 def _encoding(path: Path, data: bytes) -> str:

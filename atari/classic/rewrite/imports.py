@@ -194,6 +194,8 @@ class Imports:
             if not isinstance(node, ast.Attribute) or name != f"numpy.{node.attr}":
                 continue
             new = _NUMPY.get(node.attr)
+            if not isinstance(node.ctx, ast.Load):
+                continue  # `np.float = float`, which scripts have for newer releases of NumPy
             if new is not None:
                 self.source.replace_node(node, new.format(np=self.source.segment(node.value)))
             elif not hasattr(np, node.attr):

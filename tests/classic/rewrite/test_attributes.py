@@ -69,6 +69,7 @@ def test_random_numbers() -> None:
         ("env.configure(remotes=1)", "no configure()"),
         ("env.gravity = 3", "outermost wrapper alone"),
         ("print(env.reward_range)", "no reward_range now"),
+        ("env.reward_range = (0, 1)", "no reward_range now"),
     ],
 )
 def test_marks(line: str, mark: str) -> None:

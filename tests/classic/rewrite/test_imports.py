@@ -99,6 +99,8 @@ e = np.array([1, 2]).sum()
 def test_numpy_alone_is_rewritten_in_any_script() -> None:
     assert rewritten("import numpy as n\nx = n.float(1)\n") == "import numpy as n\nx = float(1)\n"
     assert rewritten("class np: float = 3\nx = np.float\n") == "class np: float = 3\nx = np.float\n"
+    text = "import numpy as np\nnp.float = float\n"
+    assert rewritten(text) == text
     assert marks("import numpy as np\nx = np.nothing_known\n") == [f"NumPy {np.__version__} has no nothing_known"]
 
 
