@@ -41,7 +41,5 @@ def test_links_to_nothing_are_found(faults):
 
 
 def test_what_is_right_is_left_alone(faults):
-    html = (
-        '<a href="https://gymnasium.farama.org">a</a><a href="other.html#here">b</a><link rel="next" href="other.html">'
-    )
+    html = '<a href="https://gymnasium.farama.org">a</a><a href="other.html#here">b</a><a href="other.html#game=pong">c</a><link rel="next" href="other.html">'
     assert faults(html + '<link rel="stylesheet" href="site.css"><img src="data:image/png;base64,AA">') == []
