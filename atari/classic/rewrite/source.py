@@ -70,7 +70,7 @@ class Source:
     def drop_argument(self, call: ast.Call, argument: ast.AST) -> None:
         """Remove an argument of a call, with the comma before it, or else with the one after it."""
         given = sorted([*call.args, *call.keywords], key=self.start)
-        place = given.index(argument)  # type: ignore[arg-type]
+        place = given.index(argument)
         if place:
             self.replace(self.end(given[place - 1]), self.end(argument), "")
         elif len(given) > 1:
