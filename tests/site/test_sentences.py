@@ -24,8 +24,8 @@ TOP = Path(__file__).resolve().parents[2]
 DOCS = TOP / "docs"
 PAGES = sorted(path.relative_to(DOCS).as_posix() for path in [*DOCS.glob("*.md"), *DOCS.glob("recipes/*.md")])
 BLOCK = re.compile(r"^ *```.*?^ *```$", re.DOTALL | re.MULTILINE)
-OTHERS = {"--env", "--gym-packages"}
-"""Flags of other programs: rl_zoo3."""
+OTHERS = {"--env", "--gym-packages", "--modern"}
+"""Flags of other programs: rl_zoo3, and `python -m atari.classic`."""
 CODE = re.compile(r"`([^`\n]+)`")
 
 
