@@ -83,9 +83,7 @@ class Session(BaseSession):
         self._inner, self._atari = inner, inner.unwrapped
         own = {one.name for one in self.task.interventions}
         known = {} if self.task.definition.file else load(self.task.definition)
-        self._changes = {
-            name: make_writes(self.task.definition, [one]) for name, one in known.items() if name not in own
-        }
+        self._changes = {name: one for name, one in known.items() if name not in own}
         played = inner if replay is None else RecordReplay(inner, replay)
         found, files = self._atari.game, {"state": state, "videos": videos}
         super().__init__(found, played, self.task.action_set, found.minimal_actions, players=1, scale=scale, **files)
@@ -121,9 +119,11 @@ class Session(BaseSession):
     def interventions(self) -> Mapping[str, bool]:
         """The package's interventions for the game that the task does not have, by name, and whether each is on."""
         present = set(definitions(slots(self._atari.core)))
-        return {
-            name: present.issuperset(write.definition for write in writes) for name, writes in self._changes.items()
-        }
+        return {name: present.issuperset(one.definition for one in self._writes(name)) for name in self._changes}
+
+    def _writes(self, name: str) -> Sequence[Any]:
+        """The writes of one of `interventions`. A session can be copied, and writes cannot."""
+        return make_writes(self.task.definition, [self._changes[name]])
 
     def toggle_intervention(self, name: str) -> None:
         """Switch one of `interventions` on or off, from the next frame on; the replay has it.
@@ -133,7 +133,7 @@ class Session(BaseSession):
         """
         super().toggle_intervention(name)
         core: Any = self._atari.core
-        writes = self._changes[name]
+        writes = self._writes(name)
         if self.interventions[name]:
             self._remove_writes(writes)
             return

@@ -4,13 +4,14 @@ import json
 from pathlib import Path
 from typing import Any
 
-import nbformat
 import pytest
 from old_scripts import run
 
 from atari.classic.__main__ import main
 from atari.classic.rewrite import modernized
 from atari.classic.rewrite.notebook import Notebook
+
+nbformat = pytest.importorskip("nbformat")
 
 CELLS = [
     "%matplotlib inline\nimport gym\nimport numpy as np\n!pip list | grep {name}\nfiles = !ls",
