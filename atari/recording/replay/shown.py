@@ -83,6 +83,7 @@ def in_notebook(replay: ShownReplay, seconds: float) -> str:
     """
     shown = on_page(replay, seconds)
     page = one_file(page_files([shown], [])).replace("&", "&amp;").replace("'", "&#39;")
+    page = page.replace("\n", "&#10;")  # one line: Markdown may change others, and the page's hashes would be wrong
     (first,) = islice(replay.frames(min(60, replay.frames_total - 1)), 1)
     behind = image(png(first.screen), shown.title, width=2 * replay.game.screen.width, height=len(first.screen))
     style = "position:absolute;inset:0;width:100%;height:100%;border:0"

@@ -76,6 +76,11 @@ def test_in_a_notebook(tmp_path: Path) -> None:
     assert "script" not in without
 
 
+def test_markdown_leaves_the_frame_of_a_notebook(tmp_path: Path) -> None:
+    replay = Replay.load(record(tmp_path / "game.a26r", "pong", 4))
+    assert "\n" not in str(replay._repr_html_())
+
+
 def test_the_own_game_of_a_notebook(tmp_path: Path) -> None:
     catch = CATCH / "catch.toml"
     replay = Replay.load(record(tmp_path / "game.a26r", str(catch), steps=30), game=catch)
