@@ -255,7 +255,7 @@ def _labels(game: Game) -> list[str]:
 
 
 def _interventions(game: Game) -> dict[str, str]:
-    """What each of the package's interventions changes, by name; none for a game of the user's own."""
+    """Return what each intervention of the package changes, by name. A game of the user's own has none."""
     return {} if game.file else {name: one.description for name, one in load(game).items()}
 
 

@@ -73,7 +73,7 @@ def of_task_file(folder: Path) -> Reader:
 
 
 BLOBS = ([["core", -1]], [["core", 10**30]], [[["core"], 1]], [["core", 1, 2]], {"state": {}}, 2**31, 2**64, 10**300)
-"""Values for the facts of a snapshot, too; some name the blobs behind the facts."""
+"""Values for the facts of a snapshot, too; some name the blobs after the facts."""
 
 
 def snapshot_of(played: Any, inner: str = "", texts: tuple[bytes, ...] = GENERAL) -> Reader:

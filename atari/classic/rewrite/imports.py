@@ -21,7 +21,7 @@ _NUMPY = {
     **{"singlecomplex": "{np}.complex64", "sometrue": "{np}.any", "string_": "{np}.bytes_", "unicode_": "{np}.str_"},
     **{"asfarray": "{np}.asarray", "in1d": "{np}.isin", "trapz": "{np}.trapezoid"},
 }
-"""What a removed name of NumPy is today."""
+"""The names of today, by the names that NumPy has removed."""
 _MODULES = {
     f"{OLD}.wrappers.": f"{OLD}.wrappers",
     f"{OLD}.scoreboard": "the site for results is closed",

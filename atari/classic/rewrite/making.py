@@ -17,7 +17,7 @@ _RENAMED = {
     "PixelObservationWrapper": "AddRenderObservation",
 }
 RECORDERS = ("RecordEpisodeStatistics", "RecordVideo")
-"""What Gymnasium has for Monitor."""
+"""These two wrappers of Gymnasium replace Monitor."""
 _MONITOR = ("env", "video_folder", "episode_trigger")
 _SOMETIMES = 'render_mode="human" shows every step from now on; make another environment for the episodes to see'
 

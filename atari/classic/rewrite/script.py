@@ -46,7 +46,7 @@ class Script:
                     self.star.append(normal(str(node.module)))
 
     def walk(self, *kinds: type[ast.AST]) -> Iterator[ast.AST]:
-        """The nodes of some kinds, in the order of the text."""
+        """Return the nodes of some kinds, in the order of the text."""
         found = [node for node in ast.walk(self.tree) if isinstance(node, kinds)]
         return iter(sorted(found, key=lambda node: (getattr(node, "lineno", 0), getattr(node, "col_offset", 0))))
 
@@ -92,7 +92,7 @@ class Script:
         return [statement]
 
     def own(self, function: ast.AST, *kinds: type[ast.AST]) -> Iterator[ast.AST]:
-        """The nodes of some kinds in a function, without those of functions inside it."""
+        """Return the nodes of some kinds in a function. Functions inside it are left out."""
         scope = function if isinstance(function, Function) else None
         for node in ast.walk(function):
             if isinstance(node, kinds) and self.function(node) is scope:

@@ -38,7 +38,8 @@ struct GameRules {
     int mode_variable = 0;  // variable that holds the selected mode
 
     void set_legal_actions(const std::vector<int32_t>& actions);  // others than ALE's 18 are left out
-    // Of variables: terminal, mode, and reward and lives of each player. Throws std::invalid_argument for another number.
+    // `outputs` are the variables terminal and mode, then reward and lives of each player. Throws std::invalid_argument
+    // for another number of them.
     void set_outputs(const std::vector<int32_t>& outputs);
 };
 

@@ -126,7 +126,7 @@ class Inspection:
         own = {one.name for one in atari.interventions}
         known = {} if atari.game.file else load(atari.game)
         self.interventions = {name: one for name, one in known.items() if name not in own}
-        """The interventions that can be switched on: those of the package for the game which the task does not have."""
+        """The package's interventions for the game that the task does not have; they can be switched on."""
         self.changes: list[Change | Switch] = []
         """The changes that can be undone."""
         self.new_search()

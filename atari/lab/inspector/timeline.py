@@ -59,7 +59,7 @@ class Timeline:
         self.frozen: dict[int, int] = {}
         """Bytes that new frames hold."""
         self.added: dict[str, tuple[Any, ...]] = {}
-        """The interventions of new frames beside those of the core: their writes by name."""
+        """The writes by name that new frames have beside those of the core."""
         self._holds: dict[tuple[int, int], Freeze] = {}
         self.own_slots = tuple(getattr(core, "writes", ()))
         """The writes of the core by slot, without the writes that hold frozen bytes; None where one has ended."""

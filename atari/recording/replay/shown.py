@@ -75,7 +75,7 @@ def in_notebook(replay: ShownReplay, seconds: float) -> str:
     """HTML of a frame with the page, which shows the replay alone and knows its game alone.
 
     The frame has an origin of its own. So its page reaches neither the notebook nor the pages of other replays, and the
-    browser keeps nothing for it. Behind the frame is a picture, which readers see where frames are removed, as on
+    browser keeps nothing for it. Under the frame is a picture, which readers see where frames are removed, as on
     GitHub.
 
     Raises:
@@ -85,14 +85,14 @@ def in_notebook(replay: ShownReplay, seconds: float) -> str:
     page = one_file(page_files([shown], [])).replace("&", "&amp;").replace("'", "&#39;")
     page = page.replace("\n", "&#10;")  # one line: Markdown may change others, and the page's hashes would be wrong
     (first,) = islice(replay.frames(min(60, replay.frames_total - 1)), 1)
-    behind = image(png(first.screen), shown.title, width=2 * replay.game.screen.width, height=len(first.screen))
+    below = image(png(first.screen), shown.title, width=2 * replay.game.screen.width, height=len(first.screen))
     style = "position:absolute;inset:0;width:100%;height:100%;border:0"
     frame = (
         f"<iframe sandbox='allow-scripts allow-downloads' allow='autoplay; gamepad' style='{style}' srcdoc='{page}'>"
     )
     return (
         f"<div style='position:relative;max-width:{_WIDTH}px;height:{_HEIGHT}px;overflow:hidden'>"
-        f"{behind}{frame}</iframe></div><p>{html.escape(shown.title)}, {replay.frames_total:,} frames</p>"
+        f"{below}{frame}</iframe></div><p>{html.escape(shown.title)}, {replay.frames_total:,} frames</p>"
     )
 
 
