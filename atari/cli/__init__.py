@@ -29,7 +29,8 @@ examples:
   atari play ms_pacman                     play a game by hand, in a window
   atari evaluate random pong               play whole games by a protocol, and score a policy
   atari diagnose runs/pong                 see where its games end, and what gets it on
-  atari info                               the list of games
+  atari info                               what works here, and what is not installed
+  atari info --games                       the list of games
   atari info ms_pacman                     all facts of a game
   atari info PongDeterministic-v4          what an environment ID means
   atari info --ids | grep Pong             every environment ID

@@ -1,4 +1,4 @@
-"""`atari info`: the games or IDs; the facts of a game; what an ID, a task or options play; what a video shows."""
+"""`atari info`: what works here; the games or IDs; the facts of a game; what an ID, a task or a video plays."""
 
 import argparse
 import json
@@ -9,6 +9,7 @@ from typing import Any
 
 from atari.base.text_table import fact_lines
 from atari.base.typed_table import check_type
+from atari.cli import installation
 from atari.cli.arguments import GAME_HELP, Commands, add_command
 from atari.cli.printing import print_json, print_table, to_json_types
 from atari.env.settings import observation_space
@@ -30,22 +31,27 @@ from atari.task.task import look_up
 def register(commands: Commands) -> None:
     """Add `atari info`."""
     parser = add_command(
-        commands, "info", _info, "list the games, show the facts of a game, or explain what an ID or a task plays"
+        commands, "info", _info, "say what works here, show the facts of a game, or explain what an ID or a task plays"
     )
     parser.add_argument(
         "game",
         metavar="GAME",
         nargs="?",
         help=f"{GAME_HELP}; or a video. A game alone shows its facts. An ID, a task, or a game with options of a task "
-        "shows what is played, a video what was played (default: all games, with --players games of 2 or 4 players)",
+        "shows what is played, a video what was played (default: what works here and what is not installed)",
     )
+    parser.add_argument("--games", action="store_true", help="list the games; with --players 2 or 4, those for several")
     parser.add_argument("--ids", action="store_true", help="list the IDs that gymnasium.make accepts, one a line")
     add_task(parser)
 
 
 def _info(args: argparse.Namespace) -> int:
     options = {**given_options(args), **{name: True for name in ("preset", "print_task") if getattr(args, name)}}
-    if args.game is None or args.ids:
+    if args.game is None and not (args.games or args.ids or options):
+        here = installation.facts()
+        print_json(here) if args.json else print("\n".join(installation.lines(here)))
+        return 0
+    if args.game is None or args.games or args.ids:
         return _list(args, options)
     if Path(args.game).suffix.lower() in FORMATS:
         if options:
@@ -65,8 +71,10 @@ def _info(args: argparse.Namespace) -> int:
 
 def _list(args: argparse.Namespace, options: Mapping[str, Any]) -> int:
     """The IDs, the games for a number of players, or all games."""
-    if args.ids and (args.game is not None or options):
-        raise ValueError("--ids lists all IDs; leave GAME and the options of a task out")
+    if args.ids and (args.games or args.game is not None or options):
+        raise ValueError("--ids lists all IDs; leave GAME, --games and the options of a task out")
+    if args.game is not None:
+        raise ValueError(f"--games lists all games; leave {args.game} out")
     players = options.get("players")
     if options and (players is None or len(options) > 1):
         others = ", ".join(name for name in options if name != "players")

@@ -91,7 +91,7 @@ def test_info_json_has_rules_labels_and_the_manual(capsys: Capture) -> None:
 
 
 def test_list_has_a_line_for_each_game(capsys: Capture) -> None:
-    header, *lines = read(capsys, "info").splitlines()
+    header, *lines = read(capsys, "info", "--games").splitlines()
     assert header.split() == ["game", "title", "actions", "modes", "difficulties"]
     assert [line.split()[0] for line in lines] == list(atari.games)
     assert "breakout Breakout 4 12 2".split() in [line.split() for line in lines]
@@ -99,7 +99,7 @@ def test_list_has_a_line_for_each_game(capsys: Capture) -> None:
 
 
 def test_list_json(capsys: Capture) -> None:
-    listed = read_json(capsys, "info")
+    listed = read_json(capsys, "info", "--games")
     assert [game["id"] for game in listed] == list(atari.games)
     assert listed[list(atari.games).index("breakout")] == {
         "id": "breakout",
@@ -122,6 +122,7 @@ def test_list_ids_has_every_id_once(capsys: Capture) -> None:
 def test_environments_of_several_players(capsys: Capture) -> None:
     lines = read(capsys, "info", "--players", "4").splitlines()
     assert [line.split()[0] for line in lines[1:]][-2:] == ["volleyball_pong_v3", "warlords_v3"]
+    assert read(capsys, "info", "--games", "--players", "4").splitlines() == lines
     names = [row["environment"] for row in read_json(capsys, "info", "--players", "2")]
     assert len(names) == 31
     assert names[-9:] == [
@@ -175,8 +176,11 @@ def test_explain_of_a_wrong_id_names_the_right_one(wrong: str, right: str, optio
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["breakout", "--ids"], "--ids lists all IDs; leave GAME and the options of a task out"),
+        (["breakout", "--ids"], "--ids lists all IDs; leave GAME, --games and the options of a task out"),
+        (["--games", "--ids"], "--ids lists all IDs; leave GAME, --games and the options of a task out"),
+        (["breakout", "--games"], "--games lists all games; leave breakout out"),
         (["--ids", "--players", "2"], "--ids lists all IDs"),
+        (["--games", "--mode", "4"], "options of a task need GAME, got mode"),
         (["--frameskip", "3"], "atari: error: options of a task need GAME, got frameskip without it; name the game"),
         (["--print-task"], "options of a task need GAME, got print_task"),
         (["--players", "2", "--mode", "3"], "options of a task need GAME, got mode"),

@@ -50,16 +50,16 @@ def run(stream, file, *commands):
             sys.exit(main(words.split()))
         os.write(2, f"{os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])}\\n".encode())
 
-for words in ("info", "info pong --json", "roms list", "record --help", "--help"):  # what these read is read once, for all forks
+for words in ("info --games", "info pong --json", "roms list", "record --help", "--help"):  # what these read is read once, for all forks
     main(words.split())
 print(flush=True)
 gc.freeze()  # the ends of the forks need not look at what all have
 reader, broken = os.pipe()
 os.close(reader)
 full = os.open("/dev/full", os.O_WRONLY)
-run(1, full, "info", "info --ids", "--help", "record --help")
+run(1, full, "info --games", "info --ids", "--help", "record --help")
 run(1, broken, "info pong --json", "--help", "roms list")
-run(2, full, "info", "info nothing", "record")
+run(2, full, "info --games", "info nothing", "record")
 """
 """Commands in forks of one process, which is imported once, with a full or a broken stream; prints their exit codes."""
 
