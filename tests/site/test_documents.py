@@ -19,6 +19,10 @@ DOCUMENTS = LISTED or [
 
 TABLES = site_modules.load("tables", "generate")
 
+START = (TOP / "mkdocs.yml").read_text(encoding="utf-8").partition("  - Start:\n")[2].partition("  - Recipes:\n")[0]
+FIRST = ["README.md", *(f"docs/{page}" for page in re.findall(r"[\w-]+\.md", START))]
+BLOCK = re.compile(r"^ *```[^\n]*\n(.*?)^ *```$", re.DOTALL | re.MULTILINE)
+
 
 @pytest.mark.parametrize("name", TABLES.DOCUMENTS)
 def test_tables_are_those_of_the_data(name: str) -> None:
@@ -71,3 +75,17 @@ def test_a_dead_link_is_found() -> None:
     file = TOP / "docs" / "tasks.md"
     text = "[a](tasks.md) [b](nothing.md) [c](tasks.md#no-such-part) `[d](nothing.md)` [e](https://example.org/x)"
     assert list(dead(file, text)) == ["nothing.md", "tasks.md#no-such-part"]
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_code_of_the_first_pages_fits_beside_the_navigation(name: str) -> None:
+    lines = [line for block in BLOCK.findall((TOP / name).read_text(encoding="utf-8")) for line in block.splitlines()]
+    assert lines
+    assert [line for line in lines if len(line) > 75] == []
+
+
+def test_the_readme_shows_what_its_evaluation_prints(capsys: pytest.CaptureFixture[str]) -> None:
+    text = (TOP / "README.md").read_text(encoding="utf-8")
+    code, shown = BLOCK.findall(text[text.index("**Evaluate and compare**") :])[:2]
+    exec(code, {})
+    assert shown in capsys.readouterr().out
