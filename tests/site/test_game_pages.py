@@ -1,4 +1,5 @@
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import gymnasium
@@ -64,6 +65,30 @@ def test_facts_of_a_game_of_one_player(pages):
         "<td><code>frozen_ghosts</code></td><td>The ghosts stand still.</td>",
     ):
         assert text in page, text
+
+
+def test_a_family_of_names_is_one_row(pages):
+    assert (
+        "<td>0 to 35</td><td><code>0x80</code> to <code>0xA3</code></td><td><code>block_bits_0</code>, "
+        "<code>block_bits_1</code>, ... <code>block_bits_35</code></td><td>other</td><td>one bit a brick, 1 = standing; 6 "
+        "groups (columns) of 6 rows. changes in play (6), never changed (30)</td>" in pages["breakout"]
+    )
+    assert "<td>117 to 108</td>" in pages["freeway"]
+    assert "always in row 27, 43, ... 171" in pages["freeway"]
+    assert "<td>98, 100, ... 104</td>" in pages["qbert"]  # with gaps in RAM
+    assert pages["asteroids"].count("<code>asteroid_") == 5 * 3  # of two objects, seven and eight of each
+
+
+def test_every_label_is_in_one_family(pages):
+    from gamepages import families
+
+    for game in atari.games.values():
+        found = families.families(game.ram_labels.values(), lambda label: label.note or "")
+        assert sorted(label.name for family in found for label in family) == sorted(game.ram_labels)
+        for family in found:
+            assert len({label.kind for label in family}) == 1
+            assert len({b.index - a.index for a, b in pairwise(family)}) <= 1
+            assert len(family) != 2
 
 
 def test_lives_that_are_counted_after_the_reset_are_explained(pages):

@@ -1,5 +1,6 @@
 """Actions, modes, difficulties, RAM labels and interventions of a game, as tables."""
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 
 from atari.games.actions import PLAYER_ACTIONS
@@ -7,6 +8,7 @@ from atari.games.game import Game, RamLabel
 from atari.games.interventions import Intervention
 from atari.games.labels import value_source
 from gamepages.facts import keys
+from gamepages.families import families, merged, series, shortened
 from gamepages.markup import code, folded, pictures, table, text
 
 _UNNAMED = "<em>not known</em>"
@@ -61,20 +63,22 @@ def shared_modes(game: Game) -> str:
 
 
 def ram(game: Game) -> str:
-    """A row for each named byte."""
-    labels = sorted(game.ram_labels.values(), key=lambda label: (label.index, label.name))
-    return table(
-        ("byte", "address", "name", "kind", "meaning"),
-        (
-            (
-                str(label.index),
-                code(f"0x{0x80 + label.index:02X}"),
-                code(label.name),
-                label.kind.replace("_", " "),
-                ". ".join(_meaning(label)),
-            )
-            for label in labels
-        ),
+    """A row for each named byte, and one for each family of names."""
+    found = families(game.ram_labels.values(), _meaning)
+    return table(("byte", "address", "name", "kind", "meaning"), map(_ram_row, found))
+
+
+def _ram_row(labels: Sequence[RamLabel]) -> Sequence[str]:
+    """The row of a label, or of the labels of a family."""
+    ends = labels if labels[0] is labels[-1] else (labels[0], labels[-1])
+    evidence = Counter(label.evidence for label in labels if label.evidence)
+    counts = [text(name if count == len(labels) else f"{name} ({count})") for name, count in evidence.items()]
+    return (
+        series([str(label.index) for label in labels]),
+        " to ".join(code(f"0x{0x80 + label.index:02X}") for label in ends),
+        shortened([code(label.name) for label in labels]),
+        labels[0].kind.replace("_", " "),
+        ". ".join(filter(None, (merged([_meaning(label) for label in labels]), ", ".join(counts)))),
     )
 
 
@@ -83,7 +87,12 @@ def interventions(known: Iterable[Intervention]) -> str:
     return table(("name", "what it changes"), ((code(one.name), text(one.description)) for one in known))
 
 
-def _meaning(label: RamLabel) -> Iterator[str]:
+def _meaning(label: RamLabel) -> str:
+    """What a label says of its byte, without the evidence."""
+    return ". ".join(_facts(label))
+
+
+def _facts(label: RamLabel) -> Iterator[str]:
     if label.note:
         yield text(label.note)
     source = value_source(label)
@@ -93,5 +102,3 @@ def _meaning(label: RamLabel) -> Iterator[str]:
         yield f"always in column {label.x}" if label.y is None else f"always in row {label.y}"
     if label.visible is not None:
         yield f"visible when {code(label.visible)}"
-    if label.evidence:
-        yield text(label.evidence)
