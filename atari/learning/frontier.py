@@ -17,6 +17,7 @@ import atari._emulator as _emulator
 from atari import __version__
 from atari.base import durable
 from atari.base.validation import check_file
+from atari.cores.native import STATE_VERSION
 from atari.cores.snapshot import pack, unpack
 from atari.env.lane_snapshot import LaneSnapshot
 from atari.task import Task
@@ -92,7 +93,8 @@ def write_frontier(
         images.add(image)
     if len(images) > 1:
         raise ValueError("the snapshots are of several ROM images; write a file for each of them")
-    facts = {"of": "frontier", "package": __version__, "task": identity(task), "image": images.pop(), "scores": values}
+    of = {"of": "frontier", "state version": STATE_VERSION, "package": __version__}
+    facts = {**of, "task": identity(task), "image": images.pop(), "scores": values}
     durable.write_file(Path(path), pack(facts, states))
 
 
@@ -135,6 +137,11 @@ def _read(path: Path) -> tuple[dict[str, Any], Mapping[str, bytes]]:
         raise ValueError(f"{path} is no frontier, or damaged: {error}") from None
     if facts.get("of") != "frontier" or not 1 <= len(blobs) <= MOST:
         raise ValueError(f"{path} is no frontier; `atari diagnose` and write_frontier write one")
+    if facts.get("state version") != STATE_VERSION:
+        raise ValueError(
+            f"{path} has states of version {facts.get('state version')!r:.20}, and this release of atari-envs reads "
+            f"version {STATE_VERSION}; write it again with `atari diagnose`"
+        )
     return facts, blobs
 
 

@@ -178,6 +178,15 @@ def test_a_link_to_a_moment(new_page: Any, address: str) -> None:
     assert "#" not in other.url
 
 
+def test_a_link_of_an_earlier_release(new_page: Any, address: str) -> None:
+    """To frame 107 of catch at half the speed, with the panel of the RAM open (docs/stability.md)."""
+    moment = (Path(__file__).parent / "data/moment.txt").read_text("utf-8").strip()
+    page = new_page(f"{address}#{moment}", permissions=[])
+    wait_for(page, "app.paused")
+    assert shown(page, "[app.play.session.facts().frame, app.speed, app.ram.element.open]") == [107, 0.5, True]
+    assert ram(page)[:4] == [0, 2, 80, 106]
+
+
 def test_a_link_says_what_it_leaves_out(new_page: Any, site: str) -> None:
     page = started(new_page(site))
     page.evaluate("atariPage.toggleFreeze(1, 5)")

@@ -72,6 +72,25 @@ def test_no_page_is_wider_than_a_phone(page: Any) -> None:
     assert wide == {}
 
 
+SCREENS = {
+    "index.html": (".hero video", 4 * 320 / (3 * 210)),
+    "games/index.html": (".games img", 320 / 210),
+    "games/pong.html": ("figure.play video, .sheet:not(.views-of-presets) span", 320 / 210),
+    "notebooks/pixels.html": (".output figure img", 320 / 210),
+}
+"""Pictures of screens by page, and their width by their height."""
+
+
+@pytest.mark.parametrize("name", SCREENS)
+def test_pixels_are_twice_as_wide_as_high(page: Any, name: str) -> None:
+    page.goto(f"/{name}", wait_until="load")
+    which, aspect = SCREENS[name]
+    sizes = page.locator(which).evaluate_all("(shown) => shown.map((one) => [one.clientWidth, one.clientHeight])")
+    assert sizes
+    for width, height in (size for size in sizes if size[0]):
+        assert width / height == pytest.approx(aspect, rel=0.02)
+
+
 def test_a_click_turns_the_sound_on(page: Any) -> None:
     page.goto("/games/pong.html")
     video, button = page.locator("figure.play video").first, page.locator("figure.play button.sound").first

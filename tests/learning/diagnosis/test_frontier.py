@@ -110,6 +110,7 @@ def test_forged_and_damaged_files_are_refused(file: Path) -> None:
         (good[:-1], "is no frontier, or damaged"),
         (pack({**facts, "of": "play"}, blobs), "is no frontier; `atari diagnose`"),
         (pack(facts, {}), "is no frontier; `atari diagnose`"),
+        (pack({**facts, "state version": 0}, blobs), "has states of version 0, and this release of atari-envs reads"),
         (pack({**facts, "scores": [1, 2]}, blobs), "not one score for each"),
         (pack({**facts, "scores": [1, 2, "3"]}, blobs), "not one score for each"),
         (pack({**facts, "task": None}, blobs), "its task is None"),
