@@ -181,19 +181,16 @@ def _strip(stack: Image) -> Image:
 
 
 def _moments(name: str) -> list[Image]:
-    """Observations of a preset in Breakout with seed 2; FIRE is pressed at every 20th step, NOOP else."""
-    env = atari.make("breakout", preset=name)
-    moments = [env.reset(seed=2)[0]]
-    fire, noop = env.unwrapped.get_action_meanings().index("FIRE"), 0
-    for step in range(1, 1000):
-        observation, _, ended, _, info = env.step(fire if step % 20 == 1 else noop)
-        if step == 15:
-            moments.append(observation)
-        if step > 15 and (ended or info["lives"] < 5):
-            moments.append(env.reset()[0] if ended else env.step(noop)[0])
-            break
+    """Observations of a preset in Ms. Pac-Man with seed 2 and NOOP at every step."""
+    env = atari.make("ms_pacman", preset=name)
+    observation, info = env.reset(seed=2)
+    seen, lives, ended = [observation], info["lives"], False
+    while not ended and info["lives"] == lives:
+        observation, _, ended, _, info = env.step(0)
+        seen.append(observation)
+    after = env.reset()[0] if ended else env.step(0)[0]
     env.close()
-    return moments
+    return [seen[0], seen[15], after]
 
 
 def main() -> None:

@@ -5,8 +5,11 @@ import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
+import cv2
 import pytest
 import site_modules
+
+import atari
 
 TOP = Path(__file__).resolve().parents[2]
 LISTED = subprocess.run(
@@ -89,3 +92,11 @@ def test_the_readme_shows_what_its_evaluation_prints(capsys: pytest.CaptureFixtu
     code, shown = BLOCK.findall(text[text.index("**Evaluate and compare**") :])[:2]
     exec(code, {})
     assert shown in capsys.readouterr().out
+
+
+def test_the_observations_of_the_presets_can_be_seen() -> None:
+    """Each of the nine rows has 20 lines of words, then 84 of observations; those in the middle are in play."""
+    picture = cv2.imread(str(TOP / "docs" / "assets" / "presets.png"), cv2.IMREAD_GRAYSCALE)
+    assert picture is not None
+    rows = picture[20:].reshape(len(atari.PRESETS), 104, -1)[:, 20:, 356:700]
+    assert (rows > 30).mean(axis=(1, 2)).min() > 0.6

@@ -7,6 +7,7 @@ import pytest
 
 import atari
 from atari.games.interventions import load
+from atari.recording import Replay
 
 SITE = Path(__file__).parents[2] / "scripts" / "site"
 
@@ -130,6 +131,14 @@ def test_media_are_linked_where_the_build_has_them(pages):
     assert page.count("url(pong/modes.png)") == len(game.modes)
     assert page.count("url(pong/views.png)") == len(atari.PRESETS)
     assert index.page([game], ["pong"]).count("<img") == 1
+
+
+def test_the_observations_of_a_dark_game_are_of_a_bright_moment(pages):
+    pytest.importorskip("av")
+    from gamepages import media, plays
+
+    rows = media._views(Replay.load(plays.play_of("gravitar").path)).reshape(len(atari.PRESETS), 84, -1)
+    assert (rows > 30).mean(axis=(1, 2)).min() > 0.3
 
 
 @pytest.mark.parametrize(

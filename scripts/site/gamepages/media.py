@@ -1,30 +1,28 @@
 """The media of one game: `render` writes its video and pictures into a folder."""
 
 import random
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from pictures import Image, mosaic, png, strip
 
-import atari
 from atari.cores import NativeCore
-from atari.games.actions import Action
 from atari.games.game import Game
 from atari.multiplayer import MultiplayerCore
 from atari.recording import Replay, VideoWriter
-from atari.task import PRESETS
+from atari.task import PRESETS, Task
 from atari.web.film import film
 from gamepages.facts import FILM, MODES, SCREEN, VIDEO, VIEWS, shown_modes
 from gamepages.markup import shape
-from gamepages.plays import Play, play_of
+from gamepages.plays import play_of
 
 SECONDS = 18  # seconds of a video
 
 _HOLD = 4  # frames that a random action is held
 _MODE_FRAMES = 240  # frames of random play, from which a mode's picture is chosen
-_VIEW_STEPS = 60  # steps of four frames, before the observation that is shown
+_VIEW_STEPS = 600  # steps of a preset in a play, of which one is shown
 
 
 def render(game: Game, folder: Path) -> None:
@@ -35,6 +33,8 @@ def render(game: Game, folder: Path) -> None:
         start, stop = _window([frame.reward for frame in replay.frames()])
         replay.render(folder / VIDEO, start=start, stop=stop)
         (folder / FILM).write_bytes(film_of(replay))
+        if game.single_player:
+            _write(folder / VIEWS, _views(replay))
         screens = (frame.screen for frame in islice(replay.frames(start, stop), 0, None, 15))
     else:
         screens = iter(_write_random(game, folder / VIDEO)[::15])
@@ -42,8 +42,6 @@ def render(game: Game, folder: Path) -> None:
     if len(shown_modes(game)) > 1:
         modes = [_mode_screen(game, mode) for mode in shown_modes(game)]
         _write(folder / MODES, mosaic(modes, shape(len(modes))[0]))
-    if game.single_player:
-        _write(folder / VIEWS, np.concatenate([strip(list(_view(game, name, play))) for name in PRESETS]))
 
 
 def film_of(replay: Replay) -> bytes:
@@ -116,21 +114,14 @@ def _write_random(game: Game, path: Path) -> list[Image]:
     return screens
 
 
-def _view(game: Game, preset: str, play: Play | None) -> Image:
-    """The stack of four images that a preset shows after the first steps of the play, (4, 84, 84)."""
-    env = atari.make(game.id, preset=preset)
-    numbers = [int(Action[name]) for name in env.unwrapped.get_action_meanings()]
-    observation, _ = env.reset(seed=0)
-    for action in islice(_actions(game, play), _VIEW_STEPS):
-        step = env.step(numbers.index(action) if action in numbers else 0)
-        observation = env.reset()[0] if step[2] or step[3] else step[0]
-    env.close()
-    return np.asarray(observation)
+def _views(replay: Replay) -> Image:
+    """A row for each preset: the stack that it shows at one moment of a play, that with the most detail."""
+    plays = (replay.observations(Task.of(replay.game.id, preset=name)) for name in PRESETS)
+    moments = zip(*(islice(steps, 9, _VIEW_STEPS, 10) for steps in plays), strict=False)
+    best = max(moments, key=lambda steps: min(_detail(np.asarray(step.observation)) for step in steps))
+    return np.concatenate([strip(np.asarray(step.observation)) for step in best])
 
 
-def _actions(game: Game, play: Play | None) -> Iterator[int]:
-    """The action of each fourth frame of the play, or random ones."""
-    if play is not None:
-        return (frame.action for frame in islice(Replay.load(play.path).frames(), 0, None, 4))
-    choose = random.Random(0)
-    return (int(choose.choice(game.minimal_actions)) for _ in range(_VIEW_STEPS))
+def _detail(image: Image) -> int:
+    """The number of pixels that differ from the one to their left."""
+    return int((image[..., 1:] != image[..., :-1]).sum())
