@@ -3,11 +3,14 @@
 import argparse
 import sys
 from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from atari.cores.options import SEED_LIMIT
+from atari.learning import load_policy
 from atari.learning.evaluation.evaluate import EvaluatedPolicy
 from atari.learning.evaluation.played import EvaluatedGame, has_no_needs, played_task, resolve_games, usual_protocol
 from atari.learning.evaluation.protocols import find_protocol
@@ -129,6 +132,48 @@ def games_of(policy: Any, game: EvaluatedGame, protocol: str | None = None) -> t
         print(f"note: {policy.name} was trained on {', '.join(trained)}, and plays {game.id}", file=sys.stderr)
     task = played_task(game, found, policy)
     return task, EvaluatedPolicy(policy, task, found.epsilon)  # raises its errors before a game is played
+
+
+@dataclass(frozen=True)
+class PolicyGame:
+    """A policy that plays a game where a command takes replays, too.
+
+    Attributes:
+        source: the policy, as the user named it.
+        task: the task that it plays.
+        player: the policy in the environments of the task.
+    """
+
+    source: str
+    task: Task
+    player: EvaluatedPolicy
+
+    @classmethod
+    def load(cls, source: str, game: str | None = None) -> "PolicyGame":
+        """Load a policy, which plays the game of its training, or `game` if it does not say one.
+
+        Raises:
+            FileNotFoundError, ValueError: there is no such policy, or neither says which game it plays.
+        """
+        policy = load_policy(source)
+        if getattr(policy, "task", None) is None and getattr(policy, "game", None) is None:
+            if game is None:
+                raise ValueError(
+                    f"{source} does not say which game it plays; let it play one to a replay, and name that: "
+                    f"atari record GAME --policy {source} -o game.a26r"
+                )
+            names = [game]
+        else:
+            names = []
+        (found,) = find_played(argparse.Namespace(source=source), names, policy)
+        return cls(source, *games_of(policy, found))
+
+    def play(self, path: Path, seed: int = 0) -> Replay:
+        """Play a game to a replay."""
+        self.player.record([seed], path)
+        replay = Replay.load(path, game=self.task.definition)
+        replay.name = self.source
+        return replay
 
 
 def replay_of(args: argparse.Namespace, path: str) -> Replay:

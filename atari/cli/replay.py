@@ -3,6 +3,9 @@
 import argparse
 import json
 import math
+import sys
+import tempfile
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -14,11 +17,13 @@ from atari.cli.arguments import Commands, add_command
 from atari.cli.printing import print_json, print_table, printed_warnings
 from atari.cli.video_flags import VideoFlags, add_video_flags, best_or_number
 from atari.cores import CORES
+from atari.games.game import Game
 from atari.recording import Replay
+from atari.recording.replay.file_format import is_replay
 from atari.recording.video.formats import FORMATS, is_picture
 from atari.recording.video.writer import frame_rate
 from atari.task.description import summary
-from atari.task.parser import number
+from atari.task.parser import number, seed
 
 
 def register(commands: Commands) -> None:
@@ -40,15 +45,25 @@ def register(commands: Commands) -> None:
     )
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE")
     parser.add_argument("--core", choices=list(CORES), default="native", help="the core to play on (default: native)")
-    parser = add_command(subcommands, "render", _render, "write a video of a replay")
-    parser.add_argument("file", type=Path, metavar="FILE")
+    parser = add_command(subcommands, "render", _render, "write a video of a replay, or of several side by side")
+    parser.add_argument(
+        "sources",
+        nargs="+",
+        metavar="SOURCE",
+        help="a replay; a run folder or another policy, as `atari watch` takes it, plays one game: that of its "
+        "training, or of the first SOURCE. Several are shown side by side with names, scores and lives, and the sound "
+        "of the first; where one ends, its last frame stays",
+    )
     parser.add_argument(
         "-o",
         "--output",
         type=Path,
         metavar="FILE",
-        help=f"the video ({', '.join(FORMATS)}), or a picture (.png), replaced if there (default: FILE with the ending "
-        ".mp4)",
+        help=f"the video ({', '.join(FORMATS)}), or a picture (.png), replaced if there (default for a single "
+        "replay: its name with the ending .mp4)",
+    )
+    parser.add_argument(
+        "--seed", type=seed, default=0, metavar="N", help="seed of the games of policies, below 2**32 (default: 0)"
     )
     parser.add_argument(
         "--start",
@@ -127,56 +142,107 @@ def _verify(args: argparse.Namespace) -> int:
 
 
 def _render(args: argparse.Namespace) -> int:
-    replay = _load(args.file)
-    output = args.output or args.file.with_suffix(".mp4")
-    options = VideoFlags(args, [output]).options(output)
-    part, frames = _part(args, replay)
-    if not frames:
-        raise ValueError(f"there are no frames to render: the replay has {replay.frames_total:,} frames")
-    picture = is_picture(output)
-    if options.get("frame") == "best":
-        options["frame"], part = replay.best_frame(**part), {}
-    with ProgressBar(total=frames, unit=" frames", disable=picture or None) as bar, removed_at_ctrl_c(output):
-        replay.render(output, **options, **part, progress=bar.update)
-    result: dict[str, Any] = {"file": args.file, "frames": 1 if picture else frames}
-    if picture:
-        shown = "a picture" if options["frame"] is None else f"frame {options['frame']:,}"
-        result |= {"frame": options["frame"], "picture": output.resolve()}
+    sources: list[str] = args.sources
+    recorded = [is_replay(source) for source in sources]
+    if args.output is None and recorded != [True]:
+        raise ValueError(f"the video of {' and '.join(sources)} needs a name: add -o FILE, such as -o film.mp4")
+    output = args.output or Path(sources[0]).with_suffix(".mp4")
+    if all(recorded) and "seed" in getattr(args, "flags", ()):
+        raise ValueError("--seed is for policies, and what was played is in a replay; leave it out")
+    flags = VideoFlags(args, [output])
+    with tempfile.TemporaryDirectory() as folder:
+        if all(recorded):
+            replays = [_load(Path(source)) for source in sources]
+        else:
+            replays = _played(sources, args.seed, Path(folder), lambda game: flags.check(output, game))
+        shown, part = _write(args, replays, output, flags.options(output))
+    result: dict[str, Any] = {"file": sources[0]} if len(sources) == 1 else {"files": sources}
+    result |= {"frames": shown, **part, ("picture" if is_picture(output) else "video"): output.resolve()}
+    if args.json:
+        print_json(result)
+        return 0
+    if is_picture(output):
+        what = f"frame {part['frame']:,}" if isinstance(part["frame"], int) else "a picture"
     else:
-        shown = f"{frames:,} frames" + " of the game" * (output.suffix.lower() == ".gif")  # a GIF drops some of them
-        result |= {"video": output.resolve()}
-        if args.start == "best":
-            shown += f", from frame {part['start']:,} on,"
-            result |= {"start": part["start"]}
-    print_json(result) if args.json else print(f"{shown} in {output.resolve()}")
+        what = f"{shown:,} frames" + " of the game" * (output.suffix.lower() == ".gif")  # a GIF drops some of them
+        what += f", from frame {part['start']:,} on," if part else ""
+    print(f"{what} in {output.resolve()}")
     return 0
 
 
-def _part(args: argparse.Namespace, replay: Replay) -> tuple[dict[str, Any], int]:
-    """The part of a replay that the arguments name, as `Replay.render` takes it, and the number of its frames."""
-    length = None if args.seconds is None else math.ceil(args.seconds * frame_rate(replay.game))
+def _write(
+    args: argparse.Namespace, replays: list[Replay], output: Path, options: dict[str, Any]
+) -> tuple[int, dict[str, Any]]:
+    """Write the video or the picture; return the number of its frames, and the frame or the start that was found."""
+    first, *beside = replays
+    part = _part(args, replays)
+    frames = max(_length(replay, part) for replay in replays)
+    if not frames:
+        raise ValueError(f"there are no frames to render: the replay has {first.frames_total:,} frames")
+    picture = is_picture(output)
+    if options.get("frame") == "best" and not beside:
+        options["frame"], part = first.best_frame(**part), {}
+    with ProgressBar(total=frames, unit=" frames", disable=picture or None) as bar, removed_at_ctrl_c(output):
+        first.render(output, **options, **part, beside=beside, progress=bar.update)
+    if picture:
+        return 1, {"frame": options["frame"]}
+    return frames, {"start": part["start"]} if args.start == "best" else {}
+
+
+def _played(sources: list[str], seed: int, folder: Path, check: Callable[[Game], None]) -> list[Replay]:
+    """The replays, and the games of the policies among them, which are played to `folder` after `check`."""
+    from atari.cli.policies import PolicyGame  # here, because other commands of replays need no policies
+
+    found: list[Replay | PolicyGame] = []
+    game: Game | None = None
+    for source in sources:
+        named = None if game is None else str(game.file or game.id)
+        found.append(_load(Path(source)) if is_replay(source) else PolicyGame.load(source, named))
+        game = game or (first.game if isinstance(first := found[0], Replay) else first.task.definition)
+        check(game)
+    replays: list[Replay] = []
+    for index, one in enumerate(found):
+        replay = one if isinstance(one, Replay) else one.play(folder / f"{index}.a26r", seed)
+        if not isinstance(one, Replay):
+            print(f"{one.source}: seed {seed}, score {replay.episodes[0].score:,}", file=sys.stderr, flush=True)
+        replays.append(replay)
+    return replays
+
+
+def _part(args: argparse.Namespace, replays: list[Replay]) -> dict[str, Any]:
+    """The part of each replay that the arguments name, as `Replay.render` takes it."""
+    first = replays[0]
+    length = None if args.seconds is None else math.ceil(args.seconds * frame_rate(first.game))
+    if args.start == "best" and len(replays) > 1:
+        raise ValueError("--start best is a part of one replay; name one, or give --start a number")
     if args.episode is not None:
-        most = len(replay.episodes) - 1
-        best = args.episode == "best"
-        number = replay.best_episode if best else check_integer("--episode", args.episode, 0, most)
-        played = replay.episodes[number].frames
+        for replay in replays:
+            if args.episode != "best":
+                check_integer("--episode", args.episode, 0, len(replay.episodes) - 1)
         if args.start == "best" and length is not None:
-            frames = min(length, played)
-            start = replay.best_start(frames, episode=number)
-            return {"start": start, "stop": start + frames}, frames
+            frames = min(length, _length(first, {"episode": args.episode}))
+            start = first.best_start(frames, episode=args.episode)
+            return {"start": start, "stop": start + frames}
         if args.start or args.stop is not None or length is not None:
             raise ValueError(
                 "--episode shows a whole episode, or with --start best --seconds S the best part of it; leave --start, "
                 "--stop and --seconds out"
             )
-        return {"episode": number}, played
+        return {"episode": args.episode}
     start = args.start
     if start == "best":
         if length is None:
             raise ValueError("--start best needs --seconds, the length of the part")
-        start = replay.best_start(max(min(length, replay.frames_total), 1))
-    stop = start + length if length else args.stop
-    return {"start": start, "stop": stop}, max(min(stop or replay.frames_total, replay.frames_total) - start, 0)
+        start = first.best_start(max(min(length, first.frames_total), 1))
+    return {"start": start, "stop": start + length if length else args.stop}
+
+
+def _length(replay: Replay, part: dict[str, Any]) -> int:
+    """The number of frames in a part of a replay."""
+    episode = part.get("episode")
+    if episode is not None:
+        return replay.episodes[replay.best_episode if episode == "best" else episode].frames
+    return max(min(part["stop"] or replay.frames_total, replay.frames_total) - part["start"], 0)
 
 
 def _load(file: Path) -> Replay:

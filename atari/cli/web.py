@@ -9,16 +9,13 @@ from typing import Any
 
 from atari.base.progress import ProgressBar
 from atari.cli.arguments import Commands, add_command
-from atari.cli.policies import find_played, games_of
+from atari.cli.policies import PolicyGame
 from atari.cli.printing import print_json, print_table, print_warning, printed_warnings
 from atari.games.catalog import games
 from atari.games.game import Game
-from atari.learning import load_policy
-from atari.learning.evaluation.evaluate import EvaluatedPolicy
 from atari.recording import Replay
 from atari.recording.replay import file_format
 from atari.recording.replay.shown import on_page
-from atari.task import Task
 from atari.task.parser import number
 from atari.web.bundle import ONE_FILE
 from atari.web.film import frames_of
@@ -58,7 +55,7 @@ def _web(args: argparse.Namespace) -> int:
     found = [_find(source, own) for source in args.sources if not _is_game(source)]
     with tempfile.TemporaryDirectory() as folder:
         replays = [
-            one if isinstance(one, _Named) else one.play(Path(folder, f"{index}.a26r"))
+            one if isinstance(one, _Named) else _Named(one.play(Path(folder, f"{index}.a26r")), Path(one.source).stem)
             for index, one in enumerate(found)
         ]
         shown = unique(_shown(one, args.seconds) for one in replays)
@@ -95,18 +92,18 @@ def _with_id(game_id: object, own: list[Game]) -> Game | None:
     return next((game for game in own if game.id == game_id), None)
 
 
-def _find(source: str, own: list[Game]) -> "_Named | _Policy":
+def _find(source: str, own: list[Game]) -> "_Named | PolicyGame":
     """The replay or the policy of an argument.
 
     Raises:
-        FileNotFoundError, ValueError: there is none; see `_read` and `_Policy.load`.
+        FileNotFoundError, ValueError: there is none; see `_read` and `PolicyGame.load`.
     """
     if not Path(source).exists():
         raise FileNotFoundError(
             f"there is no {source}; a SOURCE is a replay, a run folder, the file of a policy, or the definition of a "
             "game of your own (.toml)"
         )
-    return _read(source, own) if file_format.is_replay(source) else _Policy.load(source)
+    return _read(source, own) if file_format.is_replay(source) else PolicyGame.load(source)
 
 
 @dataclass(frozen=True)
@@ -141,31 +138,6 @@ def _read(source: str, own: list[Game]) -> _Named:
     except FileNotFoundError as error:
         print_warning(f"{path} is on the page without a film, because its game cannot be played here: {error}")
         return _Named(Replay(path, content, game or games[str(game_id)]), path.stem, playable=False)
-
-
-@dataclass(frozen=True)
-class _Policy:
-    """A policy with the task that it plays."""
-
-    source: str
-    task: Task
-    player: EvaluatedPolicy
-
-    @classmethod
-    def load(cls, source: str) -> "_Policy":
-        """Load a policy.
-
-        Raises:
-            ValueError: the file has no policy, or it does not say which game it plays.
-        """
-        policy = load_policy(source)
-        (game,) = find_played(argparse.Namespace(source=source), [], policy)
-        return cls(source, *games_of(policy, game))
-
-    def play(self, path: Path) -> _Named:
-        """Record a game."""
-        self.player.record([0], path)
-        return _Named(Replay.load(path, game=self.task.definition), Path(self.source).stem)
 
 
 def _shown(one: _Named, seconds: float) -> Shown:

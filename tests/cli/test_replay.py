@@ -179,3 +179,39 @@ def test_a_wrong_part(capsys: Capture, words: list[str], text: str, code: int) -
 def test_the_best_part_is_no_longer_than_its_episode(replay: Replay) -> None:
     with pytest.raises(ValueError, match="frames must be within"):
         replay.best_start(replay.episodes[1].frames + 1, episode=1)
+
+
+def test_replays_and_policies_side_by_side(replay: Replay, capsys: Capture) -> None:
+    words = ["a.a26r", "random", "-o", "b.mkv", "--scale", "1", "--stop", "90", "--seed", "3"]
+    assert main(["replay", "render", *words, "--json"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out) == {"files": ["a.a26r", "random"], "frames": 90, "video": str(Path("b.mkv").resolve())}
+    assert main(["record", "pong", "--policy", "random", "--preset", "baselines", "--seed", "3", "-o", "r.a26r"]) == 0
+    other = Replay.load("r.a26r")
+    assert err == f"random: seed 3, score {other.episodes[0].score}\n"
+    frames = video_frames(Path("b.mkv"))
+    assert len(frames) == 90
+    for left, one in ((0, replay), (328, other)):
+        assert np.array_equal(frames[80][:210, left : left + 320 : 2], next(one.frames(80, 81)).screen)
+
+
+def test_a_picture_of_several(replay: Replay, capsys: Capture) -> None:
+    assert render(capsys, "a.a26r", "-o", "a.png", "--frame", "best") == f"a picture in {Path('a.png').resolve()}\n"
+    assert render(capsys, "a.a26r", "-o", "b.png", "--frame", "3") == f"frame 3 in {Path('b.png').resolve()}\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["a.a26r", "a.a26r"], "the video of a.a26r and a.a26r needs a name: add -o FILE"),
+        (["random"], "the video of random needs a name: add -o FILE"),
+        (["random", "a.a26r", "-o", "b.mp4"], "random does not say which game it plays; let it play one to a replay"),
+        (["a.a26r", "a.a26r", "-o", "b.mp4", "--seed", "1"], "--seed is for policies"),
+        (["a.a26r", "a.a26r", "-o", "b.mp4", "--start", "best", "--seconds", "1"], "--start best is a part of one"),
+        (["a.a26r", "random", "-o", "b.avi"], "must end in one of"),
+        (["a.a26r", "none.a26r", "-o", "b.mp4"], "there is no file none.a26r"),
+    ],
+)
+def test_a_wrong_film(capsys: Capture, words: list[str], text: str) -> None:
+    assert refused(capsys, ["replay", "render", *words], text) == ""
+    assert [path.name for path in Path().iterdir()] == ["a.a26r"]

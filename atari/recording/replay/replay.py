@@ -8,7 +8,7 @@ core and on ale-py's.
 import json
 import warnings
 from collections import Counter, deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property
 from itertools import chain, takewhile
@@ -34,10 +34,11 @@ from atari.recording.replay.players import PlayersRunner, make_core
 from atari.recording.replay.results import Divergence, EpisodeSummary, Frame, Verification, difference, frames_of
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
 from atari.recording.replay.shown import in_notebook
+from atari.recording.replay.side_by_side import write_film
 from atari.recording.video.facts import PACKAGE
 from atari.recording.video.formats import has_sound, is_picture
 from atari.recording.video.overlay import Overlay
-from atari.recording.video.writer import VideoWriter, frame_rate, video_rate
+from atari.recording.video.writer import frame_rate, video_rate
 from atari.task import Task
 
 _CHUNKS_PER_CHECKPOINT = 4
@@ -49,6 +50,7 @@ class Replay:
 
     Attributes:
         path: the file.
+        name: its name in a video beside others: the path without its ending. It can be set.
         header: the file's header: game, ROM, core, options, release.
         game: the game.
         seeds: the seeds of the core, in order.
@@ -74,6 +76,7 @@ class Replay:
         self, path: Path, content: file_format.ReplayContent, game: Game, rom: str | PathLike[str] | None = None
     ) -> None:
         self.path = path
+        self.name = str(path.with_suffix("") if path.suffix.lower() == file_format.SUFFIX else path)
         self.header: Mapping[str, Any] = content.header
         self.game = game
         self.complete = content.end is not None
@@ -196,11 +199,16 @@ class Replay:
             caption += f", score {', '.join(str(episode.score) for episode in self.episodes[:5])}"
         if 2 * shown < self.frames_total:
             caption += f"; the first {2 * shown // frame_rate(self.game)} seconds"
-        height, width = self.game.screen.shape
-        return picture(data, caption, width=2 * width, height=height)
+        return picture(data, caption, self.game.screen.shape)
 
     def frames(
-        self, start: int = 0, stop: int | None = None, *, core: str = "native", sound: bool = False
+        self,
+        start: int = 0,
+        stop: int | None = None,
+        *,
+        episode: int | Literal["best"] | None = None,
+        core: str = "native",
+        sound: bool = False,
     ) -> Iterator[Frame]:
         """Play the replay and yield each frame.
 
@@ -217,17 +225,25 @@ class Replay:
         Args:
             start: the first frame, 0 or more.
             stop: the frame after the last; None is the end.
+            episode: the number of the only episode that is played, or "best", which is `best_episode`; without
+                `start` and `stop`.
             core: the core to play on.
             sound: whether `audio` is filled.
 
         Raises:
-            TypeError, ValueError: there is no such frame or core, or the replay cannot be played on this core.
+            TypeError, ValueError: there is no such frame, episode or core, or the replay cannot be played on this core.
         """
-        start, stop = self._part(start, stop)
-        if start < stop:
-            calls = self._calls(core, sound=sound, start=start)
+        if episode is None:
+            start, stop = self._part(start, stop)
+            calls = self._calls(core, sound=sound, start=start) if start < stop else iter(())
             part = ((runner, call) for runner, call in calls if runner.frame > start)
-            yield from frames_of(takewhile(lambda pair: pair[0].frame <= stop, part))
+            return frames_of(takewhile(lambda pair: pair[0].frame <= stop, part))
+        if start or stop is not None:
+            raise ValueError(f"episode={episode!r} is a whole episode; leave start and stop out")
+        number = self.best_episode if episode == "best" else episode
+        number = check_integer('an episode other than "best"', number, 0, len(self.episodes) - 1)
+        calls = takewhile(lambda pair: len(pair[0].episodes) <= number, self._calls(core, sound=sound))
+        return frames_of((runner, call) for runner, call in calls if len(runner.episodes) == number)
 
     def _part(self, start: int, stop: int | None) -> tuple[int, int]:
         total = self.frames_total
@@ -242,10 +258,9 @@ class Replay:
         Raises:
             TypeError, ValueError: see `render`; there is no frame.
         """
-        frames = self.frames(start, stop) if episode is None else self._frames_of(episode, "native", False)
-        best = max(frames, key=lambda frame: frame.reward, default=None)
+        best = max(self.frames(start, stop, episode=episode), key=lambda frame: frame.reward, default=None)
         if best is None:
-            raise self._no_frame()
+            raise ValueError(f"there is no frame for a picture: the replay has {self.frames_total:,} frames")
         return best.index
 
     def best_start(self, frames: int, *, episode: int | Literal["best"] | None = None) -> int:
@@ -272,8 +287,7 @@ class Replay:
             >>> sum(frame.reward for frame in replay.frames(start, start + 200))
             -1
         """
-        played = self.frames() if episode is None else self._frames_of(episode, "native", False)
-        pairs = [(frame.index, frame.reward) for frame in played]
+        pairs = [(frame.index, frame.reward) for frame in self.frames(episode=episode)]
         frames = check_integer("frames", frames, 1, len(pairs))
         points = np.cumsum([0, *(reward for _, reward in pairs)])
         sums = points[frames:] - points[:-frames]
@@ -347,71 +361,80 @@ class Replay:
         episode: int | Literal["best"] | None = None,
         frame: int | Literal["best"] | None = None,
         overlay: tuple[str, ...] | None = None,
+        beside: "Sequence[Replay]" = (),
         core: str = "native",
         progress: Callable[[int], object] | None = None,
     ) -> Path:
         """Write a video of the replay or of a part, with each emulated frame; or a picture of one frame.
+
+        With `beside`, the video shows several replays, each with its `name`. It lasts as long as the longest, and the
+        others keep their last frame. It has the sound and the frame rate of this replay.
 
         Args:
             path: the video, see `VideoWriter` for the formats; a picture ends in ".png" and has no "%" in its name.
             speed: 1 is the console's speed, 0.25 is slow motion, and 4 is fast; see `VideoWriter`.
             scale: a pixel becomes `2 * scale` columns and `scale` rows.
             sound: write the game's sound, if the format has sound.
-            start, stop, core: see `frames`.
-            episode: the number of the only episode that is shown, or "best", which is `best_episode`; without `start`
-                and `stop`.
+            start, stop, episode, core: see `frames`.
             frame: the frame of a picture: its number, without `start`, `stop` and `episode`, or "best", the first with
                 the greatest reward. None is the last frame.
-            overlay: parts of the text below the frame: some of "score", "action", "ram" and "curve", the score of the
-                episode up to each frame.
+            overlay: parts of the text below the frame: some of "score", "lives", "action", "ram" and "curve", the score
+                of the episode up to each frame. None means no part, or beside others ("score", "lives").
+            beside: other replays, also of other games. `start`, `stop`, `episode`, `frame` and `overlay` apply to each.
             progress: called with 1 after each frame.
 
         Raises:
             TypeError, ValueError: see `frames` and `VideoWriter`; there is no such episode or frame, or no frame.
             OSError: the file cannot be written.
             gymnasium.error.DependencyNotInstalled: PyAV is not installed.
+
+        Example:
+            >>> import atari
+            >>> from atari.recording import RecordReplay, Replay
+            >>> for seed in (0, 1):
+            ...     with RecordReplay(atari.make("pong"), f"seed{seed}.a26r") as env:
+            ...         observation, info = env.reset(seed=seed)
+            ...         observation = env.step(2)[0]
+            >>> first, second = Replay.load("seed0.a26r"), Replay.load("seed1.a26r")
+            >>> first.render("both.png", beside=[second]).name
+            'both.png'
         """
-        picture, audible, below = is_picture(path), sound and has_sound(path), Overlay(overlay)
-        if episode is not None and (start or stop is not None):
-            raise ValueError("render takes episode, or start and stop, not both")
+        others: list[Any] = list(beside) if isinstance(beside, (list, tuple)) else [beside]
+        if wrong := [one for one in others if not isinstance(one, Replay)]:
+            raise TypeError(f"beside is a list of replays, such as [Replay.load('b.a26r')], got {wrong[0]!r} in it")
+        replays: list[Replay] = [self, *others]
+        audible = sound and has_sound(path)
+        if len(replays) > 1 and overlay is None:
+            overlay = ("score", "lives")
+        overlays = [Overlay(overlay) for _ in replays]
+        part: dict[str, Any] = {"start": start, "stop": stop, "episode": episode, "frame": frame}
+        last = is_picture(path) and "curve" not in overlays[0].parts  # a curve has the frames before, too
+        return write_film(
+            path,
+            [replay._rendered(path, last, **part, core=core, sound=audible) for replay in replays],
+            overlays,
+            [replay.game.screen.shape for replay in replays],
+            [replay.name for replay in replays],
+            video_rate(self.game, Path(path).suffix, speed=speed),
+            scale=scale,
+            sound=audible,
+            comment=json.dumps({**self.facts, **({"beside": [one.facts for one in others]} if others else {})}),
+            progress=progress,
+        )
+
+    def _rendered(
+        self, path: Any, last: bool, start: int, stop: int | None, episode: Any, frame: Any, **options: Any
+    ) -> Iterator[Frame]:
+        """The frames that `render` shows, or only the last of them, unless they are an episode."""
         if frame is not None:
             start, stop = self._part_of_frame(path, frame, start, stop, episode)
             episode = None
-        if episode is not None:
-            frames = self._frames_of(episode, core, audible)
-        else:
+        if episode is None:
             start, stop = self._part(start, stop)
             if start >= stop:
                 raise ValueError(f"there are no frames to render: the replay has {self.frames_total:,} frames")
-            if picture and "curve" not in below.parts:  # a curve has the frames before, too
-                start = stop - 1
-            frames = self.frames(start, stop, core=core, sound=audible)
-        size, lines = below.size(self.game.screen.shape), below.caption_lines
-        rate = video_rate(self.game, Path(path).suffix, speed=speed)
-        comment = json.dumps(self.facts)
-        with VideoWriter(path, size, rate, scale=scale, sound=audible, caption_lines=lines, comment=comment) as video:
-
-            def write(one: Frame) -> None:
-                video.write(below.draw(one.screen), one.audio, below.caption(one.actions, one.ram, one.scores))
-
-            last: Frame | None = None
-            for one in frames:
-                if last is not None and one.episode != last.episode:
-                    below.begin_game()
-                below.add(one.score - below.score)  # also after a rewind
-                last = one
-                if not picture:
-                    write(one)
-                if progress is not None:
-                    progress(1)
-            if picture:
-                if last is None:
-                    raise self._no_frame()
-                write(last)
-        return video.path
-
-    def _no_frame(self) -> ValueError:
-        return ValueError(f"there is no frame for a picture: the replay has {self.frames_total:,} frames")
+            start, stop = (stop - 1 if last else start), stop
+        return self.frames(start, stop, episode=episode, **options)
 
     def _part_of_frame(
         self, path: Any, frame: Any, start: int, stop: int | None, episode: Any
@@ -426,12 +449,6 @@ class Replay:
         if episode is not None or start or stop is not None:
             raise ValueError(f"frame={frame!r} is a frame of the whole replay; leave episode, start and stop out")
         return 0, 1 + check_integer('a frame other than "best"', frame, 0, self.frames_total - 1)
-
-    def _frames_of(self, episode: int | Literal["best"], core: str, sound: bool) -> Iterator[Frame]:
-        number = self.best_episode if episode == "best" else episode
-        number = check_integer('an episode other than "best"', number, 0, len(self.episodes) - 1)
-        calls = takewhile(lambda pair: len(pair[0].episodes) <= number, self._calls(core, sound=sound))
-        return frames_of((runner, call) for runner, call in calls if len(runner.episodes) == number)
 
     def make_env(self, *, core: str = "native", **options: Any) -> AtariEnv:
         """Return an environment with the options of the recorded environment; `options` override them.

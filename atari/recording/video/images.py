@@ -8,6 +8,8 @@ import numpy.typing as npt
 
 from atari.cores import ByteArray
 
+_GLYPH_COLUMNS = 5  # at scale 1
+
 
 def enlarge(rgb: ByteArray, across: int, down: int) -> ByteArray:
     """Return an image (rows, columns, 3) with each pixel as a block: (down * rows, across * columns, 3) uint8."""
@@ -19,6 +21,11 @@ def enlarge(rgb: ByteArray, across: int, down: int) -> ByteArray:
 def line_height(scale: int) -> int:
     """Return the height of a caption line in rows."""
     return 8 * scale
+
+
+def caption_room(columns: int) -> int:
+    """Return the characters of a caption line below a screen of this many columns, before it is enlarged."""
+    return 2 * columns // _GLYPH_COLUMNS
 
 
 def add_caption(image: ByteArray, text: str, lines: int, scale: int) -> ByteArray:
@@ -46,7 +53,7 @@ def _glyphs(scale: int) -> ByteArray:
 
     OpenCV's font has glyphs of different widths; each is centred in its cell.
     """
-    rows, columns = line_height(scale), 5 * scale
+    rows, columns = line_height(scale), _GLYPH_COLUMNS * scale
     glyphs = np.zeros((128, rows, columns), np.uint8)
     for code in range(33, 127):
         drawn = np.zeros((rows, 3 * columns), np.uint8)

@@ -9,14 +9,14 @@ import numpy as np
 from atari.cores import ByteArray
 from atari.games.actions import Action
 
-OVERLAYS = ("score", "action", "ram", "curve")
+OVERLAYS = ("score", "lives", "action", "ram", "curve")
 CURVE_ROWS = 32
 _RAM_LINES = 8
 _LINE, _ZERO = (236, 236, 236), (74, 74, 74)
 
 
 class Overlay:
-    """The score, the action and the RAM as text, and the score of the game so far as a curve.
+    """The score, the lives, the action and the RAM as text, and the score of the game so far as a curve.
 
     Args:
         parts: some of `OVERLAYS`; None means no part.
@@ -29,7 +29,7 @@ class Overlay:
         if isinstance(parts, str) or not set(parts or ()) <= set(OVERLAYS):
             raise ValueError(f"overlay is a tuple of some of {', '.join(map(repr, OVERLAYS))}, got {parts!r}")
         self.parts = tuple(parts or ())
-        self.caption_lines = bool({"score", "action"} & set(self.parts)) + _RAM_LINES * ("ram" in self.parts)
+        self.caption_lines = bool({"score", "lives", "action"} & set(self.parts)) + _RAM_LINES * ("ram" in self.parts)
         self.begin_game()
 
     def size(self, size: tuple[int, int]) -> tuple[int, int]:
@@ -47,17 +47,26 @@ class Overlay:
         if "curve" in self.parts:
             self._scores.append(self.score)
 
-    def caption(self, actions: Sequence[int | None], ram: ByteArray, scores: Sequence[int] | None = None) -> str:
+    def caption(
+        self,
+        actions: Sequence[int | None],
+        ram: ByteArray,
+        scores: Sequence[int] | None = None,
+        lives: Sequence[int] = (),
+    ) -> str:
         """The lines of text.
 
         Args:
             actions: ALE's number of each player's action.
             ram: (128,) uint8.
             scores: the score of each player; None is the sum of the rewards of one.
+            lives: the lives of each player.
         """
         words = []
         if "score" in self.parts:
             words.append(f"score {', '.join(map(str, scores or (self.score,)))}")
+        if "lives" in self.parts:
+            words.append(f"lives {', '.join(map(str, lives))}")
         if "action" in self.parts:
             words.append(f"action {', '.join('-' if one is None else Action(one).name for one in actions)}")
         lines = ["   ".join(words)] if words else []

@@ -118,8 +118,8 @@ class RecordVideo(RecordEnvVideo):
         speed: 0.25 is slow motion, and 4 is fast, within 0.05..16; see `VideoWriter`. The sound is lower or higher.
         scale: a pixel becomes `2 * scale` x `scale` pixels of the video.
         sound: record the sound, if the format has it. Each frame costs some microseconds more, recorded or not.
-        overlay: parts of the text below the frame: some of "score", "action", "ram" and "curve", the score of the game
-            so far.
+        overlay: parts of the text below the frame: some of "score", "lives", "action", "ram" and "curve", the score of
+            the game so far.
         keep: "all" videos, or only the "best" so far, which has the highest sum of rewards without clipping.
 
     Attributes:

@@ -148,7 +148,7 @@ class VideoRecorder(DeferredErrorMixin):
             return
         self.score += reward
         samples = core.audio() if self._settings.sound and action is not None else None
-        caption = self._overlay.caption((action,), core.ram()) if self._overlay.parts else ""
+        caption = self._overlay.caption((action,), core.ram(), lives=(core.lives,)) if self._overlay.parts else ""
         try:
             writer.write(self._overlay.draw(core.screen_rgb() if image is None else image), samples, caption)
         except Exception as error:

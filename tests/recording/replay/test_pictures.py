@@ -101,7 +101,12 @@ def test_the_best_episode_by_name(replay: Replay, tmp_path: Path) -> None:
         ("a.png", {"start": -1}, ValueError, "start must be within 0"),
         ("a.png", {"speed": 2}, ValueError, "a PNG has no speed, got speed=2"),
         ("a.mp4", {"episode": "worst"}, TypeError, 'an episode other than "best" must be an integer within 0'),
-        ("a.mp4", {"episode": "best", "stop": 3}, ValueError, "render takes episode, or start and stop, not both"),
+        (
+            "a.mp4",
+            {"episode": "best", "stop": 3},
+            ValueError,
+            "episode='best' is a whole episode; leave start and stop out",
+        ),
     ],
 )
 def test_wrong_choices(
