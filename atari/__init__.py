@@ -38,6 +38,7 @@ from atari.base import start  # isort: skip # noqa: F401 - before the other impo
 
 from atari import cores
 from atari.base.variables import check as check_variables
+from atari.base.wrapped import show_wrapped
 from atari.env import AtariEnv
 from atari.games.actions import Action
 from atari.games.game import Game
@@ -82,6 +83,7 @@ _LATER = ("classic", "integrations", "lab", "learning", "multiplayer", "recordin
 check_variables()
 register_all()
 register_algorithmic()
+show_wrapped()
 
 
 def __getattr__(name: str) -> Any:

@@ -24,6 +24,9 @@ ByteArray = npt.NDArray[np.uint8]
 MAX_ANIMATION_SIZE = 2_000_000
 """The most bytes of an animation; it ends before the frame that would exceed them."""
 
+MOST_SHOWN = 36
+"""The most environments of a vector that a notebook shows."""
+
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _OVERWRITE_AND_KEEP = (0, 0)
 
@@ -69,18 +72,19 @@ def animation(images: Iterable[ByteArray], rate: int) -> tuple[bytes, int]:
     return b"".join((_SIGNATURE, header, count, *chunks, _chunk(b"IEND"))), shown
 
 
-def picture(data: bytes, caption: str, *, width: int, height: int) -> str:
-    """HTML of a PNG file, `width` by `height` pixels, at most as wide as the page, with a caption below."""
-    shown = image(data, caption, width=width, height=height)
+def picture(data: bytes, caption: str, shape: Sequence[int]) -> str:
+    """HTML of a PNG file of screens, see `image`, with a caption below."""
+    shown = image(data, caption, shape)
     return f'<figure style="margin:0">{shown}<figcaption>{html.escape(caption)}</figcaption></figure>'
 
 
-def image(data: bytes, text: str, *, width: int, height: int) -> str:
-    """An HTML image of a PNG file, `width` by `height` pixels, at most as wide as the page, with a text for readers.
+def image(data: bytes, text: str, shape: Sequence[int]) -> str:
+    """An HTML image of a PNG file of one or more screens, at most as wide as the page, with a text for readers.
 
-    The pixels of a screen are twice as wide as high, and a browser takes the aspect of the file for `height:auto`. So
-    the style has the aspect of the attributes.
+    `shape` begins with the rows and columns of the file. The pixels of a screen are twice as wide as high, and a
+    browser takes the aspect of the file for `height:auto`. So the style has the aspect of the attributes.
     """
+    width, height = 2 * shape[1], shape[0]
     style = f"image-rendering:pixelated;max-width:100%;height:auto;aspect-ratio:{width}/{height}"
     return (
         f'<img width="{width}" height="{height}" alt="{html.escape(text)}" style="{style}" '

@@ -289,12 +289,11 @@ class AtariEnv(EnvState):
         """The screen, for a notebook; None after `close`."""
         if self.driver.closed:
             return None
-        height, width = self.game.screen.shape
         caption = f"{self.game.title}: not reset yet"
         if self.driver.phase != "new":
             frame, lives = self.core.episode_frame_number, self.core.lives
             caption = f"{self.game.title}: frame {frame:,}, score {self.driver.played.score:,.0f}, lives {lives}"
-        return picture(png(self.core.screen_rgb()), caption, width=2 * width, height=height)
+        return picture(png(self.core.screen_rgb()), caption, self.game.screen.shape)
 
     def render(self) -> Any:
         """The screen, (height, 160, 3) uint8, a list of such screens, or None, according to the render mode.

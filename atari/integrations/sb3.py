@@ -180,6 +180,10 @@ class AtariVecEnv(VecEnv):  # type: ignore[misc]
             raise ValueError(f"set_options takes a dict, or {self.num_envs} equal dicts for the lanes, got {options!r}")
         super().set_options([{"new_game": bool(one["new_game"])} if "new_game" in one else {} for one in each])
 
+    def _repr_html_(self) -> str | None:
+        """The first screens, for a notebook; see `AtariVectorEnv`."""
+        return self._atari._repr_html_()
+
     def close(self) -> None:
         """Join the threads and release the environments."""
         self.vector.close()

@@ -1,4 +1,8 @@
-"""`show`: the inspector in a notebook, as a widget; a static picture where no widget runs."""
+"""`show`: the inspector in a notebook, as a widget; a static picture where no widget runs.
+
+A page that nbconvert writes has the widget's state and no kernel, and would show nothing. So a cell shows the picture
+and the widget, and the widget hides the picture as soon as a kernel answers it.
+"""
 
 import asyncio
 import contextlib
@@ -7,7 +11,7 @@ import json
 import re
 import time
 from collections.abc import Callable
-from importlib import resources
+from importlib import import_module, resources
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +28,8 @@ def show(env: gymnasium.Env[Any, Any], *, agent: Any = None) -> Any:
     """Show the inspector of an environment in a notebook.
 
     With anywidget (extra `lab`) and a running notebook it is the inspector of `atari lab`: it plays the environment's
-    core when its Play is pressed. Otherwise it is a picture of the screen and a table of the RAM.
+    core when its Play is pressed. Otherwise, also in the HTML that nbconvert writes, it is a picture of the screen and
+    a table of the RAM.
 
     Args:
         env: an `AtariEnv` in any wrappers; wrappers do not see the frames that are played here.
@@ -87,9 +92,7 @@ def static_html(inspection: Inspection) -> str:
             weight = ";font-weight:bold" if name else ""
             cells.append(f'<td style="{cell}{weight}" title="{title}">{ram[index]:02X}</td>')
         rows.append(f"<tr>{''.join(cells)}</tr>")
-    height, width = inspection.game.screen.shape
-    alternative = f"the screen of {inspection.game.title}"
-    screen = image(png(core.screen_rgb()), alternative, width=2 * width, height=height)
+    screen = image(png(core.screen_rgb()), f"the screen of {inspection.game.title}", inspection.game.screen.shape)
     return (
         f'<div style="display:flex;flex-wrap:wrap;gap:16px">{screen}<table>{"".join(rows)}</table></div>'
         f"<p>{html.escape(inspection.game.title)}, frame {inspection.at}, score {inspection.main.score}, "
@@ -126,22 +129,23 @@ def _widget_class() -> "Callable[[Inspection], Any] | None":
             self.inspection = inspection
             self._players: asyncio.Task[None] | None = None
             self._known_state = ""  # the state that the front end has
+            self._picture = f"atari-lab-{self.model_id}"  # the HTML id of the static picture
             self.on_msg(self._receive)
 
         def export(self, folder: str | Path) -> list[Path]:
             """Write the inspection's labels, interventions and replay into a folder; see `export_all`."""
             return export_all(self.inspection, Path(folder))
 
-        def _repr_mimebundle_(self, **options: Any) -> Any:
-            shown = super()._repr_mimebundle_(**options)
-            data, *metadata = shown if isinstance(shown, tuple) else (shown or {},)
-            data = {**data, "text/html": static_html(self.inspection)}
-            return (data, *metadata) if metadata else data
+        def _ipython_display_(self) -> None:
+            cell: Any = import_module("IPython.display")  # anywidget needs it
+            cell.display(cell.HTML(f'<div id="{self._picture}">{static_html(self.inspection)}</div>'))
+            shown = self._repr_mimebundle_()
+            cell.display(shown[0] if isinstance(shown, tuple) else shown, raw=True)
 
         def _receive(self, widget: Any, message: Any, buffers: Any) -> None:
             """Run a message of the front end: its first, or a command."""
             if isinstance(message, dict) and message.get("do") == "open":
-                self.send(protocol.hello(self.inspection))
+                self.send({**protocol.hello(self.inspection), "picture": self._picture})
                 self._known_state = ""
                 self._show()
                 return

@@ -14,6 +14,7 @@ from pettingzoo import ParallelEnv
 from typing_extensions import Self
 
 import atari._emulator as _emulator
+from atari.base.notebook import picture, png
 from atari.base.validation import check_integer, check_known, check_name
 from atari.cores import snapshot
 from atari.env.settings import make_episode
@@ -208,6 +209,12 @@ class MultiplayerEnv(PettingZooNames, ParallelEnv[str, Any, int]):
             truncations,
             {agent: {} for agent in agents},
         )
+
+    def _repr_html_(self) -> str:
+        """The screen, for a notebook."""
+        game, playing = self.core.game, ", ".join(self.agents)
+        caption = f"{game.title}: frame {self.core.episode_frame_number:,}, {playing or 'the game is over'}"
+        return picture(png(self.core.screen_rgb()), caption, game.screen.shape)
 
     def render(self) -> NDArray[np.uint8] | None:
         """The screen (rows, 160, 3), or None and a window."""

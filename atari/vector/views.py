@@ -10,14 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import atari._emulator as _emulator
-from atari.base.notebook import picture, png
+from atari.base.notebook import MOST_SHOWN, picture, png
 from atari.cores import ByteArray
 from atari.env.rendering import tile
 from atari.games.actions import actions_by_motion
 from atari.vector.ale_interface import AleVectorInterface
 from atari.vector.options import VectorOptions
-
-_MOST_SHOWN = 36  # screens in a notebook
 
 
 class Views:
@@ -65,16 +63,14 @@ class Views:
     def _repr_html_(self) -> str | None:
         """The first screens as one image, for a notebook; None while they are played, and after `close`."""
         try:
-            screens = self._screens(_MOST_SHOWN)
+            screens = self._screens(MOST_SHOWN)
         except (RuntimeError, gymnasium.error.ClosedEnvironmentError):
             return None
         games, number = self._options.games, len(self._options.games)
         image = tile(screens, min(6, math.ceil(math.sqrt(len(screens)))))
         titles = ", ".join(dict.fromkeys(game.title for game in games))
-        first = f", the first {_MOST_SHOWN}" if number > _MOST_SHOWN else ""
-        return picture(
-            png(image), f"{number} environments: {titles}{first}", width=image.shape[1], height=image.shape[0]
-        )
+        first = f", the first {MOST_SHOWN}" if number > MOST_SHOWN else ""
+        return picture(png(image), f"{number} environments: {titles}{first}", image.shape)
 
     @contextmanager
     def engine(self) -> Iterator[_emulator.VectorEngine]:

@@ -20,7 +20,7 @@ FRAMES = 300  # frames of the video: every second frame of the console
 
 def pages() -> Iterator[Page]:
     """A video of the games and its first picture."""
-    frames = [mosaic(screens, 6) for screens in zip(*map(_screens, GAMES), strict=True)]
+    frames = [mosaic(screens, 4).repeat(2, axis=1) for screens in zip(*map(_screens, GAMES), strict=True)]
     yield Page("assets/hero.mp4", mp4(frames, 30, crf=30))
     yield Page("assets/hero.png", png(frames[60]))
 
@@ -28,9 +28,9 @@ def pages() -> Iterator[Page]:
 def html() -> str:
     """The video for the first page; without motion for readers who prefer that."""
     return (
-        '<div class="hero"><video autoplay muted loop playsinline poster="assets/hero.png" width="960" height="420">'
+        '<div class="hero"><video autoplay muted loop playsinline poster="assets/hero.png" width="1280" height="630">'
         '<source src="assets/hero.mp4" type="video/mp4"></video>'
-        '<img src="assets/hero.png" width="960" height="420" alt="Twelve games at once"></div>'
+        '<img src="assets/hero.png" width="1280" height="630" alt="Twelve games at once"></div>'
     )
 
 

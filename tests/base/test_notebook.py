@@ -90,8 +90,8 @@ def test_a_browser_shows_each_image_with_the_aspect_of_its_attributes(tmp_path: 
         (tag,) = re.findall(r"<img[^>]*>", page)
         width, height = (int(re.search(rf'{name}="(\d+)"', tag)[1]) for name in ("width", "height"))
         assert f"height:auto;aspect-ratio:{width}/{height}" in tag
-    tag = pages[0]
-    assert 'width="320" height="250"' in tag, "two columns for each pixel, as on a television"
+    assert 'width="320" height="250"' in pages[0], "two columns for each pixel, as on a television"
+    assert 'width="640" height="420"' in pages[1]
 
 
 @pytest.mark.parametrize("game", atari.games)

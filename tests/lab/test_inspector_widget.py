@@ -1,6 +1,7 @@
 """`atari.lab.show`: the static picture, and the widget where anywidget is installed."""
 
 import re
+from typing import Any
 
 import pytest
 
@@ -51,10 +52,22 @@ def test_the_widget(monkeypatch: pytest.MonkeyPatch) -> None:
     assert shown.inspection.ram()[57] == 3
     shown._receive(shown, {"do": "poke", "index": 57, "value": 300}, [])
     assert any("error" in message for message, _ in sent)
-    bundle = shown._repr_mimebundle_()
-    data = bundle[0] if isinstance(bundle, tuple) else bundle
-    assert "application/vnd.jupyter.widget-view+json" in data
-    assert data["text/html"].count("<td") == 128
+
+
+def test_the_widget_follows_its_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each in an output of its own: nbconvert shows no HTML of an output that has a widget, and no widget runs there."""
+    pytest.importorskip("anywidget")
+    outputs: list[Any] = []
+    monkeypatch.setattr("IPython.display.display", lambda shown, raw=False: outputs.append(shown))
+    shown = show(atari.make("breakout"))
+    shown._ipython_display_()
+    picture, view = outputs
+    assert picture.data.count("<td") == 128
+    assert "application/vnd.jupyter.widget-view+json" in view
+    sent: list[dict[str, object]] = []
+    monkeypatch.setattr(shown, "send", lambda message, buffers=None: sent.append(message))
+    shown._receive(shown, {"do": "open"}, [])
+    assert f'<div id="{sent[0]["picture"]}">' in picture.data
 
 
 def test_the_widget_shows_errors(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -33,7 +33,7 @@ from atari.recording.replay.observations import Observed, ObservedReplay, Walk
 from atari.recording.replay.players import PlayersRunner, make_core
 from atari.recording.replay.results import Divergence, EpisodeSummary, Frame, Verification, difference, frames_of
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
-from atari.recording.replay.shown import in_notebook
+from atari.recording.replay.shown import ShownVideo, in_notebook
 from atari.recording.replay.side_by_side import write_film
 from atari.recording.video.facts import PACKAGE
 from atari.recording.video.formats import has_sound, is_picture
@@ -421,6 +421,33 @@ class Replay:
             comment=json.dumps({**self.facts, **({"beside": [one.facts for one in others]} if others else {})}),
             progress=progress,
         )
+
+    def video(self, **options: Any) -> ShownVideo:
+        """Return a video with sound that a cell of a notebook shows.
+
+        The notebook contains the video, and the HTML that nbconvert writes of it does, too.
+
+        Args:
+            **options: options of `render` for a video, but `progress`.
+
+        Returns:
+            An object whose `data` has the bytes of an MP4 file.
+
+        Raises:
+            TypeError, ValueError: see `render`; or the video has more than 20 MB, which is too much for a notebook.
+            gymnasium.error.DependencyNotInstalled: PyAV is not installed.
+
+        Example:
+            >>> import atari
+            >>> from atari.recording import RecordReplay, Replay
+            >>> with RecordReplay(atari.make("pong"), "game.a26r") as env:
+            ...     observation, info = env.reset(seed=0)
+            ...     for _ in range(100):
+            ...         observation = env.step(0)[0]
+            >>> Replay.load("game.a26r").video(stop=120)
+            ShownVideo(caption='Pong: 120 frames, 0.0 MB')
+        """
+        return ShownVideo.of(self.game, lambda path, progress: self.render(path, progress=progress, **options))
 
     def _rendered(
         self, path: Any, last: bool, start: int, stop: int | None, episode: Any, frame: Any, **options: Any

@@ -1,10 +1,13 @@
-"""A replay on a page in a browser, where it is played again: with its film, and in a notebook."""
+"""A replay on a page in a browser, where it is played again: with its film, and in a notebook; and as a video there."""
 
+import base64
 import html
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Protocol
 
 from atari.base.notebook import image, png
@@ -16,6 +19,8 @@ from atari.web.shelf import Shown, page_files
 
 _WIDTH, _HEIGHT = 640, 512  # pixels of a notebook's frame, in which the page is compact
 _MOST_PLAYERS = 2
+MAX_VIDEO_SIZE = 20_000_000
+"""The most bytes of a video in a notebook, whose file then has a third more."""
 
 
 class ShownReplay(Protocol):
@@ -85,7 +90,7 @@ def in_notebook(replay: ShownReplay, seconds: float) -> str:
     page = one_file(page_files([shown], [])).replace("&", "&amp;").replace("'", "&#39;")
     page = page.replace("\n", "&#10;")  # one line: Markdown may change others, and the page's hashes would be wrong
     (first,) = islice(replay.frames(min(60, replay.frames_total - 1)), 1)
-    below = image(png(first.screen), shown.title, width=2 * replay.game.screen.width, height=len(first.screen))
+    below = image(png(first.screen), shown.title, first.screen.shape)
     style = "position:absolute;inset:0;width:100%;height:100%;border:0"
     frame = (
         f"<iframe sandbox='allow-scripts allow-downloads' allow='autoplay; gamepad' style='{style}' srcdoc='{page}'>"
@@ -94,6 +99,45 @@ def in_notebook(replay: ShownReplay, seconds: float) -> str:
         f"<div style='position:relative;max-width:{_WIDTH}px;height:{_HEIGHT}px;overflow:hidden'>"
         f"{below}{frame}</iframe></div><p>{html.escape(shown.title)}, {replay.frames_total:,} frames</p>"
     )
+
+
+@dataclass(frozen=True)
+class ShownVideo:
+    """A video with sound that a cell of a notebook shows: the bytes of an MP4 file, and the caption below it."""
+
+    data: bytes = field(repr=False)
+    caption: str
+
+    @classmethod
+    def of(cls, game: Game, render: Callable[[Path, Callable[[int], object]], Path]) -> "ShownVideo":
+        """A video of a game, which `render(path, progress)` writes; it calls `progress` with 1 after each frame.
+
+        Raises:
+            ValueError: the video has more than `MAX_VIDEO_SIZE` bytes; the rest is then not rendered.
+        """
+        frames = 0
+        with TemporaryDirectory() as folder:
+
+            def count(more: int) -> None:
+                nonlocal frames
+                frames += more
+                size = sum(file.stat().st_size for file in Path(folder).iterdir())
+                if size > MAX_VIDEO_SIZE:
+                    raise ValueError(
+                        f"the first {frames:,} frames of the video have {size / 1e6:.1f} MB, and a notebook takes up "
+                        f"to {MAX_VIDEO_SIZE / 1e6:.0f} MB; choose a part with start and stop, or an episode, or write "
+                        "a file with render"
+                    )
+
+            data = render(Path(folder, "video.mp4"), count).read_bytes()
+        return cls(data, f"{game.title}: {frames:,} frames, {len(data) / 1e6:.1f} MB")
+
+    def _repr_html_(self) -> str:
+        source = f"data:video/mp4;base64,{base64.b64encode(self.data).decode()}"
+        return (
+            f'<figure style="margin:0"><video controls loop playsinline style="max-width:100%" src="{source}"></video>'
+            f"<figcaption>{html.escape(self.caption)}</figcaption></figure>"
+        )
 
 
 def _reported(frames: Iterable[Frame], progress: Callable[[int], object] | None) -> Iterator[Frame]:

@@ -3,16 +3,19 @@
 import base64
 import gzip
 import html
+import io
 import json
 import re
 from pathlib import Path
 
+import av
 import pytest
 from page_parts import CATCH, parts
 from replay_tools import record
 
 import atari
 from atari.recording import Replay
+from atari.recording.replay import shown as shown_module
 from atari.recording.replay.results import EpisodeSummary
 from atari.recording.replay.shown import on_page, title
 from atari.web import shelf
@@ -94,3 +97,26 @@ def test_without_the_page_it_is_an_animation(tmp_path: Path, monkeypatch: pytest
     shown = str(replay._repr_html_())
     assert shown.startswith("<figure")
     assert "iframe" not in shown
+
+
+def test_a_video_in_a_cell(tmp_path: Path) -> None:
+    replay = Replay.load(record(tmp_path / "game.a26r", "air_raid", steps=30))
+    video = replay.video(stop=60, scale=1)
+    assert repr(video) == "ShownVideo(caption='Air Raid: 60 frames, 0.0 MB')"
+    (source,) = re.findall('<video controls [^>]*src="data:video/mp4;base64,([^"]*)"', video._repr_html_())
+    assert base64.b64decode(source) == video.data
+    with av.open(io.BytesIO(video.data)) as file:
+        frames = list(file.decode(video=0))
+        assert (len(frames), frames[0].width, frames[0].height) == (60, 320, 250)
+        assert file.streams.audio
+    with av.open(io.BytesIO(replay.video(stop=60, sound=False).data)) as file:
+        assert not file.streams.audio
+
+
+def test_a_video_that_is_too_large_for_a_notebook(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    replay = Replay.load(record(tmp_path / "game.a26r", "pong", steps=200))
+    monkeypatch.setattr(shown_module, "MAX_VIDEO_SIZE", 20_000)
+    with pytest.raises(
+        ValueError, match=r"the first [\d,]+ frames of the video have 0.0 MB, .* choose a part with start"
+    ):
+        replay.video()

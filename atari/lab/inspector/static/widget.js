@@ -5,11 +5,13 @@ import { mount } from "./inspector.js";
 
 function render({ model, el }) {
   const root = h("div", { class: "atari-lab", tabIndex: 0 });
-  el.append(root);
+  const style = h("style");
+  el.append(style, root);
   let inspector = null;
   const link = { send: (message) => model.send(message) };
   const receive = (message, buffers) => {
     if (message.hello) {
+      style.textContent = `#${message.picture} { display: none; }`; // the picture above, for pages without a kernel
       inspector?.close();
       inspector = mount(root, link, message.hello, { keys: root });
     } else if (message.frame) {

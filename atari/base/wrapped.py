@@ -1,0 +1,59 @@
+"""Pictures of wrapped environments in a notebook.
+
+The wrappers of Gymnasium, PettingZoo and Stable-Baselines3, and Gymnasium's vectors of single environments, have no
+picture. IPython takes a function for a class of another package: here, one that shows the environment inside.
+"""
+
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium
+
+from atari.base.notebook import MOST_SHOWN
+
+_CLASSES = (
+    ("gymnasium.core", "Wrapper"),
+    ("gymnasium.vector.vector_env", "VectorEnv"),
+    ("pettingzoo.utils.env", "AECEnv"),
+    ("pettingzoo.utils.env", "ParallelEnv"),
+    ("stable_baselines3.common.vec_env.base_vec_env", "VecEnv"),
+    ("atari.classic.core", "Wrapper"),
+)
+"""Modules and names of the classes, whose subclasses count too. IPython does not import them."""
+
+
+def show_wrapped() -> None:
+    """Let the IPython in which this program runs, if any, show wrapped environments."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython else None
+    if shell is not None:
+        pages = shell.display_formatter.formatters["text/html"]
+        for module, name in _CLASSES:
+            pages.for_type_by_name(module, name, page_of)
+
+
+def page_of(env: Any) -> str | None:
+    """The HTML that an environment shows, or the environment inside its wrappers; None if neither has any."""
+    for shown in (env, env.unwrapped):
+        own = getattr(shown, "_repr_html_", None)
+        if own is not None:
+            return str(page) if (page := own()) else None
+    return _page_of_each(env.unwrapped) if hasattr(gymnasium.Env, "has_wrapper_attr") else None
+
+
+def _page_of_each(envs: Any) -> str | None:
+    """What the environments of a vector show, also those in other processes; None while they are played."""
+    if not isinstance(envs, (gymnasium.vector.SyncVectorEnv, gymnasium.vector.AsyncVectorEnv)):
+        return None
+    try:
+        if not all(envs.call("has_wrapper_attr", "_repr_html_")):
+            return None
+        pages: Sequence[str | None] = envs.call("_repr_html_")
+    except (gymnasium.error.AlreadyPendingCallError, gymnasium.error.ClosedEnvironmentError):
+        return None
+    if None in pages:  # closed
+        return None
+    count = f"{len(pages)} environments" + (f", the first {MOST_SHOWN}" if len(pages) > MOST_SHOWN else "")
+    shown = "".join(map(str, pages[:MOST_SHOWN]))
+    return f'<p>{count}</p><div style="display:flex;flex-wrap:wrap;gap:8px">{shown}</div>'
