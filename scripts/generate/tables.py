@@ -160,7 +160,10 @@ def filled(text: str) -> str:
 
 
 def picture() -> Image:
-    """The observations of each preset: the first, one 15 steps later, and the first after a lost life."""
+    """The observations of each preset: the first, one 15 steps later, and the first after a lost life.
+
+    Its two channels are gray and alpha: the page around it is light or dark.
+    """
     rows = [_words(("first observation", "15 steps later", "after a lost life"))]
     for name in PRESETS:
         rows += [_words((name, "", "")), np.concatenate([_strip(seen) for seen in _moments(name)], 1)]
@@ -169,15 +172,15 @@ def picture() -> Image:
 
 def _words(texts: tuple[str, ...]) -> Image:
     """A line of text above the columns of observations."""
-    line: Image = np.full((20, 4 * 87 * 3 + 24), 255, np.uint8)
+    line: Image = np.zeros((20, 4 * 87 * 3 + 24), np.uint8)
     for column, text in enumerate(texts):
-        cv2.putText(line, text, (column * (4 * 87 + 8), 15), cv2.FONT_HERSHEY_SIMPLEX, 0.45, 0, 1, cv2.LINE_AA)
-    return line
+        cv2.putText(line, text, (column * (4 * 87 + 8), 15), cv2.FONT_HERSHEY_SIMPLEX, 0.45, 255, 1, cv2.LINE_AA)
+    return np.dstack([np.full_like(line, 128), line])
 
 
 def _strip(stack: Image) -> Image:
-    padded = [np.pad(image, ((0, 0), (0, 3)), constant_values=255) for image in stack]
-    return np.pad(np.concatenate(padded, 1), ((0, 0), (0, 8)), constant_values=255)
+    padded = [np.pad(np.dstack([image, np.full_like(image, 255)]), ((0, 0), (0, 3), (0, 0))) for image in stack]
+    return np.pad(np.concatenate(padded, 1), ((0, 0), (0, 8), (0, 0)))
 
 
 def _moments(name: str) -> list[Image]:
@@ -202,7 +205,8 @@ def main() -> None:
         path = DOCS / name
         path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")
     if args.pictures:
-        cv2.imwrite(str(DOCS / "assets" / "presets.png"), picture(), [cv2.IMWRITE_PNG_COMPRESSION, 9])
+        bgra = picture()[..., [0, 0, 0, 1]]
+        cv2.imwrite(str(DOCS / "assets" / "presets.png"), bgra, [cv2.IMWRITE_PNG_COMPRESSION, 9])
 
 
 if __name__ == "__main__":

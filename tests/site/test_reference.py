@@ -64,3 +64,14 @@ def test_the_navigation_has_every_document():
     navigation = (root / "mkdocs.yml").read_text(encoding="utf-8")
     documents = {path.name for path in (root / "docs").glob("*.md")}
     assert documents <= set(re.findall(r"[\w.-]+\.md", navigation))
+
+
+def test_every_definition_is_shown_once(definitions, monkeypatch):
+    monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "scripts" / "site"))
+    import reference
+
+    pages = {page.path: page.content for page in reference.pages()}
+    shown = [path for text in pages.values() for path in re.findall(r"^::: (\S+)$", text, re.MULTILINE)]
+    assert sorted(shown) == sorted({found.path for _, found in definitions})
+    assert "::: atari.learning.evaluation.evaluate.evaluate\n" in pages["reference/atari.learning.evaluation.md"]
+    assert "[`evaluate`][atari.learning.evaluation.evaluate.evaluate]" in pages["reference/atari.learning.md"]
