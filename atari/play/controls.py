@@ -10,20 +10,26 @@ from atari.games.game import Game
 _AXIS_LIMIT = 0.5  # a part of a gamepad stick's full range
 
 _ONE_PLAYER = """\
-arrows or W A S D   stick            space, ctrl     fire (gamepad: stick or cross, any button)"""
+arrows or W A S D   stick (gamepad: stick or cross)
+space, ctrl         fire (gamepad: any button)"""
 _SEVERAL_PLAYERS = """\
-first player        W A S D          space, left shift                  fire
-second player       arrows           right ctrl, right shift, return    fire
-gamepads            to the players in the order in which they are found,
-                    first to those without keys; stick or cross, any button"""
-_PADDLES = "in a game with paddles, such as Pong, up turns the paddle right and down turns it left"
+first player        W A S D; fire: space, left shift
+second player       arrows; fire: right ctrl, right shift, return
+gamepads            stick or cross, any button; to players without keys first"""
+_PADDLES = "paddles             up turns right, and down turns left"
 _COMMANDS = """\
-P                   pause            N               one frame, while paused
-backspace (held)    go back in time  R               new game
-F5, F9              save, load       F10             begin or end a video
-F11                 full screen      M               sound on or off
-I, then a number    interventions    escape          end
-H or F1             help"""
+P                   pause
+N                   one frame, while paused
++, -                faster, slower
+backspace (held)    go back in time
+R                   new game
+F5, F9              save, load
+F10                 begin or end a video
+F11                 full screen
+M                   sound on or off
+I, then a number    interventions
+H or F1             help
+escape              end"""
 
 HELP = f"{_ONE_PLAYER}\n{_PADDLES}\n{_COMMANDS}"
 """The keys of one player."""
@@ -45,9 +51,17 @@ class Command(Enum):
     MUTE = "m"
     HELP = "h"
     INTERVENTIONS = "i"
+    FASTER = "+"
+    SLOWER = "-"
 
 
-_COMMAND_KEYS = {**{command.value: command for command in Command}, "f1": Command.HELP}
+_COMMAND_KEYS = {
+    **{command.value: command for command in Command},
+    "f1": Command.HELP,
+    "=": Command.FASTER,  # the key of + where + needs shift
+    "[+]": Command.FASTER,
+    "[-]": Command.SLOWER,
+}
 _REWIND = "backspace"
 _GAMEPAD = {
     "up": ("vertical -1", "hat vertical -1"),
@@ -78,6 +92,45 @@ _STICK = {Action.UP: ("up",), Action.DOWN: ("down",), Action.LEFT: ("left",), Ac
 _PADDLE = {Action.RIGHT: ("right", "up"), Action.LEFT: ("left", "down")}
 
 
+SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+"""The speeds that two keys choose; 1 is the console's."""
+
+
+class Speed:
+    """The number of frames that each tick plays, where ticks have the console's rate."""
+
+    def __init__(self) -> None:
+        self._index, self._due = SPEEDS.index(1.0), 0.0
+
+    def __str__(self) -> str:
+        return f"speed {SPEEDS[self._index]:g}"
+
+    @property
+    def usual(self) -> bool:
+        """Whether it is the console's speed, at which sound is played."""
+        return SPEEDS[self._index] == 1
+
+    def change(self, command: Command | None) -> bool:
+        """Run FASTER or SLOWER, and return whether the command is one of them."""
+        step = {Command.FASTER: 1, Command.SLOWER: -1}.get(command, 0) if command else 0
+        self._index = min(max(self._index + step, 0), len(SPEEDS) - 1)
+        return step != 0
+
+    def frames(self) -> int:
+        """The frames of the next tick."""
+        self._due += SPEEDS[self._index]
+        frames = int(self._due)
+        self._due -= frames
+        return frames
+
+
+def command_of(pygame: Any, event: Any) -> Command | None:
+    """The command of an event, or None."""
+    if event.type == pygame.QUIT:
+        return Command.QUIT
+    return _COMMAND_KEYS.get(pygame.key.name(event.key)) if event.type == pygame.KEYDOWN else None
+
+
 class Controls:
     """The keys, axes and buttons that one player holds, from pygame's events.
 
@@ -96,13 +149,9 @@ class Controls:
     def handle(self, event: Any) -> Command | None:
         """Record a pressed or released key, axis or button, and return the event's command, or None."""
         pygame = self._pygame
-        if event.type == pygame.QUIT:
-            return Command.QUIT
         if event.type == pygame.KEYDOWN:
-            name = pygame.key.name(event.key)
-            self._held.add(name)
-            return _COMMAND_KEYS.get(name)
-        if event.type == pygame.KEYUP:
+            self._held.add(pygame.key.name(event.key))
+        elif event.type == pygame.KEYUP:
             self._held.discard(pygame.key.name(event.key))
         elif event.type == pygame.JOYAXISMOTION and event.axis in (0, 1):
             self._set_axis("horizontal" if event.axis == 0 else "vertical", event.value)
@@ -115,7 +164,7 @@ class Controls:
             self._held.discard(f"button {event.button}")
         elif event.type == pygame.WINDOWFOCUSLOST:
             self._held.clear()  # no event comes for keys released in another window
-        return None
+        return command_of(pygame, event)
 
     def digit(self, event: Any) -> int | None:
         """The digit whose key an event presses, or None."""

@@ -3,9 +3,7 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
-from itertools import chain
-from textwrap import wrap
+from itertools import islice
 from typing import Any
 
 import gymnasium
@@ -13,7 +11,7 @@ import gymnasium
 from atari.games.game import Game
 from atari.games.interventions import load
 from atari.play.base import BaseSession
-from atari.play.controls import Command, SharedControls, first_screen
+from atari.play.controls import Command, SharedControls, Speed, command_of, first_screen
 from atari.play.outputs import GameWindow, Speaker, start_pygame
 from atari.recording import Replay
 from atari.recording.video.writer import frame_rate
@@ -21,9 +19,6 @@ from atari.recording.video.writer import frame_rate
 _MESSAGE_SECONDS = 2.0
 _FRAMES_PER_REWIND = 6
 _MAX_LAG = 0.25  # seconds; after a longer delay the lost time is dropped
-
-
-_wrapped = partial(wrap, width=76, subsequent_indent="        ")
 
 
 class Pacer:
@@ -67,20 +62,28 @@ def play(session: BaseSession, *, scale: int = 3, sound: bool = True, full_scree
 def show_replay(replay: Replay, *, scale: int = 3, sound: bool = True) -> bool:
     """Show a replay until its end, a closed window or the Escape key; returns whether it reached its end.
 
+    The keys + and - change the speed; sound is played at the console's speed.
+
     Raises:
         gymnasium.error.DependencyNotInstalled: pygame-ce is not installed.
         gymnasium.error.Error: there is no display.
     """
     with _outputs(replay.game, scale, sound) as (pygame, window, speaker):
-        pacer, score = Pacer(float(frame_rate(replay.game))), 0
-        for frame in replay.frames(sound=sound):
+        pacer, speed, score = Pacer(float(frame_rate(replay.game))), Speed(), 0
+        frames, left = replay.frames(sound=sound), replay.frames_total
+        while left:
             for event in pygame.event.get():
-                if event.type == pygame.QUIT or (event.type == pygame.KEYDOWN and event.key == pygame.K_ESCAPE):
+                command = command_of(pygame, event)
+                if command == Command.QUIT:
                     return False
-            score += frame.reward
-            window.show(frame.screen, f"{replay.game.title}: {score:,}")
-            if speaker is not None:
-                speaker.play(frame.audio)
+                speed.change(command)
+            for frame in islice(frames, speed.frames()):
+                left -= 1
+                score += frame.reward
+                if speaker is not None and speed.usual:
+                    speaker.play(frame.audio)
+                shown = frame.screen
+            window.show(shown, f"{replay.game.title}: {score:,}", "" if speed.usual else str(speed))
             pacer.wait()
     return True
 
@@ -116,7 +119,7 @@ class Loop:
         self._waiting = bool(session.humans)
         self._gamepads: dict[int, Any] = {}
         self._paused = self._single = self._helping = self._listing = False
-        self._ticks = 0
+        self._ticks, self._speed = 0, Speed()
         self._rate = float(frame_rate(session.game))
         self._message, self._message_until = "", 0
         silent = f"no sound: {speaker.error}" if speaker is not None and speaker.error is not None else ""
@@ -149,9 +152,10 @@ class Loop:
         if self._controls.rewinding:
             if self._ticks % _FRAMES_PER_REWIND == 0:
                 self._session.rewind()
-        elif not self._paused or self._single:
+        elif self._single or not self._paused:
+            for _ in range(1 if self._single else self._speed.frames()):
+                self._show_errors(self._play)
             self._single = False
-            self._show_errors(self._play)
         self._window.show(self._session.screen, self._session.title, self._text())
         return True
 
@@ -159,12 +163,14 @@ class Loop:
         if self._waiting or self._session.over:
             return
         self._session.play(*self._controls.actions(self._session.legal_actions))
-        if self._speaker is not None:
+        if self._speaker is not None and self._speed.usual:
             self._speaker.play(self._session.samples)
 
     def _run_command(self, command: Command) -> None:
         session = self._session
-        if command == Command.PAUSE:
+        if self._speed.change(command):
+            self._show_message(str(self._speed))
+        elif command == Command.PAUSE:
             self._paused = not self._paused
         elif command == Command.FRAME:
             self._single = self._paused
@@ -202,7 +208,7 @@ class Loop:
             f"{number}  {'on ' if on else 'off'}  {name}: {known[name].description}"
             for number, (name, on) in enumerate(self._session.interventions.items(), 1)
         ]
-        return "\n".join(["a number switches one, I closes the list", *chain.from_iterable(map(_wrapped, lines))])
+        return "\n".join(["a number switches one, I closes the list", *lines])
 
     def _show_errors(self, work: Callable[[], None]) -> None:
         try:
@@ -225,7 +231,9 @@ class Loop:
         elif self._paused:
             state = "paused: P to go on, N for one frame"
         message = self._message if self._ticks < self._message_until else ""
-        line = "   ".join(part for part in ("REC" if session.recording else "", state, message) if part)
+        changed = "" if self._speed.usual or message == str(self._speed) else str(self._speed)
+        recording = "REC" if session.recording else ""
+        line = "; ".join(part for part in (recording, state, changed, message) if part)
         keys = self._controls.help if self._helping else self._first_screen if self._waiting else ""
         keys = self._interventions() if self._listing else keys
         return "\n".join(filter(None, (keys, line)))

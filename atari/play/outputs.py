@@ -1,5 +1,6 @@
 """The outputs of pygame: `GameWindow` shows a game's frames with lines of text, `Speaker` plays their samples."""
 
+import re
 from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,7 +13,10 @@ from atari.cores import ByteArray
 from atari.env.rendering import import_pygame, open_display
 from atari.games.game import Game
 
-_TEXT_HEIGHT = 24
+_LINES_PER_WINDOW = 18  # of the largest text
+_LEAST_TEXT = 12  # pixels
+_BEHIND_TEXT = (0, 0, 0, 216)
+_MARGIN = 8
 
 _SAMPLES = 512
 _FRAMES_PER_BLOCK = 3  # 50 ms; pygame's channel holds one playing and one queued block
@@ -65,11 +69,12 @@ class GameWindow:
         with _needs_display(pygame):
             self._set_mode(full_screen)
         pygame.font.init()
-        self._font = pygame.font.Font(None, _TEXT_HEIGHT)
+        self._panel: Any = None
+        self._panel_of: Any = None
         pygame.mouse.set_visible(False)
 
     def show(self, rgb: ByteArray, title: str, text: str = "") -> None:
-        """Show a frame, (height, 160, 3) uint8, with lines of text over it."""
+        """Show a frame, (height, 160, 3) uint8, with lines of text over it. Two blanks are between columns."""
         pygame = self._pygame
         surface = pygame.display.get_surface()
         width, height = surface.get_size()
@@ -79,11 +84,10 @@ class GameWindow:
         corner = ((width - size[0]) // 2, (height - size[1]) // 2)
         surface.fill((0, 0, 0))
         surface.blit(image, corner)
-        bottom = corner[1] + size[1] - 8
-        for words in reversed(text.splitlines()):
-            line = self._font.render(words, True, (255, 255, 255), (0, 0, 0))
-            bottom -= line.get_height()
-            surface.blit(line, (corner[0] + 8, bottom))
+        if text:
+            if self._panel_of != (text, size):
+                self._panel, self._panel_of = _panel(pygame, text, size), (text, size)
+            surface.blit(self._panel, (corner[0], corner[1] + size[1] - self._panel.get_height()))
         pygame.display.set_caption(title)
         pygame.display.flip()
 
@@ -103,6 +107,60 @@ class GameWindow:
         """Close the window."""
         self._pygame.font.quit()
         self._pygame.display.quit()
+
+
+def _panel(pygame: Any, text: str, size: tuple[int, int]) -> Any:
+    """Lines of text on a dark ground, as large as `size` has room for."""
+    rows = [re.split(r" {2,}", line) for line in text.splitlines()]
+    most = size[1] // _LINES_PER_WINDOW
+    for height in range(max(most, _LEAST_TEXT), _LEAST_TEXT - 1, -1):
+        lines = _Lines(pygame.font.Font(None, round(1.4 * height)), rows, size[0] - 2 * _MARGIN)
+        if lines.height <= size[1] - 2 * _MARGIN:
+            break
+    panel = pygame.Surface((lines.width + 2 * _MARGIN, lines.height + 2 * _MARGIN), pygame.SRCALPHA)
+    panel.fill(_BEHIND_TEXT)
+    for words, place in lines.placed:
+        panel.blit(lines.font.render(words, True, (255, 255, 255)), place)
+    return panel
+
+
+class _Lines:
+    """Rows of cells as words with their places: cells of a column begin at one place, and the last one is wrapped.
+
+    Args:
+        font: the font.
+        rows: the cells of each row.
+        width: the width that they may have, in pixels.
+    """
+
+    def __init__(self, font: Any, rows: list[list[str]], width: int) -> None:
+        self.font = font
+        self.placed: list[tuple[str, tuple[int, int]]] = []
+        gap, step = font.size("  ")[0], font.get_linesize()
+        widths: dict[int, int] = {}
+        for row in rows:
+            for column, cell in enumerate(row[:-1]):
+                widths[column] = max(widths.get(column, 0), font.size(cell)[0] + gap)
+        top, right = _MARGIN, 0
+        for row in rows:
+            left = _MARGIN
+            for column, cell in enumerate(row):
+                for line in self._wrapped(cell, width + _MARGIN - left) if column == len(row) - 1 else [cell]:
+                    self.placed.append((line, (left, top)))
+                    right = max(right, left + font.size(line)[0])
+                    top += step * (column == len(row) - 1)
+                left += widths.get(column, 0)
+        self.width, self.height = min(right - _MARGIN, width), top - _MARGIN
+
+    def _wrapped(self, text: str, width: int) -> list[str]:
+        lines = [""]
+        for word in text.split():
+            longer = f"{lines[-1]} {word}".strip()
+            if lines[-1] and self.font.size(longer)[0] > width:
+                lines.append(word)
+            else:
+                lines[-1] = longer
+        return lines
 
 
 class Speaker:

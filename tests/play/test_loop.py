@@ -13,7 +13,7 @@ from cli_tools import Capture, Patch, refused
 from atari.cli import main
 from atari.play import Session, play
 from atari.play.loop import Loop, Pacer
-from atari.play.outputs import GameWindow, Speaker
+from atari.play.outputs import GameWindow, Speaker, _Lines
 from atari.recording import Replay
 
 BARE = "pong: Pong, as PongNoFrameskip-v4, but actions='full', max_num_frames_per_episode=None\n"
@@ -150,6 +150,61 @@ def test_pause_and_single_frames() -> None:
     driver.tick(3)
     assert driver.session.frames == 16
     driver.close()
+
+
+def test_keys_change_the_speed(monkeypatch: Patch) -> None:
+    driver = WindowDriver(sound=True)
+    heard: list[int] = []
+    monkeypatch.setattr(driver.speaker, "play", lambda samples: heard.append(driver.session.frames))
+    driver.tick(4)
+    driver.press(pygame.K_PLUS)
+    assert driver.loop._text() == "speed 2"
+    driver.tick(9)
+    assert driver.session.frames == 4 + 20
+    driver.press(pygame.K_EQUALS, frames=5)
+    assert driver.session.frames == 24 + 20
+    for _ in range(5):  # the least is 0.25
+        driver.press(pygame.K_KP_MINUS)
+    before = driver.session.frames
+    driver.press(pygame.K_MINUS, frames=40)
+    assert driver.session.frames == before + 10
+    driver.tick(200)
+    assert driver.loop._text() == "speed 0.25"  # after the message, too
+    assert heard == [1, 2, 3, 4, *(frame for frame in heard if frame > 44)]
+    assert len(heard) <= 6
+    driver.press(pygame.K_p)
+    before = driver.session.frames
+    driver.press(pygame.K_n)
+    assert driver.session.frames == before + 1
+    assert driver.loop._text() == "paused: P to go on, N for one frame; speed 0.25"
+    assert driver.close().verify()
+
+
+def test_the_help_is_whole_and_on_a_dark_ground() -> None:
+    for scale in (1, 2, 3):
+        driver = WindowDriver("pong", scale=scale)
+        driver.press(pygame.K_h, frames=3)
+        panel = driver.window._panel
+        assert panel.get_width() <= 320 * scale
+        assert panel.get_height() <= 210 * scale
+        shown = driver.shown()[-panel.get_height() :, : panel.get_width()]
+        assert (shown == 255).all(axis=2).any()
+        assert np.median(shown.max(axis=2)) < 48  # the game's ground is lighter
+        rows = np.flatnonzero((shown == 255).all(axis=2).any(axis=1))
+        assert len(np.flatnonzero(np.diff(rows) > 1)) >= 13  # lines of text
+        driver.close()
+
+
+def test_long_lines_are_wrapped_between_words() -> None:
+    pygame.font.init()
+    font = pygame.font.Font(None, 20)
+    words = [f"word{number}" for number in range(40)]
+    lines = _Lines(font, [["1", "off", " ".join(words)], ["22", "on", "end"]], 300)
+    last = [line for line, (left, _) in lines.placed if left == lines.placed[2][1][0]]
+    assert " ".join(last).split() == [*words, "end"]
+    assert len(last) > 5
+    assert all(left + font.size(line)[0] <= 308 for line, (left, _) in lines.placed)
+    assert lines.width <= 300
 
 
 def test_the_game_rewinds_while_the_key_is_held() -> None:

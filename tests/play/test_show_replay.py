@@ -44,3 +44,16 @@ def test_the_window_can_be_closed(replay: Replay, event: dict[str, int], monkeyp
     monkeypatch.setattr(loop.GameWindow, "show", show)
     assert not loop.show_replay(replay, sound=False)
     assert len(shown) == 5
+
+
+def test_keys_change_the_speed(replay: Replay, monkeypatch: Patch) -> None:
+    shown: list[str] = []
+
+    def show(self: Any, rgb: Any, title: str, text: str = "") -> None:
+        shown.append(text)
+        if len(shown) in (10, 11):
+            pygame.event.post(pygame.event.Event(pygame.KEYDOWN, key=pygame.K_PLUS))
+
+    monkeypatch.setattr(loop.GameWindow, "show", show)
+    assert loop.show_replay(replay, sound=False)
+    assert shown == [""] * 10 + ["speed 2"] + ["speed 4"] * 17  # 10 + 2 + 17 * 4 frames
