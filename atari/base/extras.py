@@ -9,6 +9,10 @@ from typing import Any
 
 import gymnasium
 
+from atari.base.start import PROGRAM, say
+
+_SLOW = {"torch": "PyTorch", "stable_baselines3": "Stable-Baselines3 and PyTorch", "jax": "JAX"}
+
 
 def pip_install(*packages: str) -> str:
     """The command that installs packages for this Python, whichever environment the shell has activated."""
@@ -25,7 +29,7 @@ def install_extra(extra: str) -> str:
 
 
 def import_extra(module: str, need: str) -> Any:
-    """An optional module.
+    """An optional module. The command `atari` prints a line before it imports one that takes seconds.
 
     Args:
         module: its name.
@@ -34,6 +38,8 @@ def import_extra(module: str, need: str) -> Any:
     Raises:
         gymnasium.error.DependencyNotInstalled: it is not installed.
     """
+    if PROGRAM and module in _SLOW and module not in sys.modules:
+        say(f"atari: loading {_SLOW[module]}, which takes some seconds")
     try:
         return import_module(module)
     except ImportError as error:

@@ -24,8 +24,9 @@ class ProgressBar(tqdm):  # type: ignore[misc]  # tqdm has no types
         return super().update(n)
 
     @staticmethod
-    def format_meter(*args: Any, postfix: Any = None, **facts: Any) -> str:
-        """The line; without `postfix` if tqdm would cut it."""
-        line = tqdm.format_meter(*args, postfix=postfix, **facts)
+    def format_meter(*args: Any, postfix: Any = None, unit: str = "it", **facts: Any) -> str:
+        """The line; without `postfix` if tqdm would cut it. Where a step is slow, it has the seconds of one game."""
+        line = tqdm.format_meter(*args, postfix=postfix, unit=unit, **facts)
         whole = not postfix or line.endswith("]")
-        return str(line if whole else tqdm.format_meter(*args, **facts))
+        line = str(line if whole else tqdm.format_meter(*args, unit=unit, **facts))
+        return line.replace(f"s/{unit}", f"s/{unit.strip().removesuffix('s')}")

@@ -3,12 +3,9 @@
 import argparse
 import difflib
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 
-import gymnasium
-
-from atari.base.extras import install_extra
+from atari.base.extras import import_extra, install_extra
 from atari.cli.arguments import Commands, add_command
 from atari.cli.printing import print_json
 from atari.cli.sweep import add_sweep, is_sweep, run_sweep
@@ -99,8 +96,7 @@ def _output_parser() -> argparse.ArgumentParser:
 
 
 def _train(args: argparse.Namespace) -> int:
-    if find_spec("torch") is None:
-        raise gymnasium.error.DependencyNotInstalled(f"atari train needs torch: {install_extra('learn')}")
+    import_extra("torch", f"atari train needs torch: {install_extra('learn')}")
     from atari.learning.agent import agent_code
     from atari.learning.command import finish_run, resume, train
     from atari.learning.run_folder import RunFolder

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+from atari.base.extras import import_extra, install_extra
 from atari.learning.policies import load_policy
 from atari.learning.programs import is_trusted, sha256
 from atari.policy import LoadedPolicy
@@ -53,6 +54,7 @@ def _check_trusted(entry: Path) -> None:
                 f"any program; if you trust its author, name it by itself: {entry}"
             )
         return
+    import_extra("torch", f"{entry}, a run folder, needs torch: {install_extra('learn')}")
     from atari.learning.run_folder import RunFolder  # here, because it imports PyTorch
 
     run = RunFolder.open(entry)

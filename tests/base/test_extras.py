@@ -1,8 +1,10 @@
 """The commands that error messages name: they install what is missing for the Python that runs."""
 
+import os
 import subprocess
 import sys
 from importlib.metadata import metadata, requires
+from pathlib import Path
 
 import gymnasium
 import pytest
@@ -41,3 +43,20 @@ def test_pip_understands_the_command() -> None:
 def test_a_missing_module_is_an_error_with_the_command() -> None:
     with pytest.raises(gymnasium.error.DependencyNotInstalled, match="it needs x: pip"):
         import_extra("no_such_module_at_all", "it needs x: pip")
+
+
+def test_a_command_says_what_it_loads(tmp_path: Path) -> None:
+    (tmp_path / "torch.py").write_text("raise ImportError('as if it were not installed')")
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "config.json").write_text("{}")
+    command = [sys.executable, "-m", "atari", "watch", "run"]
+    path = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    result = subprocess.run(command, cwd=tmp_path, env=path, capture_output=True, text=True, check=False)
+    first, second = result.stderr.splitlines()
+    assert first == "atari: loading PyTorch, which takes some seconds"
+    assert second.startswith("atari: error: run, a run folder, needs torch: ")
+    script = "from atari.learning import load_policy\ntry: load_policy('run')\nexcept Exception as e: print(e)"
+    result = subprocess.run(
+        [sys.executable, "-c", script], cwd=tmp_path, env=path, capture_output=True, text=True, check=False
+    )
+    assert (result.stderr, "needs torch" in result.stdout) == ("", True)

@@ -22,6 +22,11 @@ def test_no_word_is_cut_at_the_edge(columns: int) -> None:
     assert line.endswith(", no whole game yet]" if columns > 65 else "kstep/s]")
 
 
+def test_seconds_of_one_game_have_no_blank() -> None:
+    assert ProgressBar.format_meter(2, 10, 4.28, unit=" games", ncols=80).endswith("2.14s/game]")
+    assert ProgressBar.format_meter(20, 50, 4.0, unit=" games", ncols=80).endswith("5.00 games/s]")
+
+
 def test_it_follows_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     class Terminal(io.StringIO):
         def isatty(self) -> bool:

@@ -139,7 +139,7 @@ def test_mistakes(words: list[str], text: str, tmp_path: Path, monkeypatch: Patc
 
 
 def test_without_torch(monkeypatch: Patch, capsys: Capture) -> None:
-    monkeypatch.setattr("atari.cli.train.find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "torch", None)
     assert main(["train", "ppo", "pong"]) == 1
     assert f"atari train needs torch: {sys.executable} -m pip install 'torch>=2.2'" in capsys.readouterr().err
 
