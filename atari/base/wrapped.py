@@ -1,11 +1,12 @@
 """Pictures of wrapped environments in a notebook.
 
-The wrappers of Gymnasium, PettingZoo and Stable-Baselines3, and Gymnasium's vectors of single environments, have no
-picture. IPython takes a function for a class of another package: here, one that shows the environment inside.
+The wrappers of Gymnasium, PettingZoo and Stable-Baselines3, and their vectors of single environments, have no picture.
+IPython takes a function for a class of another package: here, one that shows the environment inside.
 """
 
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import gymnasium
@@ -35,25 +36,25 @@ def show_wrapped() -> None:
 
 def page_of(env: Any) -> str | None:
     """The HTML that an environment shows, or the environment inside its wrappers; None if neither has any."""
-    for shown in (env, env.unwrapped):
+    inside = getattr(env, "unwrapped", env)
+    for shown in (env, inside):
         own = getattr(shown, "_repr_html_", None)
         if own is not None:
             return str(page) if (page := own()) else None
-    return _page_of_each(env.unwrapped) if hasattr(gymnasium.Env, "has_wrapper_attr") else None
-
-
-def _page_of_each(envs: Any) -> str | None:
-    """What the environments of a vector show, also those in other processes; None while they are played."""
-    if not isinstance(envs, (gymnasium.vector.SyncVectorEnv, gymnasium.vector.AsyncVectorEnv)):
+    pages = _pages(inside)
+    if not pages or None in pages:
         return None
-    try:
-        if not all(envs.call("has_wrapper_attr", "_repr_html_")):
-            return None
-        pages: Sequence[str | None] = envs.call("_repr_html_")
-    except (gymnasium.error.AlreadyPendingCallError, gymnasium.error.ClosedEnvironmentError):
-        return None
-    if None in pages:  # closed
-        return None
-    count = f"{len(pages)} environments" + (f", the first {MOST_SHOWN}" if len(pages) > MOST_SHOWN else "")
+    first = f", the first {MOST_SHOWN}" if len(pages) > MOST_SHOWN else ""
     shown = "".join(map(str, pages[:MOST_SHOWN]))
+    count = f"{len(pages)} environment{'s' * (len(pages) > 1)}{first}"
     return f'<p>{count}</p><div style="display:flex;flex-wrap:wrap;gap:8px">{shown}</div>'
+
+
+def _pages(envs: Any) -> Sequence[str | None]:
+    """What each environment of a vector shows, also in other processes; none while those play."""
+    if isinstance(envs, gymnasium.vector.AsyncVectorEnv) and hasattr(gymnasium.Env, "has_wrapper_attr"):
+        with suppress(gymnasium.error.AlreadyPendingCallError, gymnasium.error.ClosedEnvironmentError):
+            if all(envs.call("has_wrapper_attr", "_repr_html_")):
+                return envs.call("_repr_html_")
+    single = getattr(envs, "envs", None)
+    return list(map(page_of, single)) if isinstance(single, (list, tuple)) else []

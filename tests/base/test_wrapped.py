@@ -14,6 +14,7 @@ import pytest
 import atari
 import atari.classic
 from atari.base.wrapped import page_of, show_wrapped
+from atari.integrations.envpool import make_gymnasium
 from atari.recording import RecordReplay
 
 formatters: Any = pytest.importorskip("IPython.core.formatters")
@@ -39,6 +40,7 @@ ENVIRONMENTS: dict[str, tuple[Callable[[], Any], int]] = {
     ),
     "sync": (sync, 2),
     "async": (lambda: gymnasium.vector.AsyncVectorEnv([one, one]), 2),
+    "envpool": (lambda: make_gymnasium("Pong-v5", num_envs=2), 1),
     "classic": (lambda: atari.classic.make("Pong-v0"), 1),
 }
 """The environments, and the number of their pictures."""

@@ -208,6 +208,10 @@ class EnvPool:
 
         return handle, converted(recv), send, converted(step)
 
+    def _repr_html_(self) -> str | None:
+        """The first screens, for a notebook; see `AtariVectorEnv`."""
+        return self.vector._repr_html_()
+
     def close(self, **_: Any) -> None:
         """Join the threads and release the environments."""
         self.closed = True
