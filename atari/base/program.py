@@ -182,6 +182,12 @@ def _signal_main_thread() -> None:
         _thread.interrupt_main()
 
 
+def print_exact(text: str) -> None:
+    """Print what other programs read, such as JSON, a diff or a script: a terminal gets its lines as they are."""
+    getattr(sys.stdout, "write_exact", sys.stdout.write)(text)
+    sys.stdout.flush()
+
+
 def print_error(error: Exception) -> None:
     """Print the message of an exception to stderr, in one line and without errno."""
     if isinstance(error, OSError) and error.strerror:
@@ -200,12 +206,20 @@ class _OutputError(Exception):
 
 
 class _Messages:
-    """Stderr; messages that cannot be written are dropped, because there is no place to report it."""
+    """Stderr; a terminal gets lines of whole words.
+
+    Messages that cannot be written are dropped, because there is no place to report it.
+    """
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def write(self, text: str) -> int:
+        from atari.base.text_table import for_terminal
+
+        return self._write(for_terminal(text, self._stream))
+
+    def _write(self, text: str) -> int:
         try:
             return self._stream.write(text)
         except OSError as error:
@@ -230,6 +244,9 @@ class _Output(_Messages):
 
     def write(self, text: str) -> int:
         return super().write(_escaped(text))
+
+    def write_exact(self, text: str) -> int:
+        return self._write(_escaped(text))
 
     def _fail(self, error: OSError) -> None:
         raise _OutputError(error) from None

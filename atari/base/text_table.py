@@ -1,11 +1,12 @@
 """Rows of text with aligned columns; `Table`, also for notebooks; facts by name; whole words in a terminal."""
 
 import html
+import os
 import re
 import shutil
-import sys
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,12 +26,29 @@ def fact_lines(name: str, values: Iterable[object]) -> list[str]:
     return [f"  {'' if index else name:12}  {value}" for index, value in enumerate(values)]
 
 
-def for_terminal(text: str) -> str:
-    """A line as lines of whole words, if stdout is a terminal that is narrower; otherwise the line."""
-    if sys.stdout is None or not sys.stdout.isatty():
+def for_terminal(text: str, stream: Any) -> str:
+    """Lines as lines of whole words, if the stream is a terminal that is narrower; otherwise the text.
+
+    What follows of a line begins below its second column, or two blanks further than the line. Lines with control
+    characters, such as those of a progress bar, stay.
+    """
+    if not stream.isatty():
         return text
     width = shutil.get_terminal_size().columns
-    return textwrap.fill(text, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+    if "COLUMNS" not in os.environ:
+        with suppress(OSError, ValueError):  # stdout, at which shutil looks, may be a pipe
+            width = os.get_terminal_size(stream.fileno()).columns or width
+    return "\n".join(_fitted(line, width) for line in text.split("\n"))
+
+
+def _fitted(line: str, width: int) -> str:
+    if len(line) <= width or not line.isprintable():
+        return line
+    column = re.search(r"(?<=\S) {2,}(?=\S)", line)
+    indent = len(line) - len(line.lstrip()) + 2
+    if column and column.end() <= width // 2:
+        indent = column.end()
+    return textwrap.fill(line, width, subsequent_indent=" " * indent, break_long_words=False, break_on_hyphens=False)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from typing import Any
 import gymnasium
 
 from atari.base.extras import install_extra
+from atari.base.program import print_exact
 from atari.cli.arguments import Commands, add_command
 from atari.cli.printing import print_json
 from atari.games.catalog import games
@@ -102,7 +103,7 @@ def _completion(args: argparse.Namespace) -> int:
     }
     preamble = _PREAMBLES[args.shell].format(**{name: " ".join(each) for name, each in words.items()})
     script = shtab.complete(parser, shell=args.shell, preamble=preamble)
-    print_json({"shell": args.shell, "script": script}) if args.json else print(script)
+    print_json({"shell": args.shell, "script": script}) if args.json else print_exact(f"{script}\n")
     return 0
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from atari.base.json_text import escaped
+from atari.base.program import print_exact
 from atari.base.text_table import aligned
 
 
@@ -29,7 +30,7 @@ def to_json_types(value: Any) -> Any:
 
 def print_json(value: Any) -> None:
     """Print a value that `to_json_types` accepts as one JSON document, at once: the command may continue."""
-    print(json.dumps(to_json_types(value), indent=2), flush=True)
+    print_exact(f"{json.dumps(to_json_types(value), indent=2)}\n")
 
 
 def print_table(rows: Iterable[Sequence[object]]) -> None:

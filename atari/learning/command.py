@@ -16,7 +16,6 @@ import gymnasium
 
 from atari.base.program import ctrl_c_as_event, interruptible, run
 from atari.base.progress import ProgressBar
-from atari.base.text_table import for_terminal
 from atari.base.typed_table import fits, in_text
 from atari.learning.agent import Agent, AgentCode, agent_code
 from atari.learning.options import FAST_RAM, NOT_FOR_AGENTS, TrainingOptions, option_from_text
@@ -109,7 +108,7 @@ def resume(path: Path, as_json: bool = False) -> None:
     with RunFolder.open(path, lock=True) as folder:  # its end removes a memory that a kill has left
         ended = folder.config.get("ended")
         if not as_json:
-            print(for_terminal(summary(folder.task)), flush=True)
+            print(summary(folder.task), flush=True)
     if ended is None:
         _run(Training.resume(path))
     elif not as_json:

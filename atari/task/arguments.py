@@ -13,7 +13,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from atari.base import magic
 from atari.base.frozen import FrozenDict
-from atari.base.text_table import for_terminal
+from atari.base.program import print_exact
 from atari.base.typed_table import from_text
 from atari.base.validation import check_file
 from atari.roms.identification import identify
@@ -172,10 +172,10 @@ def show_task(args: argparse.Namespace, task: Task) -> bool:
     """
     as_json = getattr(args, "json", False)
     if args.print_task:
-        print(json.dumps(json.loads(task.to_json()), indent=2) if as_json else task)
+        print_exact(f"{json.dumps(json.loads(task.to_json()), indent=2) if as_json else task}\n")
     elif not as_json:
         without = "".join(f", without {name}={value!r}" for name, value in getattr(args, "without", {}).items())
-        print(for_terminal(f"{summary(task)}{without}"), flush=True)
+        print(f"{summary(task)}{without}", flush=True)
     return bool(args.print_task)
 
 

@@ -1,7 +1,9 @@
 """Commands with closed and full streams, and Ctrl-C."""
 
+import json
 import os
 import signal
+import struct
 import subprocess
 import sys
 import threading
@@ -138,3 +140,46 @@ def test_a_progress_bar_stays_full_past_its_end() -> None:
         assert bar.total == 100
         bar.update(64)
         assert (bar.n, bar.total) == (128, 128)
+
+
+def in_terminal(*words: str, columns: int = 80) -> list[str]:
+    """The lines that a command of `atari` prints to a terminal, with stdout and stderr in their order."""
+    import fcntl  # here, because Windows has no such modules
+    import termios
+
+    terminal, its_end = os.openpty()
+    fcntl.ioctl(its_end, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+    environment = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+    command = [sys.executable, "-m", "atari", *words]
+    child = subprocess.Popen(command, stdin=its_end, stdout=its_end, stderr=its_end, env=environment)
+    os.close(its_end)
+    data = b""
+    while True:
+        try:
+            data += (read := os.read(terminal, 4096))
+        except OSError:  # Linux: the command has ended
+            read = b""
+        if not read:
+            break
+    child.wait()
+    os.close(terminal)
+    return data.decode().split("\r\n")[:-1]
+
+
+def test_a_terminal_gets_whole_words() -> None:
+    path = f"/no/{'long-' * 20}folder/game.a26r"
+    lines = in_terminal("replay", "show", path)
+    assert lines == ["atari: error: there is no file", f"  {path};", "  check the path"]  # the path is whole
+    lines = in_terminal("info", "pong", columns=60)
+    piped = run("", "atari", "info", "pong").stdout.splitlines()
+    assert max(map(len, lines)) <= 60 < max(map(len, piped))
+    assert " ".join(lines).split() == " ".join(piped).split()
+    first = next(index for index, line in enumerate(lines) if line.startswith("  about "))
+    assert lines[first + 1].startswith(" " * 16)
+    assert lines[first + 1][16] != " "
+
+
+def test_json_stays_as_it_is_in_a_terminal() -> None:
+    lines = in_terminal("info", "pong", "--json", columns=40)
+    assert max(map(len, lines)) > 40
+    assert json.loads("\n".join(lines)) == json.loads(run("", "atari", "info", "pong", "--json").stdout)

@@ -193,19 +193,6 @@ def test_a_field_that_does_not_matter_is_said(capsys: pytest.CaptureFixture[str]
     assert capsys.readouterr().out == first
 
 
-def test_the_first_line_breaks_between_words_in_a_terminal(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
-    monkeypatch.setenv("COLUMNS", "80")
-    args = by_frame("Pong-ram-v4", "--mode", "1")
-    show_task(args, task_of(args))
-    assert capsys.readouterr().out.splitlines() == [
-        "pong: Pong, as PongNoFrameskip-v4, but mode=1, without frameskip=(2, 5), without",
-        "  obs_type='ram'",
-    ]
-
-
 def test_print_task(capsys: pytest.CaptureFixture[str]) -> None:
     task = atari.Task.of("pong", preset="dqn2015")
     args = parsed("--preset", "dqn2015", "--print-task")

@@ -10,6 +10,8 @@ import tokenize
 from pathlib import Path
 
 from atari.base import durable
+from atari.base.program import print_exact
+from atari.base.validation import check_file
 from atari.classic.rewrite import modernized
 from atari.classic.rewrite.notebook import Notebook
 from atari.classic.rewrite.source import Source
@@ -31,13 +33,13 @@ class OldFile:
         marks: the number of places that a person must check.
 
     Raises:
-        OSError: the file cannot be read.
+        OSError: there is no such file, or it cannot be read.
         ValueError: it is no text, no notebook, or not this version of Python.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._data = path.read_bytes()
+        self._data = check_file(path, "name the scripts and notebooks in it").read_bytes()
         self._encoding = "utf-8" if path.suffix == ".ipynb" else _encoding(path, self._data)
         try:
             text = self._data.decode(self._encoding)
@@ -124,7 +126,7 @@ def modernize(words: list[str]) -> int:
 
 
 def _modernize_file(file: OldFile, write: bool) -> None:
-    print(file.diff(), end="")
+    print_exact(file.diff())
     if file.before == file.after:
         said = "nothing to change"
     elif write and file.write():

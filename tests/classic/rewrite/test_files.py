@@ -145,3 +145,10 @@ def test_other_errors(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ):
         assert main(["--modern", *words]) == 2
         assert f"{said}; usage: python -m atari.classic --modern FILE... [--write]" in capsys.readouterr().err
+
+
+def test_what_is_no_file(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--modern", "none.py"]) == 1
+    assert capsys.readouterr().err == "atari: error: there is no file none.py; check the path\n"
+    assert main(["--modern", "."]) == 1
+    assert capsys.readouterr().err == "atari: error: . is a folder; name the scripts and notebooks in it\n"
