@@ -10,6 +10,7 @@ from typing import Any
 
 import gymnasium
 import pytest
+from env_tools import needs_gymnasium_1
 
 import atari
 import atari.classic
@@ -55,6 +56,7 @@ def html(monkeypatch: pytest.MonkeyPatch) -> Callable[[Any], Any]:
     return formatter.formatters["text/html"]
 
 
+@needs_gymnasium_1
 @pytest.mark.parametrize("name", ENVIRONMENTS)
 def test_environments_in_wrappers_have_pictures(name: str, html: Callable[[Any], Any]) -> None:
     make, count = ENVIRONMENTS[name]
@@ -80,6 +82,7 @@ def test_players(html: Callable[[Any], Any]) -> None:
         assert "Pong: frame 3, first_0, second_0" in html(made)
 
 
+@needs_gymnasium_1
 def test_other_environments_stay(html: Callable[[Any], Any]) -> None:
     assert html(gymnasium.make("CartPole-v1")) is None
     assert html(gymnasium.make_vec("CartPole-v1", num_envs=2, vectorization_mode="sync")) is None
@@ -102,6 +105,7 @@ def test_many_single_environments() -> None:
     assert page.count("<img") == 36
 
 
+@needs_gymnasium_1
 def test_no_page_while_other_processes_play() -> None:
     envs = gymnasium.vector.AsyncVectorEnv([one, one])
     envs.reset(seed=0)
