@@ -1,7 +1,7 @@
 """The documentation site in a browser, which scripts/docs has built into build/site. Run by scripts/test --browser."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -89,6 +89,77 @@ def test_pixels_are_twice_as_wide_as_high(page: Any, name: str) -> None:
     assert sizes
     for width, height in (size for size in sizes if size[0]):
         assert width / height == pytest.approx(aspect, rel=0.02)
+
+
+BROKEN_WORDS = """() => {
+  const page = document.querySelector(".md-content") || document.body;
+  const found = [], texts = document.createTreeWalker(page, NodeFilter.SHOW_TEXT);
+  for (let text = texts.nextNode(); text; text = texts.nextNode()) {
+    if (text.parentElement.closest("pre, script, style, details:not([open])")) continue;
+    const around = text.parentElement;
+    const width = around.closest("td, th") ? Infinity : (around.closest("p, li, h1, h2, h3, div") || page).clientWidth;
+    for (const word of text.data.matchAll(/[\\p{L}\\p{N}_]+/gu)) {
+      const range = document.createRange();
+      range.setStart(text, word.index);
+      range.setEnd(text, word.index + word[0].length);
+      const lines = [...range.getClientRects()].filter((rect) => rect.width);
+      const whole = text.data.slice(0, word.index).match(/\\S*$/)[0] + text.data.slice(word.index).match(/^\\S*/)[0];
+      if (new Set(lines.map((rect) => Math.round(rect.top))).size > 1 && whole.length * 8.5 < width) found.push(whole);
+    }
+  }
+  return found;
+}"""
+"""The words on two lines, in tables or in a text without a space that would fit on one: code has 8.2 pixels a character."""
+
+
+def test_no_word_is_broken_on_a_phone(page: Any) -> None:
+    broken = {}
+    for name in LOOKED_AT:
+        page.goto(f"/{name}", wait_until="load")
+        if words := page.evaluate(BROKEN_WORDS):
+            broken[name] = words
+    assert broken == {}
+
+
+def test_the_check_finds_a_broken_word(page: Any) -> None:
+    page.goto("/start.html")
+    page.add_style_tag(content="td code { word-break: break-all !important; }")
+    assert page.evaluate(BROKEN_WORDS)
+
+
+FIRST = ("index", "start", "command-line", "ale-py", "envpool", "stable-baselines3", "cleanrl", "classic", "modern")
+
+
+def test_code_of_the_first_pages_is_seen_whole(page: Any) -> None:
+    page.set_viewport_size({"width": 1280, "height": 900})
+    hidden = "[...document.querySelectorAll('pre > code')].filter((code) => code.scrollWidth > code.clientWidth).length"
+    found = {}
+    for name in FIRST:
+        page.goto(f"/{name}.html", wait_until="load")
+        found[name] = page.evaluate(hidden)
+    assert found == dict.fromkeys(FIRST, 0)
+
+
+def test_no_page_is_as_high_as_thirty_screens(page: Any) -> None:
+    page.set_viewport_size({"width": 1280, "height": 900})
+    high = {}
+    for name in {*LOOKED_AT, *REFERENCE}:
+        page.goto(f"/{name}", wait_until="load")
+        high[name] = page.evaluate("document.documentElement.scrollHeight")
+    assert {name: height for name, height in high.items() if height >= 30_000} == {}
+
+
+def test_the_search_finds_pages_that_are_opened_from_a_disk(new_page: Callable[..., Any]) -> None:
+    page = new_page((SITE / "start.html").as_uri())
+    page.locator("input.md-search__input").click()
+    page.keyboard.type("stickiness")
+    found = page.locator(".md-search-result__link")
+    found.first.wait_for()
+    addresses = found.evaluate_all("links => links.map((link) => link.href.split('#')[0].split('?')[0])")
+    assert addresses[0].startswith(SITE.as_uri())
+    found.first.click()
+    page.wait_for_url(f"{addresses[0]}*")
+    assert "stickiness" in page.locator(".md-content").inner_text()
 
 
 def test_a_click_turns_the_sound_on(page: Any) -> None:
