@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from documents import ROOT
-from notebook_runs import kept_run
+from documents import ROOT, relink
+from notebook_runs import SHORT, kept_run
 from page import Page
 
 FOLDER = ROOT / "docs" / "notebooks"
@@ -34,12 +34,15 @@ class _Notebook:
         # After the title, which is the first line.
         title, _, rest = parts[0].partition("\n")
         link = f"[Download this notebook]({self.path.name}) to run it yourself."
+        if short := SHORT.get(self.path.stem):
+            values = " and ".join(f"`{name} = {value:_}`" for name, value in short.items())
+            link += f" The outputs on this page are of a run with {values}."
         yield Page(f"notebooks/{self.path.stem}.md", "\n\n".join((title, link, rest.strip(), *parts[1:])) + "\n")
         yield from self.pictures
 
     def _cell(self, cell: Any) -> Iterator[str]:
         if cell.cell_type == "markdown":
-            yield cell.source
+            yield relink(cell.source, self.path)
             return
         yield f"```python\n{cell.source}\n```"
         for output in cell.outputs:

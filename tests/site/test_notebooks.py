@@ -1,19 +1,29 @@
 """The notebooks of docs/notebooks run, and are stored without outputs."""
 
 import json
+import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
 FOLDER = Path(__file__).parents[2] / "docs" / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 RUNS = {path.stem: path for path in NOTEBOOKS}
+COUNTED = {"7 tasks, 5 games of each: 35 games\n"}
+"""Lines on stderr: `evaluate` prints the number of games of variants."""
 
 
-def test_there_are_three() -> None:
-    assert set(RUNS) == {"pixels", "ram", "training"}
+LEARN = {"lecture-1": [], "lecture-2": ["torch"], "pixels": [], "ram": [], "training": ["torch"]}
+"""The packages that the notebooks need, beside those of every notebook."""
+
+
+def test_each_notebook_is_here() -> None:
+    assert set(RUNS) == set(LEARN)
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -31,11 +41,46 @@ def test_outputs_are_not_stored(name: str) -> None:
 
 @pytest.mark.parametrize("name", RUNS)
 def test_it_runs(name: str, tmp_path: Path, site_module: Callable[[str], ModuleType]) -> None:
-    for needed in ("nbclient", "ipykernel", "matplotlib", *(["torch"] if name == "training" else [])):
+    for needed in ("nbclient", "ipykernel", "matplotlib", *LEARN[name]):
         pytest.importorskip(needed)
     notebook = site_module("notebook_runs").run(RUNS[name], tmp_path)
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     shown = [output.data["text/html"] for output in outputs if "text/html" in output.get("data", {})]
     assert any("data:image/png" in page for page in shown)  # an environment or a replay shows itself
-    assert not any(output.output_type == "stream" and output.name == "stderr" for output in outputs)
+    assert {output.text for output in outputs if output.output_type == "stream" and output.name == "stderr"} <= COUNTED
     assert list(tmp_path.iterdir()) == []
+    if name == "lecture-2":
+        check_lecture(outputs)
+
+
+def check_lecture(outputs: list[Any]) -> None:
+    """The short training has finite losses. scripts/generate/lecture.py checks that the whole one learns."""
+    printed = "".join(output.text for output in outputs if output.output_type == "stream")
+    found = re.search(r"([\d,]+) updates\nmean of the last 500 losses: ([\d.]+)", printed)
+    assert found
+    assert int(found[1].replace(",", "")) == (20_000 - 5_000) // 16  # an update a step of 16 lanes, after 5,000
+    assert 0 < float(found[2]) < 1
+    assert len(re.findall(r"^intervention=\w+ +5 ", printed, re.M)) == 6
+    (curve,) = (output for output in outputs if "800x320" in output.get("data", {}).get("text/plain", ""))
+    assert "image/png" in curve.data  # the picture that grows is one output
+
+
+def test_a_run_with_another_value_needs_one_such_line(tmp_path: Path, site_module: Callable[[str], ModuleType]) -> None:
+    pytest.importorskip("nbclient")
+    runs = site_module("notebook_runs")
+    for name in ("NOTHING", "ram"):  # lecture-2 sets `ram` within lines alone
+        with pytest.raises(ValueError, match=rf"lecture-2.ipynb has 0 lines {name} = \.\.\., and one is replaced"):
+            runs.run_with(RUNS["lecture-2"], tmp_path, {name: 1}, 10)
+
+
+def test_links_between_notebooks_are_links_between_pages() -> None:
+    """In a process of its own: `documents` is a module of the tests, too."""
+    program = (
+        "import sys, nbformat, pathlib\nsys.path.insert(0, sys.argv[1])\nfrom documents import relink\n"
+        "path = pathlib.Path(sys.argv[2])\nprint(relink(nbformat.read(path, 4).cells[0].source, path))"
+    )
+    pytest.importorskip("nbformat")
+    command = [sys.executable, "-c", program, str(FOLDER.parents[1] / "scripts/site"), str(RUNS["lecture-1"])]
+    text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert "[Part 2](lecture-2.md)" in text
+    assert "[For teachers](../teaching.md)" in text
