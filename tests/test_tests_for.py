@@ -1,13 +1,12 @@
-"""`scripts/tests_for.py` finds tests for every file of the product, and the nearest ones first."""
+"""`tests/support/tests_for.py` finds tests for every file of the product, and the nearest ones first."""
 
 import sys
 from pathlib import Path
 
 import pytest
-import site_modules
+import tests_for
 
 TOP = Path(__file__).parent.parent
-tests_for = site_modules.load("tests_for", "")
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """Runs the tests that concern a file on mutants of it; `scripts/mutants` has the package and starts this file.
 
 The mutants are drawn by a seed: as many of each part of `PARTS`, the kinds of change in turn. A mutant that does not
-compile is replaced by the next one. `scripts/tests_for.py` names the tests of a file. A mutant is killed if one of them
+compile is replaced by the next one. `tests/support/tests_for.py` names the tests of a file. A mutant is killed if one of them
 fails or takes too long.
 """
 
@@ -20,7 +20,7 @@ from contextlib import suppress
 from itertools import cycle, islice, zip_longest
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[2] / "scripts")]
+sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1] / "support")]
 
 from mutate import KINDS, Mutant, mutants  # noqa: E402
 from tests_for import runs  # noqa: E402

@@ -15,7 +15,7 @@ from functools import cache
 from itertools import zip_longest
 from pathlib import Path
 
-TOP = Path(__file__).resolve().parent.parent
+TOP = Path(__file__).resolve().parents[2]
 
 PLACES: dict[str, tuple[str, ...]] = {
     "atari/emulator/machine": ("tests/emulator", "tests/conformance/test_goldens.py"),
@@ -128,7 +128,7 @@ def runs(file: str) -> list[list[str]]:
         near.insert(0, file)
     if not near and not around:
         raise ValueError(
-            f"no test concerns {file}; name the tests, or enter the file into PLACES of scripts/tests_for.py"
+            f"no test concerns {file}; name the tests, or enter the file into PLACES of tests/support/tests_for.py"
         )
     return [each for each in (list(dict.fromkeys(near)), around) if each]
 
