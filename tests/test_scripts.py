@@ -184,7 +184,7 @@ def test_a_folder_has_at_most_twenty_entries(folder: Path) -> None:
 
 @pytest.mark.skipif(not find_spec("scikit_build_core"), reason="needs scikit-build-core")
 def test_a_build_that_fails_says_what_to_install(tmp_path: Path) -> None:
-    for file in ("pyproject.toml", "CMakeLists.txt", "README.md", "LICENSE"):
+    for file in ("pyproject.toml", "CMakeLists.txt", "README.md", "LICENSE", "LICENSE-THIRD-PARTY"):
         shutil.copy(SCRIPTS.parent / file, tmp_path)
     build = [sys.executable, "-c", "from scikit_build_core.build import build_wheel; build_wheel('.')"]
     environment = {**os.environ, "CXX": str(tmp_path / "no-compiler")}

@@ -76,7 +76,7 @@ def check_bill(text: str, version: str) -> None:
     assert (bill["bomFormat"], bill["specVersion"]) == ("CycloneDX", "1.6")
     assert bill["metadata"]["component"]["version"] == version
     parts = {component["bom-ref"]: component for component in bill["components"]}
-    assert set(parts) == {"nanobind", "robin-map"}
+    assert set(parts) == {"nanobind", "robin-map", "emscripten"}
     assert parts["nanobind"]["purl"] == f"pkg:pypi/nanobind@{parts['nanobind']['version']}"
     assert {entry["ref"] for entry in bill["dependencies"]} == {"atari-envs", *parts}
 
@@ -86,6 +86,8 @@ def test_the_bill_of_materials() -> None:
     check_bill(re.sub(r"@(\w+)@", lambda found: "1.2" if found[1] else "", template), "1.2")
     cmake = (TOP / "CMakeLists.txt").read_text(encoding="utf-8")
     assert "configure_file(scripts/release/sbom.cdx.json.in" in cmake
+    licences = (TOP / "LICENSE-THIRD-PARTY").read_text(encoding="utf-8").lower()
+    assert all(name in licences for name in ("nanobind,", "robin-map,", "emscripten,"))
 
 
 def test_the_installed_wheel_has_its_bill_of_materials() -> None:

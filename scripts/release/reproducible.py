@@ -46,7 +46,7 @@ class Build:
 
 BUILDS = (
     Build("first", 0o022, {"TZ": "UTC", "LC_ALL": "C", "CMAKE_BUILD_PARALLEL_LEVEL": "2"}),
-    Build("another/folder", 0o077, {"TZ": "Asia/Tokyo", "LC_ALL": "C.UTF-8", "CMAKE_BUILD_PARALLEL_LEVEL": "1"}),
+    Build("another/folder", 0o077, {"TZ": "Asia/Tokyo", "LC_ALL": "C.UTF-8", "CMAKE_BUILD_PARALLEL_LEVEL": "3"}),
 )
 
 
