@@ -3,8 +3,8 @@
 
     scripts/release/installs.py build/wheels [--pythons 3.10 3.12] [--out DIR]
 
-The rows are all Pythons from 3.10 to 3.14 that are found here with the newest dependencies, and the oldest Python with
-the oldest dependencies that the package declares. Wheels of the dependencies are downloaded first. Then each row
+The rows are all Pythons from 3.10 to 3.14 that are found here with the newest dependencies, and Python 3.10 with the
+oldest dependencies that the package declares. Wheels of the dependencies are downloaded first. Then each row
 installs and plays without network, with a home that cannot be written to, and without a compiler or another program on
 the PATH. All rows must play the same bytes. It needs Linux: `unshare` takes the network away.
 """
@@ -198,10 +198,13 @@ def download_all(built: Path, out: Path, versions: list[str]) -> Iterator[Depend
     for version in versions:
         if version not in found:
             print(f"Python {version} was not found.", flush=True)
-    ages = [(version, "newest") for version in found] + [(version, "oldest") for version in [*found][:1]]
-    for version, age in ages:
+    oldest = [(version, "oldest") for version in VERSIONS[:1] if version in found]
+    for version, age in [*((version, "newest") for version in found), *oldest]:
         dependencies = Dependencies(found[version], version, age, out / f"wheels-{version}-{age}")
-        dependencies.download(built)
+        try:
+            dependencies.download(built)
+        except Failed as failure:
+            sys.exit(f"The {age} dependencies could not be downloaded for Python {version}:\n{failure}")
         if dependencies.wheel:
             yield dependencies
         else:
