@@ -17,6 +17,7 @@ from atari.wrappers.fire_reset import FireReset
 from atari.wrappers.frame_skip import FrameSkip
 from atari.wrappers.frame_stack import FrameStack
 from atari.wrappers.grayscale import Grayscale
+from atari.wrappers.images import resize_image, rgb_to_gray
 from atari.wrappers.life_loss_info import LifeLossInfo
 from atari.wrappers.noop_reset import NoopReset
 from atari.wrappers.observation_delay import ObservationDelay
@@ -43,4 +44,6 @@ __all__ = [
     "StickyActions",
     "preset",
     "preset_options",
+    "resize_image",
+    "rgb_to_gray",
 ]

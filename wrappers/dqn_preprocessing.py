@@ -12,7 +12,6 @@ import copy
 import inspect
 from typing import Any, Literal, get_args
 
-import cv2
 import gymnasium
 import numpy as np
 from gymnasium import spaces
@@ -29,6 +28,7 @@ from atari.task.observation_kinds import KINDS
 from atari.wrappers._checks import Environment, require_atari, require_pixels, require_single_frames
 from atari.wrappers.episodic_life import EpisodicLife
 from atari.wrappers.frame_stack import Padding
+from atari.wrappers.images import resize_image
 
 EndFrames = Literal["last", "gymnasium", "baselines", "envpool"]
 DqnObsType = Literal["image", "ram"]
@@ -60,7 +60,7 @@ class DqnPreprocessing(RestorableWrapper):
         stack_size: frames, or RAM vectors, in an observation; None means one, without an axis for it.
         grayscale: False keeps red, green and blue.
         max_pool: take the maximum of the last two frames of a skip; False takes the last one.
-        pool_rgb: pool red, green and blue, and make them gray with OpenCV afterwards (Baselines, DQN 2015), instead of
+        pool_rgb: pool red, green and blue, and make them gray as OpenCV afterwards (Baselines, DQN 2015), instead of
             pooling ALE's gray values. It requires `end_frames` "last" or "baselines".
         padding_type: before the first frame of an episode, "reset" repeats it, "zero" is black.
         end_frames: the new frame of the observation when the episode ends inside a skip.
@@ -153,7 +153,7 @@ class DqnPreprocessing(RestorableWrapper):
             width, height = _check_size(screen_size, screen.shape)
             shown = (height, width, *kind.colours)
             if height > screen.shape[0] or width > screen.shape[1]:
-                self._resized = width, height  # by OpenCV, from images of the screen
+                self._resized = height, width  # from images of the screen
             else:
                 size = height, width
         if kind.image or self._stacked:
@@ -244,7 +244,7 @@ class DqnPreprocessing(RestorableWrapper):
             return self._atari.driver.observed.ram()
         stack = self._images.observation()
         if self._resized is not None:
-            stack = np.stack([cv2.resize(image, self._resized, interpolation=cv2.INTER_AREA) for image in stack])
+            stack = np.stack([resize_image(image, self._resized) for image in stack])
         return stack if self._stacked else stack[0]
 
     def _save_state(self) -> State:

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import cv2
 import gymnasium
 import numpy as np
 from gymnasium import spaces
@@ -10,14 +9,15 @@ from gymnasium import spaces
 from atari.cores import ByteArray
 from atari.env.restorable import RestorableWrapper
 from atari.wrappers._checks import Environment, require_image, require_pixels
+from atari.wrappers.images import rgb_to_gray
 
 
 class Grayscale(RestorableWrapper, gymnasium.ObservationWrapper[Any, Any, Any]):
-    """RGB images (rows, columns, 3) become gray ones (rows, columns), uint8, by OpenCV.
+    """RGB images (rows, columns, 3) become gray ones (rows, columns), uint8, by `rgb_to_gray`.
 
-    The brightness is 0.299 red + 0.587 green + 0.114 blue, as in OpenAI's Baselines. ALE has its own table of gray
-    values, which differ a little: for them make the environment with `obs_type="grayscale"`. (Gymnasium's
-    `GrayscaleObservation` uses other weights, computes in float64, which is slow, and cannot be pickled.)
+    The brightness is OpenCV's, as in OpenAI's Baselines. ALE has its own table of gray values, which differ a
+    little: for them make the environment with `obs_type="grayscale"`. (Gymnasium's `GrayscaleObservation` uses other
+    weights, computes in float64, which is slow, and cannot be pickled.)
 
     Args:
         env: an environment with RGB observations.
@@ -51,5 +51,4 @@ class Grayscale(RestorableWrapper, gymnasium.ObservationWrapper[Any, Any, Any]):
             TypeError, ValueError: the observation is no image of the wrapped environment's space.
         """
         require_image(observation, self._source, "Grayscale")
-        gray: ByteArray = cv2.cvtColor(observation, cv2.COLOR_RGB2GRAY)  # type: ignore[assignment]
-        return gray.reshape(self._shape)
+        return rgb_to_gray(observation).reshape(self._shape)

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-import cv2
 import gymnasium
 import numpy as np
 from gymnasium import spaces
@@ -11,10 +10,11 @@ from atari.base.validation import check_integer
 from atari.cores import ByteArray
 from atari.env.restorable import RestorableWrapper
 from atari.wrappers._checks import Environment, require_image, require_pixels
+from atari.wrappers.images import resize_image
 
 
 class Resize(RestorableWrapper, gymnasium.ObservationWrapper[Any, Any, Any]):
-    """Scale images to `shape` by averaging areas (OpenCV's INTER_AREA).
+    """Scale images to `shape` by `resize_image`, which averages areas (OpenCV's INTER_AREA).
 
     It equals Gymnasium's `ResizeObservation`, which cannot be pickled.
 
@@ -38,7 +38,6 @@ class Resize(RestorableWrapper, gymnasium.ObservationWrapper[Any, Any, Any]):
             raise TypeError(f"shape must be two integers (rows, columns), got {shape!r}")
         rows, columns = (check_integer("shape", length, 1, 10_000) for length in shape)
         super().__init__(env, shape=(rows, columns))
-        self._size = columns, rows
         self._shape = (rows, columns, *self._source[2:])
         self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)
 
@@ -49,5 +48,4 @@ class Resize(RestorableWrapper, gymnasium.ObservationWrapper[Any, Any, Any]):
             TypeError, ValueError: the observation is no image of the wrapped environment's space.
         """
         require_image(observation, self._source, "Resize")
-        small: ByteArray = cv2.resize(observation, self._size, interpolation=cv2.INTER_AREA)  # type: ignore[assignment]
-        return small.reshape(self._shape)  # OpenCV drops an axis of one colour
+        return resize_image(observation, self._shape[:2])

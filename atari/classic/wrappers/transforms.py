@@ -1,7 +1,6 @@
 """Small changes of observations, rewards and actions, under the names of Gym's last years."""
 
 from collections.abc import Callable, Iterable
-from functools import partial
 from typing import Any
 
 import gymnasium
@@ -9,43 +8,38 @@ import numpy as np
 
 from atari.classic.core import ActionWrapper, Env, ObservationWrapper, RewardWrapper, Step, Wrapper
 from atari.classic.spaces import Box, flatten, flatten_space
+from atari.wrappers import resize_image, rgb_to_gray
 
 
 class GrayScaleObservation(ObservationWrapper):
-    """Images in OpenCV's gray, (rows, columns), or (rows, columns, 1) with `keep_dim`."""
+    """Images of uint8 in OpenCV's gray, (rows, columns), or (rows, columns, 1) with `keep_dim`."""
 
     def __init__(self, env: Env, keep_dim: bool = False) -> None:
-        import cv2  # imported here because the import is slow
-
         super().__init__(env)
         self.keep_dim = keep_dim
-        self._to_gray = partial(cv2.cvtColor, code=cv2.COLOR_RGB2GRAY)
         rows, columns, _ = env.observation_space.shape or ()
         self.observation_space = Box(0, 255, (rows, columns, 1)[: 3 if keep_dim else 2], np.uint8)
 
     def observation(self, observation: Any) -> Any:
         """The observation to return instead."""
-        gray = self._to_gray(observation)
+        gray = rgb_to_gray(observation)
         return gray[..., None] if self.keep_dim else gray
 
 
 class ResizeObservation(ObservationWrapper):
-    """Images in another size, (rows, columns), or one number for both; `shape` is the size."""
+    """Images of uint8 in another size, (rows, columns), or one number for both; `shape` is the size."""
 
     def __init__(self, env: Env, shape: int | tuple[int, int]) -> None:
-        import cv2  # imported here because the import is slow
-
         super().__init__(env)
         self.shape = (shape, shape) if isinstance(shape, int) else tuple(shape)
         if len(self.shape) != 2 or min(self.shape) < 1:
             raise ValueError(f"shape is (rows, columns), each 1 or more, got {shape!r}")
-        self._resize = partial(cv2.resize, dsize=self.shape[::-1], interpolation=cv2.INTER_AREA)
         old = env.observation_space.shape or ()
         self.observation_space = Box(0, 255, self.shape + tuple(old[2:]), np.uint8)
 
     def observation(self, observation: Any) -> Any:
         """The observation to return instead."""
-        return self._resize(observation).reshape(self.observation_space.shape)  # OpenCV drops an axis of one colour
+        return resize_image(observation, self.shape)
 
 
 class FlattenObservation(ObservationWrapper):

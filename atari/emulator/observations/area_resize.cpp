@@ -111,7 +111,7 @@ AreaResize::AreaResize(int rows, int height, int width, SimdLevel level)
 
 double AreaResize::scale(int source, int target) { return 1.0 / (static_cast<double>(target) / source); }
 
-// Returns OpenCV's weights: computed in doubles, without slivers, and rounded to float.
+// OpenCV computes the weights in doubles, leaves slivers out, and rounds to float.
 std::vector<AreaResize::Tap> AreaResize::taps(int source, int target) {
     std::vector<Tap> all;
     const double scale = AreaResize::scale(source, target);

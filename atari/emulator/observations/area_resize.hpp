@@ -20,6 +20,14 @@ class AreaResize {
     // inverse. OpenCV sums blocks of pixels if both scales are whole numbers, which 1 / (1 / 210) is not.
     static double scale(int source, int target);
 
+    struct Tap {  // the share of a source pixel in a result
+        int source, result;
+        float weight;
+        bool first, last;  // whether it is the result's first or last tap
+    };
+    // Returns the taps of all results in one direction, in their order, with OpenCV's weights.
+    static std::vector<Tap> taps(int source, int target);
+
     AreaResize(int rows, int height, int width, SimdLevel level);
 
     // Writes height x width bytes. `changes` is as `pool_gray` writes it; null if every row is new.
@@ -44,17 +52,11 @@ class AreaResize {
     };
 
   private:
-    struct Tap {  // the share of a source pixel in a result
-        int source, result;
-        float weight;
-        bool first, last;  // whether it is the result's first or last tap
-    };
     // Neighbouring results that are computed at once and depend on pixels close together.
     struct Window {
         int source, result, count;
     };
 
-    static std::vector<Tap> taps(int source, int target);
     void make_windows(const std::vector<Tap>& across);
     uint32_t changed_windows(uint32_t changes) const;
     template <int lanes>

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "image.hpp"
+
 namespace atari {
 namespace {
 
@@ -12,9 +14,7 @@ std::vector<uint8_t> make(const Palette& palette) {
     for (const uint32_t early : palette.rgb)
         for (const uint32_t late : palette.rgb) {
             const auto channel = [&](int shift) { return std::max(early >> shift & 255, late >> shift & 255); };
-            // OpenCV's weights 0.299, 0.587 and 0.114, in units of 2**-15, and its rounding.
-            const uint32_t sum = 9798 * channel(16) + 19235 * channel(8) + 3735 * channel(0);
-            values.push_back(static_cast<uint8_t>((sum + (1 << 14)) >> 15));
+            values.push_back(gray_of(channel(16), channel(8), channel(0)));
         }
     return values;
 }

@@ -76,6 +76,7 @@ Shared<Game> bound_game(nb::bytes image, const std::string& cartridge, const std
 void register_state(nb::module_& m);         // state.cpp
 void register_episode(nb::module_& m);       // binding_episode.cpp
 void register_observations(nb::module_& m);  // binding_observations.cpp
+void register_image(nb::module_& m);         // binding_image.cpp
 void register_vector(nb::module_& m);        // binding_vector.cpp
 void register_memory(nb::module_& m);        // binding_memory.cpp
 void register_causes(nb::module_& m);        // binding_causes.cpp
@@ -225,6 +226,7 @@ NB_MODULE(_emulator, m) {
 
     register_reward(m);
     register_vector(m);
+    register_image(m);
     register_observations(m);
     register_episode(m);
     register_xla(m);

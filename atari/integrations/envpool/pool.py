@@ -20,6 +20,7 @@ from atari.task import Task
 from atari.task.task import GameLike
 from atari.vector import AtariVectorEnv
 from atari.vector.results import pick_rows
+from atari.wrappers import resize_image
 
 
 class EnvPool:
@@ -253,12 +254,10 @@ class EnvPool:
 
 def resized(screen: npt.NDArray[np.uint8], width: int | None, height: int | None) -> npt.NDArray[np.uint8]:
     """A screen in another size, by areas like EnvPool's; None keeps it."""
-    size = (width or screen.shape[1], height or screen.shape[0])
-    if size == (screen.shape[1], screen.shape[0]):
+    size = (height or screen.shape[0], width or screen.shape[1])
+    if size == screen.shape[:2]:
         return screen
-    import cv2  # here, because the import takes long
-
-    return np.asarray(cv2.resize(screen, size, interpolation=cv2.INTER_AREA), np.uint8)
+    return resize_image(screen, size)
 
 
 def as_envpool(results: Any, returns_done: bool) -> tuple[Any, ...]:
