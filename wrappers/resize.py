@@ -38,6 +38,7 @@ class Resize(RestorableWrapper, gymnasium.ObservationWrapper[Any, Any, Any]):
             raise TypeError(f"shape must be two integers (rows, columns), got {shape!r}")
         rows, columns = (check_integer("shape", length, 1, 10_000) for length in shape)
         super().__init__(env, shape=(rows, columns))
+        self._size = rows, columns
         self._shape = (rows, columns, *self._source[2:])
         self.observation_space = spaces.Box(0, 255, self._shape, np.uint8)
 
@@ -48,4 +49,4 @@ class Resize(RestorableWrapper, gymnasium.ObservationWrapper[Any, Any, Any]):
             TypeError, ValueError: the observation is no image of the wrapped environment's space.
         """
         require_image(observation, self._source, "Resize")
-        return resize_image(observation, self._shape[:2])
+        return resize_image(observation, self._size)

@@ -14,7 +14,7 @@ import numpy as np
 
 from atari.base import durable
 from atari.base.frozen import FrozenDict
-from atari.base.notebook import png
+from atari.base.png import png
 from atari.base.validation import AleError, AleTypeError, check_integer, check_poke, check_probability
 from atari.cores.ale_actions import Action as AleAction
 from atari.cores.core import ByteArray, Core

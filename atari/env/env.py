@@ -15,7 +15,8 @@ import numpy as np
 from gymnasium import spaces
 from typing_extensions import Unpack
 
-from atari.base.notebook import picture, png
+from atari.base.notebook import picture
+from atari.base.png import png
 from atari.base.validation import check_action, check_name
 from atari.cores import CORES, NativeCore, PlainCore
 from atari.cores.ale_actions import Action as AleAction

@@ -12,12 +12,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from atari.base import durable, json_text
 from atari.base.extras import import_extra, pip_install
+from atari.base.png import png
 from atari.base.validation import check_name
 from atari.base.writer_process import write_apart
 from atari.env.env import ObsType
@@ -330,7 +330,7 @@ def _columns(pyarrow: Any, number: int, episode: EpisodeArrays) -> dict[str, Any
         "step": pyarrow.array(np.arange(states, dtype=np.int32)),
     }
     if (frames := episode.observations.get("image")) is not None:
-        columns["frame"] = pyarrow.array([frame.tobytes() if frame.ndim == 1 else _png(frame) for frame in frames])
+        columns["frame"] = pyarrow.array([frame.tobytes() if frame.ndim == 1 else png(frame) for frame in frames])
     columns["ram"] = pyarrow.array([row.tobytes() for row in episode.observations["ram"]], pyarrow.binary(128))
     if "stack" in infos:
         columns["stack"] = pyarrow.array(infos["stack"])
@@ -342,8 +342,3 @@ def _columns(pyarrow: Any, number: int, episode: EpisodeArrays) -> dict[str, Any
         visible = infos["visible"].get(name)
         columns[f"label.{name}"] = pyarrow.array(column, mask=None if visible is None else ~visible)
     return columns
-
-
-def _png(frame: npt.NDArray[np.uint8]) -> bytes:
-    pixels = cv2.cvtColor(frame, cv2.COLOR_RGB2BGR) if frame.ndim == 3 else frame
-    return bytes(cv2.imencode(".png", pixels, [cv2.IMWRITE_PNG_COMPRESSION, 1])[1])

@@ -5,14 +5,15 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from atari.base import json_text
+from atari.base.extras import import_extra, pip_install
 from atari.lab.dataset import ENDINGS, VERSION, Format, import_format
 from atari.recording.stacks import rows_of_stacks
 from atari.task import Task
@@ -235,10 +236,12 @@ def _image(stored: bytes) -> Array:
     data = np.frombuffer(stored, np.uint8)
     if len(data) == 128:  # RAM; a PNG file of any screen is longer
         return data
-    image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
-    if image is None:
-        raise ValueError("a frame is no PNG image")
-    return cv2.cvtColor(image, cv2.COLOR_BGR2RGB) if image.ndim == 3 else image
+    pillow = import_extra("PIL.Image", f"the frames of a data set in Parquet need Pillow: {pip_install('pillow')}")
+    try:
+        with pillow.open(BytesIO(stored), formats=("PNG",)) as image:
+            return np.array(image)
+    except (OSError, SyntaxError, pillow.DecompressionBombError) as error:
+        raise ValueError("a frame is no PNG image") from error
 
 
 def _minari_facts(minari: Any, dataset_id: str) -> dict[str, Any]:

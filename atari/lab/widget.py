@@ -17,7 +17,8 @@ from typing import Any
 
 import gymnasium
 
-from atari.base.notebook import image, png
+from atari.base.notebook import image
+from atari.base.png import png
 from atari.lab.inspector import export, protocol
 from atari.lab.inspector.inspection import FRAMES_PER_SECOND, Inspection
 

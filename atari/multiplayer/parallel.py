@@ -14,7 +14,8 @@ from pettingzoo import ParallelEnv
 from typing_extensions import Self
 
 import atari._emulator as _emulator
-from atari.base.notebook import picture, png
+from atari.base.notebook import picture
+from atari.base.png import png
 from atari.base.validation import check_integer, check_known, check_name
 from atari.cores import snapshot
 from atari.env.settings import make_episode

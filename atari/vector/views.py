@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import atari._emulator as _emulator
-from atari.base.notebook import MOST_SHOWN, picture, png
+from atari.base.notebook import MOST_SHOWN, picture
+from atari.base.png import png
 from atari.cores import ByteArray
 from atari.env.rendering import tile
 from atari.games.actions import actions_by_motion

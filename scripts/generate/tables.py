@@ -14,11 +14,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 import atari
+from atari.base import font
+from atari.base.png import png
 from atari.base.typed_table import in_text
 from atari.policy.inside import FORMATS, METHODS, SAMPLED
 from atari.task import PRESETS, fields
@@ -174,7 +175,8 @@ def _words(texts: tuple[str, ...]) -> Image:
     """A line of text above the columns of observations."""
     line: Image = np.zeros((20, 4 * 87 * 3 + 24), np.uint8)
     for column, text in enumerate(texts):
-        cv2.putText(line, text, (column * (4 * 87 + 8), 15), cv2.FONT_HERSHEY_SIMPLEX, 0.45, 255, 1, cv2.LINE_AA)
+        pixels = font.line(text, 2)
+        line[2 : 2 + len(pixels)][:, column * (4 * 87 + 8) :][:, : pixels.shape[1]][pixels] = 255
     return np.dstack([np.full_like(line, 128), line])
 
 
@@ -205,8 +207,7 @@ def main() -> None:
         path = DOCS / name
         path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")
     if args.pictures:
-        bgra = picture()[..., [0, 0, 0, 1]]
-        cv2.imwrite(str(DOCS / "assets" / "presets.png"), bgra, [cv2.IMWRITE_PNG_COMPRESSION, 9])
+        (DOCS / "assets" / "presets.png").write_bytes(png(picture()))
 
 
 if __name__ == "__main__":

@@ -6,19 +6,17 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import av
-import cv2
 import numpy as np
 import numpy.typing as npt
+
+from atari.base.png import png as png_of
 
 Image = npt.NDArray[np.uint8]
 
 
 def png(image: Image, scale: int = 1) -> bytes:
     """A PNG file of an RGB (rows, columns, 3) or gray (rows, columns) image, each pixel `scale` by `scale`."""
-    image = image.repeat(scale, axis=0).repeat(scale, axis=1)
-    if image.ndim == 3:
-        image = np.ascontiguousarray(image[..., ::-1])
-    return cv2.imencode(".png", image, [cv2.IMWRITE_PNG_COMPRESSION, 9])[1].tobytes()
+    return png_of(image.repeat(scale, axis=0).repeat(scale, axis=1))
 
 
 def strip(images: Iterable[Image], gap: int = 3, shade: int = 128) -> Image:

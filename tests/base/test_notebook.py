@@ -142,22 +142,6 @@ def test_a_replay_of_players_shows_itself(tmp_path: Path) -> None:
     assert "score" in Replay.load(tmp_path / "game.a26r")._repr_html_()
 
 
-def test_an_animation_ends_before_it_is_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(notebook, "MAX_ANIMATION_SIZE", 50_000)
-    generator = np.random.default_rng(0)
-    file, count = notebook.animation((generator.integers(0, 256, (50, 80, 3), np.uint8) for _ in range(20)), 30)
-    assert count == 4
-    assert len(file) < 51_000
-    assert len(played(file)) == 4
-    large = np.zeros((50, 80, 3), np.uint8)
-    assert notebook.animation([large, large], 30)[1] == 2  # without a change
-
-
-def test_an_animation_needs_an_image() -> None:
-    with pytest.raises(ValueError, match="needs an image"):
-        notebook.animation([], 30)
-
-
 def test_a_report_has_the_tables_that_print_shows() -> None:
     rows = [("game", "mean", "difference"), ("as given", "1,000.5 [1, 2]", ""), ("<b> & c", "-3.0", "+4.0")]
     table = "\n".join(aligned(rows, bool))

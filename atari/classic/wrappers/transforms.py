@@ -31,9 +31,10 @@ class ResizeObservation(ObservationWrapper):
 
     def __init__(self, env: Env, shape: int | tuple[int, int]) -> None:
         super().__init__(env)
-        self.shape = (shape, shape) if isinstance(shape, int) else tuple(shape)
-        if len(self.shape) != 2 or min(self.shape) < 1:
+        rows_columns = (shape, shape) if isinstance(shape, int) else tuple(shape)
+        if len(rows_columns) != 2 or min(rows_columns) < 1:
             raise ValueError(f"shape is (rows, columns), each 1 or more, got {shape!r}")
+        self.shape = rows_columns
         old = env.observation_space.shape or ()
         self.observation_space = Box(0, 255, self.shape + tuple(old[2:]), np.uint8)
 

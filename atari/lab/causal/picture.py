@@ -3,12 +3,11 @@
 from os import PathLike
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from atari.base import durable
-from atari.base.notebook import png
+from atari.base import durable, font
+from atari.base.png import png
 from atari.games.game import Game
 from atari.lab.causal.map import ByteCauses, CausalMap, Suggestion
 
@@ -78,16 +77,17 @@ def _cell(
     kind = category(byte, suggestions)
     colour = _CATEGORIES[kind][0]
     cell = np.full((_TEXT + height + _MARGIN, _WIDTH + _MARGIN, 3), _BACKGROUND, np.uint8)
-    _write(cell, f"${0x80 + byte.index:02X} {byte.index}", 0, 12, _FAINT)
-    _write(cell, ", ".join(names)[:17], 52, 12, _PALE)
-    _write(cell, _remark(byte, kind, suggestions)[:27], 0, 25, colour)
+    font.write(cell, f"${0x80 + byte.index:02X} {byte.index}", 0, 5, _FAINT)
+    font.write(cell, ", ".join(names), 52, 5, _PALE)
+    font.write(cell, _remark(byte, kind, suggestions), 0, 18, colour)
     cell[_TEXT : _TEXT + height, :_WIDTH] = _lit(causal_map, byte, screen, kind)
-    cv2.rectangle(cell, (0, _TEXT), (_WIDTH - 1, _TEXT + height - 1), colour, 1)
+    frame = cell[_TEXT : _TEXT + height, :_WIDTH]
+    frame[[0, -1]] = frame[:, [0, -1]] = colour
     return cell
 
 
 def _remark(byte: ByteCauses, kind: str, suggestions: list[Suggestion]) -> str:
-    """The remark of a cell about its byte, in at most 27 letters if possible."""
+    """The remark of a cell about its byte, in at most 26 letters if possible."""
     positions = [f"{each.kind[-1]} = {_short(each.transform)}" for each in suggestions if each.transform]
     if positions:
         return ", ".join(positions)
@@ -129,21 +129,17 @@ def _header(causal_map: CausalMap, game: Game | None, screen: Picture, width: in
     header[_MARGIN : _MARGIN + len(doubled), : doubled.shape[1]] = doubled
     left = doubled.shape[1] + 24
     title = game.title if game is not None else causal_map.game
-    _write(header, f"{title}: the effects of each byte of RAM", left, 28, _PALE, 0.72)
+    font.write(header, title, left, 14, _PALE, 2)
     settings = ", ".join(f"{name} {value}" for name, value in causal_map.settings.items())
-    _write(header, settings, left, 50, _FAINT, 0.42)
+    font.write(header, f"the effects of each byte of RAM: {settings}", left, 43, _FAINT)
     for line, (name, (colour, text)) in enumerate(_CATEGORIES.items()):
         top = 68 + 20 * line
-        cv2.rectangle(header, (left, top), (left + 12, top + 12), colour, -1)
-        _write(header, f"{name}: {text}" if name not in text else text, left + 20, top + 11, _PALE, 0.42)
+        header[top : top + 13, left : left + 13] = colour
+        font.write(header, f"{name}: {text}" if name not in text else text, left + 20, top + 3, _PALE)
     left, lines = left + 520, len(doubled) // 17
     for place, each in enumerate(causal_map.suggestions[: 4 * lines]):
         column, line = divmod(place, lines)
         colour = _CATEGORIES[each.kind.split("_")[0]][0]
         text = str(each).replace(each.transform, _short(each.transform)) if each.transform else str(each)
-        _write(header, text, left + 440 * column, 22 + 17 * line, colour, 0.42)
+        font.write(header, text, left + 440 * column, 15 + 17 * line, colour)
     return header
-
-
-def _write(picture: Picture, text: str, left: int, base: int, colour: _Colour, size: float = 0.36) -> None:
-    cv2.putText(picture, text, (left, base), cv2.FONT_HERSHEY_SIMPLEX, size, colour, 1, cv2.LINE_AA)

@@ -19,7 +19,8 @@ from typing import Any, Literal
 import numpy as np
 
 from atari.base import json_text
-from atari.base.notebook import animation, picture, pooled
+from atari.base.notebook import picture
+from atari.base.png import animation, pooled
 from atari.base.validation import check_integer, check_name
 from atari.cores import CORES, Core, snapshot
 from atari.env import AtariEnv

@@ -10,7 +10,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Protocol
 
-from atari.base.notebook import image, png
+from atari.base.notebook import image
+from atari.base.png import png
 from atari.games.game import Game
 from atari.recording.replay.results import EpisodeSummary, Frame
 from atari.web.bundle import one_file

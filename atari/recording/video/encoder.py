@@ -5,10 +5,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import cv2
-
 from atari.base import durable
 from atari.base.extras import import_extra, install_extra
+from atari.base.png import png
 from atari.cores import ByteArray
 from atari.recording.video.audio import AudioEncoder
 from atari.recording.video.formats import is_picture
@@ -129,9 +128,8 @@ class PngEncoder:
 
     def write(self, image: ByteArray, samples: ByteArray | None) -> None:
         """Write the next file."""
-        _, data = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
         path = self._path if is_picture(self._path) else self._path.with_name(self._path.name % self._frames)
-        durable.write_file(path, data.tobytes(), lasting=False)  # waiting for the disk would take longer than the frame
+        durable.write_file(path, png(image), lasting=False)  # waiting for the disk would take longer than the frame
         self._frames += 1
 
     def close(self, *, broken: bool = False) -> None:

@@ -1,68 +1,39 @@
 """Image operations before encoding: enlarging, captions, and the colour palette of a GIF."""
 
-from functools import lru_cache
-
-import cv2
 import numpy as np
 import numpy.typing as npt
 
+from atari.base import font
 from atari.cores import ByteArray
-
-_GLYPH_COLUMNS = 5  # at scale 1
 
 
 def enlarge(rgb: ByteArray, across: int, down: int) -> ByteArray:
     """Return an image (rows, columns, 3) with each pixel as a block: (down * rows, across * columns, 3) uint8."""
-    rows, columns = rgb.shape[:2]
-    size = (across * columns, down * rows)
-    return np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_NEAREST), np.uint8)
+    return rgb.repeat(down, 0).repeat(across, 1)
 
 
 def line_height(scale: int) -> int:
     """Return the height of a caption line in rows."""
-    return 8 * scale
+    return font.ROWS * scale
 
 
 def caption_room(columns: int) -> int:
     """Return the characters of a caption line below a screen of this many columns, before it is enlarged."""
-    return 2 * columns // _GLYPH_COLUMNS
+    return 2 * columns // font.COLUMNS
 
 
 def add_caption(image: ByteArray, text: str, lines: int, scale: int) -> ByteArray:
     """Return the image (rows, columns, 3) with lines of white text on black added below it.
 
-    The height grows by `lines * line_height(scale)` rows. The font is monospaced; 64 characters fit below a game's
+    The height grows by `lines * line_height(scale)` rows. The font is monospaced; 53 characters fit below a game's
     screen. Characters outside ASCII become "?".
     """
-    glyphs = _glyphs(scale)
-    _, rows, columns = glyphs.shape
     height, width = image.shape[:2]
-    room = width // columns
-    padded = "".join(line[:room].ljust(room) for line in [*text.splitlines(), *[""] * lines][:lines])
-    codes = np.frombuffer(padded.encode("ascii", "replace"), np.uint8).reshape(lines, room)
-    band = glyphs[codes & 127].transpose(0, 2, 1, 3).reshape(lines * rows, room * columns)
-    whole = np.zeros((height + lines * rows, width, 3), np.uint8)
+    whole = np.zeros((height + lines * line_height(scale), width, 3), np.uint8)
     whole[:height] = image
-    whole[height:, : room * columns] = band[..., np.newaxis]
+    for number, line in enumerate(text.splitlines()[:lines]):
+        font.write(whole, line, 0, height + number * line_height(scale), (255, 255, 255), scale)
     return whole
-
-
-@lru_cache(maxsize=16)
-def _glyphs(scale: int) -> ByteArray:
-    """Return the glyphs of ASCII's characters, (128, rows, columns).
-
-    OpenCV's font has glyphs of different widths; each is centred in its cell.
-    """
-    rows, columns = line_height(scale), _GLYPH_COLUMNS * scale
-    glyphs = np.zeros((128, rows, columns), np.uint8)
-    for code in range(33, 127):
-        drawn = np.zeros((rows, 3 * columns), np.uint8)
-        place = (columns, 6 * scale)
-        cv2.putText(drawn, chr(code), place, cv2.FONT_HERSHEY_PLAIN, scale / 2, (255,), 1, cv2.LINE_AA)
-        inked = np.flatnonzero(drawn.any(0))
-        left = (inked[0] + inked[-1] + 1 - columns) // 2
-        glyphs[code] = drawn[:, left : left + columns]
-    return glyphs
 
 
 class Palette:

@@ -3,7 +3,6 @@
 from array import array
 from collections.abc import Sequence
 
-import cv2
 import numpy as np
 
 from atari.cores import ByteArray
@@ -89,6 +88,7 @@ class Overlay:
         whole[: image.shape[0]] = image
         strip = whole[image.shape[0] :]
         strip[rows[-1], 1:-1] = _ZERO
-        points = np.stack([np.arange(1, columns - 1), rows[:-1]], 1).astype(np.int32)
-        cv2.polylines(strip, [points], isClosed=False, color=_LINE)
+        first, second = rows[:-1], np.append(rows[1:-1], rows[-2])  # each column joins its score and the next one
+        row = np.arange(CURVE_ROWS)[:, np.newaxis]
+        strip[:, 1:-1][(row >= np.minimum(first, second)) & (row <= np.maximum(first, second))] = _LINE
         return whole

@@ -35,11 +35,8 @@ def folder_of(game: Game) -> Path:
 
 def render(name: str) -> str:
     """Render a game into a new folder, which gets its name when it is complete. Return a line about it."""
-    import cv2  # here: a process that renders nothing needs no OpenCV
+    from gamepages import media  # here: a process that renders nothing needs no PyAV
 
-    from gamepages import media
-
-    cv2.setNumThreads(1)
     started, folder = time.monotonic(), folder_of(atari.games[name])
     partial = folder.with_name(folder.name + ".partial")
     shutil.rmtree(partial, ignore_errors=True)
