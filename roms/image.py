@@ -6,7 +6,6 @@ An archive is recognised by its first bytes, and refused with what to do.
 
 import hashlib
 import os
-import tarfile
 import zlib
 from contextlib import suppress
 from pathlib import Path
@@ -18,6 +17,7 @@ LIMIT = 512 * 1024
 """The greatest number of bytes of an image. The largest known cartridge has 64 KiB; ale-py reads up to this limit."""
 
 _GZIP_MAGIC = b"\x1f\x8b"
+_TAR_BLOCK = 512
 _START = 64 << 10  # bytes of gzip that are enough to see what is packed
 
 _MAGICS = {
@@ -69,15 +69,17 @@ def archive_kind(data: bytes) -> str | None:
     """
     if data.startswith(_GZIP_MAGIC):
         with suppress(zlib.error):
-            start = zlib.decompressobj(16 + zlib.MAX_WBITS).decompress(data[:_START], tarfile.BLOCKSIZE)
+            start = zlib.decompressobj(16 + zlib.MAX_WBITS).decompress(data[:_START], _TAR_BLOCK)
             return "tar.gz" if _is_tar(start) else None
     return next((kind for magic, kind in _MAGICS.items() if data.startswith(magic)), "tar" if _is_tar(data) else None)
 
 
 def _is_tar(data: bytes) -> bool:
     """Whether the data begins with a header of a tar archive, which has a checksum."""
+    import tarfile  # imported here, because `import atari` reads no ROM
+
     try:
-        tarfile.TarInfo.frombuf(data[: tarfile.BLOCKSIZE], "utf-8", "surrogateescape")
+        tarfile.TarInfo.frombuf(data[:_TAR_BLOCK], "utf-8", "surrogateescape")
     except tarfile.HeaderError:
         return False
     return True

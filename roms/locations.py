@@ -14,9 +14,8 @@ from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
 
-from platformdirs import user_data_path
-
 from atari.base import durable
+from atari.base.extras import pip_install
 from atari.base.variables import value
 from atari.games.catalog import games
 from atari.games.game import Game
@@ -28,6 +27,8 @@ MOST_FILES = 20_000
 
 def path() -> Path:
     """Your own folder of ROM files, which `import_from` and `install` fill; it need not exist yet."""
+    from platformdirs import user_data_path  # imported here, because `import atari` looks for no ROM
+
     return (user_data_path("atari-envs", appauthor=False) / "roms").absolute()
 
 
@@ -41,6 +42,11 @@ def _ale_py_folders() -> Iterator[Path]:
     package = find_spec("ale_py")
     for place in (package and package.submodule_search_locations) or ():
         yield Path(place, "roms")
+
+
+def without_ale_py() -> str:
+    """A clause for the case that ale-py, whose wheel has the ROM files of the games, is missing; else ""."""
+    return "" if find_spec("ale_py") else f"the files that come with ale-py are missing: {pip_install('ale-py')}"
 
 
 def lookup_each(wanted: Sequence[Game]) -> list[Path | None]:

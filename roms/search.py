@@ -15,7 +15,18 @@ from atari.games.catalog import games
 from atari.games.game import Game
 from atari.roms.identification import identify, known_images, recognise
 from atari.roms.image import md5, read_image
-from atari.roms.locations import folders, holds, lookup_each, misleads, path, store, stored, unread, usual_files
+from atari.roms.locations import (
+    folders,
+    holds,
+    lookup_each,
+    misleads,
+    path,
+    store,
+    stored,
+    unread,
+    usual_files,
+    without_ale_py,
+)
 
 ENDINGS = (".bin", ".a26")
 """The usual endings of ROM files."""
@@ -67,7 +78,7 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
             raise FileNotFoundError(
                 f"no ROM file of {known.title} (MD5 {known.rom.md5}) in {places}; "
                 f"set ATARI_ROMS to a folder that has it, or run `atari roms import` on that folder"
-                + "".join(f"; {clause}" for clause in filter(None, [unread()]))
+                + "".join(f"; {clause}" for clause in filter(None, [without_ale_py(), unread()]))
             )
         file = found
     else:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import atari
+from atari.base.extras import pip_install
 
 
 def run(program: str, folder: Path, *options: str) -> str:
@@ -33,11 +34,73 @@ def test_in_either_order_the_ids_are_ours(imports: str, tmp_path: Path) -> None:
 
 
 def test_heavy_packages_stay_out(tmp_path: Path) -> None:
-    heavy = "{'cv2', 'av', 'pygame', 'torch', 'matplotlib', 'AutoROM', 'tqdm'}"
-    program = (
-        f"import sys, gymnasium; before = set(sys.modules); import atari\nprint({heavy} & set(sys.modules) - before)"
-    )
-    assert run(program, tmp_path) == "set()\n"
+    """`import atari` imports none, and playing a game alone, preprocessed or in a vector neither."""
+    program = f"""
+import sys, gymnasium
+before = set(sys.modules)
+def heavy():
+    return {HEAVY} & set(sys.modules) - before
+import atari
+print(heavy() | {UNUSED} & set(sys.modules) - before)
+for env in (atari.make("pong"), atari.make("pong", preset="baselines"), atari.make("pong", obs_type="ram")):
+    env.reset(seed=0)
+    env.step(2)
+vector = atari.AtariVectorEnv("pong", 2, preset="dqn2015")
+vector.reset(seed=0)
+vector.step([0, 2])
+print(heavy())
+"""
+    assert run(program, tmp_path) == "set()\nset()\n"
+
+
+HEAVY = {"cv2", "ale_py", "av", "pygame", "torch", "matplotlib", "AutoROM", "tqdm", "PIL"}
+UNUSED = {"tarfile", "zipfile", "platformdirs", "email"}
+"""What a game needs, or the import of its files, and `import atari` not."""
+
+
+def test_everything_that_plays_works_without_opencv_and_ale_py(tmp_path: Path) -> None:
+    """The ROM is in a folder of its own, as without ale-py's wheel."""
+    (tmp_path / "pong.bin").write_bytes(atari.roms.find("pong").read_bytes())
+    program = f"""
+import os, sys
+sys.modules["cv2"] = sys.modules["ale_py"] = sys.modules["PIL"] = None
+os.environ["ATARI_ROMS"] = {str(tmp_path)!r}
+import gymnasium, atari
+print(atari.roms.find("pong"), [path for path in atari.roms.locations.folders() if "ale_py" in str(path)])
+for preset in atari.PRESETS:
+    env = atari.make("pong", preset=preset)
+    env.reset(seed=0)
+    env.step(0)
+for screen in (None, (300, 100)):
+    env = atari.wrappers.DqnPreprocessing(atari.AtariEnv("pong", frameskip=1), screen_size=screen)
+    env.reset(seed=0)
+resized = atari.wrappers.Resize(atari.wrappers.Grayscale(gymnasium.make("ALE/Pong-v5")))
+print(resized.reset(seed=0)[0].shape)
+vector = atari.AtariVectorEnv("pong", 2)
+print(vector.reset(seed=0)[0].shape)
+replay = atari.recording.RecordReplay(atari.make("pong"), "a.a26r")
+replay.reset(seed=0)
+for _ in range(20):
+    replay.step(0)
+replay.close()
+atari.recording.Replay.load("a.a26r").render("a.png", overlay=("score", "ram", "curve"))
+from atari.lab.causal.picture import write_png
+write_png(atari.lab.shipped_causes("pong"), "causes.png", atari.games["pong"])
+try:
+    atari.AtariEnv("pong", core="ale")
+except gymnasium.error.DependencyNotInstalled as error:
+    print(error)
+try:
+    atari.make("breakout")
+except FileNotFoundError as error:
+    print(error)
+"""
+    found, *shapes, missing_core, missing_rom = run(program, tmp_path).splitlines()
+    assert found == f"{tmp_path / 'pong.bin'} []"
+    assert shapes == ["(84, 84)", "(2, 4, 84, 84)"]
+    assert missing_core == f"core='ale' is ale-py's emulator: {pip_install('ale-py')}; core='native' needs no ale-py"
+    assert missing_rom.startswith("no ROM file of Breakout (MD5 ")
+    assert missing_rom.endswith("; the files that come with ale-py are missing: " + pip_install("ale-py"))
 
 
 ANEW = """

@@ -4,7 +4,6 @@ import re
 import shlex
 import sys
 from importlib import import_module
-from importlib.metadata import requires
 from typing import Any
 
 import gymnasium
@@ -24,6 +23,8 @@ def install_extra(extra: str) -> str:
 
     It names the packages themselves, so it works after an installation from a clone, from a wheel and from an index.
     """
+    from importlib.metadata import requires  # here: it imports the parser of e-mails
+
     of_extra = re.compile(rf"""extra == ['"]{re.escape(extra)}['"]""")
     return pip_install(*(line.partition(";")[0] for line in requires("atari-envs") or [] if of_extra.search(line)))
 

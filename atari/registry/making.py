@@ -113,7 +113,7 @@ def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str
     inner = task.emulator_task() if task.preprocessed else task.replace(max_episode_steps=None)
     env: Env = AtariEnv(inner, render_mode=render_mode, core=core, rom=rom)
     if not task.preprocessed and task.max_episode_steps is not None:
-        from atari.wrappers.layers import StepLimit  # it imports OpenCV
+        from atari.wrappers.layers import StepLimit  # here: most environments have no wrapper
 
         env = StepLimit(env, task.max_episode_steps)
     return _with_wrappers(env, task)
@@ -121,7 +121,7 @@ def make_env(task: Task, render_mode: Any = None, core: str = "native", rom: str
 
 def _with_wrappers(env: Env, task: Task) -> Env:
     if task.preprocessed:
-        from atari.wrappers.layers import wrap  # it imports OpenCV
+        from atari.wrappers.layers import wrap  # here: most environments have no wrapper
 
         env = wrap(env, task)
     env.unwrapped.whole_task = task  # type: ignore[attr-defined]

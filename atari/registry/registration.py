@@ -1,17 +1,19 @@
 """Gymnasium's registry: every environment ID in the history of these games, and games of a user's own."""
 
 from collections.abc import Iterable
+from contextlib import suppress
+from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-import ale_py  # noqa: F401 - its import registers its IDs, which ours must replace
 import gymnasium
 from gymnasium.envs.registration import EnvSpec
 
 from atari.base.variables import value
 from atari.cores import NativeCore
 from atari.games.catalog import games
+from atari.registry import after_ale_py
 from atari.registry.making import VECTOR_ENTRY_POINT, spec_of_id
 from atari.roms.search import remember
 from atari.task import Task
@@ -31,15 +33,21 @@ ALGORITHMIC: dict[str, tuple[str, dict[str, Any], float]] = {
 
 
 def register_all() -> None:
-    """Put every ID into Gymnasium's registry; an ID that ale-py has too is replaced.
+    """Put every ID into Gymnasium's registry; an ID that ale-py has too is replaced, also if it is imported later.
 
-    With the environment variable `ATARI_REGISTER=own`, an ID that is registered already keeps its environment.
+    With the environment variable `ATARI_REGISTER=own`, ale-py's IDs, and others that are registered already, keep their
+    environments.
 
     Raises:
         ValueError: `ATARI_REGISTER` has another value.
     """
-    own = value("ATARI_REGISTER") == "own"
-    register_ids(env_id for env_id in ids() if not own or env_id not in gymnasium.registry)
+    if value("ATARI_REGISTER") == "own":
+        with suppress(ImportError):
+            import_module("ale_py")  # which registers its IDs
+        register_ids(env_id for env_id in ids() if env_id not in gymnasium.registry)
+    else:
+        register_ids(ids())
+        after_ale_py.keep(ids())
 
 
 def register_ids(env_ids: Iterable[str]) -> None:

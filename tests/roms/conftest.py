@@ -14,7 +14,7 @@ from atari.roms.identification import known_images
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The user's own folder of ROM files, which does not exist yet; and no `ATARI_ROMS`."""
     monkeypatch.delenv("ATARI_ROMS", raising=False)
-    monkeypatch.setattr("atari.roms.locations.user_data_path", lambda *names, **options: tmp_path / "data")
+    monkeypatch.setattr("platformdirs.user_data_path", lambda *names, **options: tmp_path / "data")
     return tmp_path / "data" / "roms"
 
 

@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-import tomli_w
-
 from atari.base import durable
+from atari.base.extras import import_extra, install_extra
 from atari.env import AtariEnv
 from atari.lab.inspector.inspection import Change, Inspection
 from atari.lab.inspector.timeline import Timeline
@@ -30,7 +29,7 @@ def labels_toml(inspection: Inspection) -> str:
         name: {"index": index, "kind": "other", "sources": ["measured"], "evidence": "seen in play"}
         for index, name in sorted(inspection.names.items())
     }
-    return f"# Names given in the inspector, for the game {inspection.game.id!r}\n" + tomli_w.dumps({"ram": labels})
+    return f"# Names given in the inspector, for the game {inspection.game.id!r}\n" + _toml({"ram": labels})
 
 
 def interventions_toml(inspection: Inspection) -> str:
@@ -60,7 +59,7 @@ def interventions_toml(inspection: Inspection) -> str:
             "source": "own",
             "writes": [{"to": change.index, "value": change.new, "when": change.game_frame or "reset"}],
         }
-    return f"# Changes made in the inspector, for the game {inspection.game.id!r}\n" + tomli_w.dumps(tables)
+    return f"# Changes made in the inspector, for the game {inspection.game.id!r}\n" + _toml(tables)
 
 
 def write_replay(inspection: Inspection, path: Path) -> Path:
@@ -124,6 +123,10 @@ def write(inspection: Inspection, name: str, path: Path) -> None:
     else:
         text = labels_toml(inspection) if name == "labels.toml" else interventions_toml(inspection)
         durable.write_file(path, text.encode())
+
+
+def _toml(tables: dict[str, Any]) -> str:
+    return str(import_extra("tomli_w", f"an export as TOML needs tomli-w: {install_extra('lab')}").dumps(tables))
 
 
 def _at_first_frame(inspection: Inspection) -> AtariEnv:
