@@ -1,7 +1,7 @@
 """The IDs that a later `import ale_py` leaves as they are.
 
 ale-py registers its own IDs when it is imported, and would replace those of this package, with a warning for each. To
-import it first would take longer than this whole package. So its import is watched.
+import it first would take nearly as long as this whole package. So its import is watched.
 """
 
 import sys

@@ -100,7 +100,7 @@ void average_blocks(const uint8_t* image, ImageSize from, int channels, ImageSiz
 
 // A result between two neighbours of the source, with weights in units of 2**-11.
 struct Between {
-    size_t first, second;
+    uint32_t first, second;
     int weights[2];
 };
 
@@ -113,39 +113,58 @@ std::vector<Between> between(int source, int target) {
         share = share <= 0 ? 0.0f : share - std::floor(share);
         if (at >= source - 1) at = source - 1, share = 0.0f;
         const auto weight = [](float part) { return static_cast<int>(std::lrint(part * 2048.0f)); };
-        all.push_back({static_cast<size_t>(at),
-                       static_cast<size_t>(std::min(at + 1, source - 1)),
+        all.push_back({static_cast<uint32_t>(at),
+                       static_cast<uint32_t>(std::min(at + 1, source - 1)),
                        {weight(1.0f - share), weight(share)}});
     }
     return all;
 }
 
+// Writes the results of a row between its pixels, in units of 2**-7: at most 255 * 2**7. `fixed` is the number of
+// channels if the compiler is to know it, else 0.
+template <size_t fixed>
+void interpolate_row(const uint8_t* row, const std::vector<Between>& across, size_t channels, int16_t* line) {
+    const size_t count = fixed ? fixed : channels;
+    for (const Between& place : across) {
+        const uint8_t *first = row + place.first * count, *second = row + place.second * count;
+        for (size_t c = 0; c < count; ++c)
+            line[c] = static_cast<int16_t>((first[c] * place.weights[0] + second[c] * place.weights[1]) >> 4);
+        line += count;
+    }
+}
+
+// OpenCV drops the lower bits of each product before it adds them.
+void blend(const int16_t* upper, const int16_t* lower, const int* weights, size_t count, uint8_t* __restrict out) {
+    const auto above = static_cast<int16_t>(weights[0]), below = static_cast<int16_t>(weights[1]);
+    for (size_t i = 0; i < count; ++i)
+        out[i] = static_cast<uint8_t>((((above * upper[i]) >> 16) + ((below * lower[i]) >> 16) + 2) >> 2);
+}
+
+// Rows of games often repeat the row above: their results are copied.
 void interpolate(const uint8_t* image, ImageSize from, int channels, ImageSize to, uint8_t* out) {
     const std::vector<Between> across = between(from.columns, to.columns);
     const auto step = static_cast<size_t>(channels), bytes = static_cast<size_t>(from.columns) * step;
     const size_t results = static_cast<size_t>(to.columns) * step;
-    std::vector<int> lines[2] = {std::vector<int>(results), std::vector<int>(results)};
-    const uint8_t* held[2] = {};  // the rows whose results are in `lines`
+    std::vector<int16_t> upper(results), lower(results);
+    const auto row_of = channels == 1 ? interpolate_row<1> : channels == 3 ? interpolate_row<3> : interpolate_row<0>;
+    const uint8_t *in_upper = nullptr, *in_lower = nullptr;  // the rows whose results they are
+    const auto fill = [&](std::vector<int16_t>& line, const uint8_t* row, const uint8_t* known,
+                          const std::vector<int16_t>& its_line) {
+        if (known && std::memcmp(row, known, bytes) == 0) line = its_line;
+        else row_of(row, across, step, line.data());
+    };
     for (const Between& down : between(from.rows, to.rows)) {
-        const uint8_t* const rows[2] = {image + bytes * down.first, image + bytes * down.second};
-        if (rows[0] != held[0] && rows[0] == held[1]) {
-            std::swap(lines[0], lines[1]);
-            std::swap(held[0], held[1]);
+        const uint8_t *first = image + bytes * down.first, *second = image + bytes * down.second;
+        if (first != in_upper && first == in_lower) {
+            std::swap(upper, lower);
+            std::swap(in_upper, in_lower);
         }
-        for (int k : {0, 1}) {
-            if (rows[k] == held[k]) continue;
-            held[k] = rows[k];
-            int* line = lines[k].data();
-            for (const Between& place : across)
-                for (size_t c = 0; c < step; ++c)
-                    *line++ = rows[k][place.first * step + c] * place.weights[0] +
-                              rows[k][place.second * step + c] * place.weights[1];
-        }
-        for (size_t i = 0; i < results; ++i) {
-            const int upper = (down.weights[0] * (lines[0][i] >> 4)) >> 16;
-            const int lower = (down.weights[1] * (lines[1][i] >> 4)) >> 16;
-            *out++ = static_cast<uint8_t>((upper + lower + 2) >> 2);
-        }
+        if (first != in_upper) fill(upper, first, in_lower, lower);
+        in_upper = first;
+        if (second != in_lower) fill(lower, second, in_upper, upper);
+        in_lower = second;
+        blend(upper.data(), lower.data(), down.weights, results, out);
+        out += results;
     }
 }
 
