@@ -19,7 +19,7 @@ MAX_ANIMATION_SIZE = 2_000_000
 
 _SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _OVERWRITE_AND_KEEP = (0, 0)
-_KINDS = {(): 0, (2,): 4, (3,): 2, (4,): 6}  # gray; gray and opacity; red, green, blue; these and opacity
+_KINDS = {(): 0, (1,): 0, (2,): 4, (3,): 2, (4,): 6}  # gray; gray and opacity; red, green, blue; these and opacity
 
 
 def png(image: ByteArray) -> bytes:

@@ -44,12 +44,11 @@ class Use:
 
 
 USES = (
-    Use("resized images", None, {"opencv-python-headless": "cv2"}),
     Use("videos with sound", "video", {"av": "av"}),
     Use("windows, sound", "play", {"pygame-ce": "pygame"}),
     Use("agents, plots", "learn", {"torch": "torch", "tensorboard": "tensorboard", "matplotlib": "matplotlib"}),
     Use("notebooks", None, {"jupyterlab": "jupyterlab", "ipykernel": "ipykernel"}),
-    Use("inspector", "lab", {"aiohttp": "aiohttp", "anywidget": "anywidget"}),
+    Use("inspector", "lab", {"aiohttp": "aiohttp", "anywidget": "anywidget", "tomli-w": "tomli_w"}),
     Use("several players", "multiplayer", {"pettingzoo": "pettingzoo"}),
     Use("Stable-Baselines3", "sb3", {"stable-baselines3": "stable_baselines3"}),
     Use("JAX", "jax", {"jax": "jax"}),

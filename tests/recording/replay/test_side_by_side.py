@@ -133,7 +133,7 @@ def test_names_are_told_apart_and_cut() -> None:
     cut = labels(long, 160)
     assert cut[0].startswith("xxx")
     assert cut[0].endswith("yyy (1)")
-    assert max(map(len, cut)) == 64
+    assert max(map(len, cut)) == 53
     assert cut[0] != cut[1]
 
 
