@@ -1,9 +1,12 @@
 """The small wrappers: each changes one thing and keeps the rest."""
 
+import sys
 from typing import Any
 
 import cv2
+import gymnasium
 import numpy as np
+import pytest
 
 import atari.classic as gym
 from atari.classic import wrappers
@@ -67,6 +70,16 @@ def test_gray_and_smaller_images() -> None:
     np.testing.assert_array_equal(image, expected)
     env.seed(0)
     np.testing.assert_array_equal(small.reset()[..., 0], cv2.resize(expected, (84, 84), interpolation=cv2.INTER_AREA))
+
+
+def test_only_gymnasiums_preprocessing_needs_opencv(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "cv2", None)
+    env = gym.make("PongNoFrameskip-v4")
+    assert wrappers.ResizeObservation(wrappers.GrayScaleObservation(env), 42).reset().shape == (42, 42)
+    with pytest.raises(
+        gymnasium.error.DependencyNotInstalled, match=r"needs OpenCV: .* pip install opencv-python-headless$"
+    ):
+        wrappers.AtariPreprocessing(env)
 
 
 def test_statistics_of_episodes() -> None:

@@ -5,6 +5,7 @@ from typing import Any
 
 import gymnasium
 
+from atari.base.extras import import_extra, pip_install
 from atari.classic.adapter import Adapter
 from atari.classic.core import Env, Step, Wrapper
 from atari.classic.modern import Modern
@@ -58,6 +59,7 @@ class AtariPreprocessing(Bridge):
     Raises:
         TypeError: the environment is not an Atari game.
         ValueError: the game has a frame skip, or an argument is out of range.
+        gymnasium.error.DependencyNotInstalled: OpenCV, which Gymnasium's wrapper needs, is not installed.
     """
 
     def __init__(
@@ -82,6 +84,7 @@ class AtariPreprocessing(Bridge):
             "grayscale_newaxis": grayscale_newaxis,
             "scale_obs": scale_obs,
         }
+        import_extra("cv2", f"Gymnasium's AtariPreprocessing needs OpenCV: {pip_install('opencv-python-headless')}")
         super().__init__(env, lambda inside: gymnasium.wrappers.AtariPreprocessing(inside, **options))
         self.noop_max, self.frame_skip, self.screen_size = noop_max, frame_skip, screen_size
         self.terminal_on_life_loss, self.scale_obs = terminal_on_life_loss, scale_obs
