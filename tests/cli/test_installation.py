@@ -59,18 +59,18 @@ def test_the_command_has_the_missing_packages_alone(capsys: Capture, monkeypatch
     monkeypatch.setattr(installation, "USES", [use for use in USES if use.extra in ("lab", "video")])
     blocked(monkeypatch, "anywidget", "av")
     out = read(capsys, "info")
-    assert re.fullmatch(r"aiohttp [\d.]+; missing: pip install anywidget", row(out, "inspector"))
+    assert re.fullmatch(r"aiohttp [\d.]+, tomli-w [\d.]+; missing: pip install anywidget", row(out, "inspector"))
     assert row(out, "videos with sound") == "missing: pip install av"
     assert "pip is `" in out
     assert "PyTorch" not in out
     video, lab = read_json(capsys, "info")["uses"]
     assert video == {"use": "videos with sound", "extra": "video", "installed": {}, "missing": ["av"]}
     assert lab["missing"] == ["anywidget"]
-    assert [*lab["installed"]] == ["aiohttp"]
+    assert [*lab["installed"]] == ["aiohttp", "tomli-w"]
 
 
 def test_pip_is_named_only_if_something_is_missing(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(installation, "USES", [use for use in USES if use.name == "resized images"])
+    monkeypatch.setattr(installation, "USES", [use for use in USES if use.name == "videos with sound"])
     assert "pip" not in read(capsys, "info")
 
 
