@@ -9,6 +9,7 @@ import pytest
 from multiplayer.reference import Reference
 
 from atari import AtariVectorEnv
+from atari.multiplayer import MultiplayerEnv
 
 GAMES = [
     ("pong", 2, {}),
@@ -110,6 +111,27 @@ def test_players_are_out_one_by_one_in_every_autoreset_mode(mode: str) -> None:
                 one.reset()
     assert {0, 1, 2} <= seen
     assert ended
+
+
+def test_players_who_are_out_take_the_first_action_of_the_task() -> None:
+    """Which moves them here; the single environment has its own list of these actions."""
+    options: dict[str, Any] = {
+        "players": 4,
+        "obs_type": "ram",
+        "frameskip": 4,
+        "actions": ("RIGHT", "NOOP", "FIRE", "LEFT"),
+    }
+    envs, game = AtariVectorEnv("warlords", 1, **options), MultiplayerEnv("warlords", **options)
+    envs.reset(seed=1)
+    game.reset(seed=1)
+    rng, after = np.random.default_rng(2), 0
+    while game.agents and after < 100:
+        actions = rng.integers(4, size=4)
+        ram = envs.step(actions[np.newaxis])[0]
+        game.step(dict(zip(game.possible_agents, actions.tolist(), strict=True)))
+        assert ram[0].tolist() == game.core.ram().tolist()
+        after += len(game.agents) < 4
+    assert after == 100
 
 
 def test_numbers_of_threads_and_batches_make_no_difference() -> None:
