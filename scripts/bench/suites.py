@@ -211,6 +211,7 @@ def ale_py_rom(game: str) -> Path:
 
 def loaded_ale(game: str) -> Any:
     """ale-py's raw interface without sticky actions."""
+    ale_py.ALEInterface.setLoggerMode(ale_py.LoggerMode.Error)  # no banner, no line per load
     ale = ale_py.ALEInterface()
     ale.setFloat("repeat_action_probability", 0.0)
     ale.loadROM(ale_py_rom(game))
