@@ -37,6 +37,7 @@ if find_spec("atari._emulator") is None:  # the source folder, which Python find
 from atari.base import start  # isort: skip # noqa: F401 - before the other imports, which take a second
 
 from atari import cores
+from atari.base import namesake
 from atari.base.variables import check as check_variables
 from atari.base.wrapped import show_wrapped
 from atari.env import AtariEnv
@@ -80,6 +81,7 @@ __all__ = [
 _LATER = ("classic", "integrations", "lab", "learning", "multiplayer", "recording", "roms", "testing", "wrappers")
 """Packages that are imported when they are first used, to keep `import atari` quick."""
 
+namesake.check(__path__)
 check_variables()
 register_all()
 register_algorithmic()

@@ -64,7 +64,7 @@ def definitions(module: str) -> Iterator[Definition]:
     paths = {name: f"{module}.{name}" for name in exported(module)}
     paths |= {path.rpartition(".")[2]: path for path in MODULES[module]}
     for name, path in sorted(paths.items(), key=lambda item: item[0].lower()):
-        found = _resolve(*path.rpartition(".")[::2])
+        found = resolve(*path.rpartition(".")[::2])
         if found:
             home, node = found
             yield Definition(
@@ -87,25 +87,8 @@ def modules_with_public_names() -> Iterator[str]:
                 yield name
 
 
-def _page(home: str, module: str, name: str) -> str:
-    """The page of a definition: the innermost module of the reference around it that exports it, or `module`."""
-    around = [page for page in MODULES if home == page or home.startswith(f"{page}.")]
-    if module in around:
-        return max((page for page in around if page.startswith(f"{module}.")), key=len, default=module)
-    own = [page for page in around if name in exported(page) and (found := _resolve(page, name)) and found[0] == home]
-    return max(own, key=len, default=module)
-
-
-def exported(module: str) -> list[str]:
-    """The `__all__` of a module."""
-    for node in _tree(module).body:
-        if isinstance(node, ast.Assign) and _name(node) == "__all__":
-            return list(ast.literal_eval(node.value))
-    return []
-
-
-def _resolve(module: str, name: str) -> tuple[str, ast.stmt] | None:
-    """The module and statement that define a name, after imports; None for modules and other packages' names."""
+def resolve(module: str, name: str) -> tuple[str, ast.stmt] | None:
+    """The module and the statement that define a name, after imports; None for modules and other packages' names."""
     imported = None
     for node in ast.walk(_tree(module)):
         if isinstance(node, ast.ImportFrom) and any((part.asname or part.name) == name for part in node.names):
@@ -116,7 +99,24 @@ def _resolve(module: str, name: str) -> tuple[str, ast.stmt] | None:
     if imported is None or imported.module == module or not (imported.module or "").startswith("atari"):
         return None  # a module of this package, or a name of another package
     original = next(part.name for part in imported.names if (part.asname or part.name) == name)
-    return _resolve(str(imported.module), original)
+    return resolve(str(imported.module), original)
+
+
+def _page(home: str, module: str, name: str) -> str:
+    """The page of a definition: the innermost module of the reference around it that exports it, or `module`."""
+    around = [page for page in MODULES if home == page or home.startswith(f"{page}.")]
+    if module in around:
+        return max((page for page in around if page.startswith(f"{module}.")), key=len, default=module)
+    own = [page for page in around if name in exported(page) and (found := resolve(page, name)) and found[0] == home]
+    return max(own, key=len, default=module)
+
+
+def exported(module: str) -> list[str]:
+    """The `__all__` of a module."""
+    for node in _tree(module).body:
+        if isinstance(node, ast.Assign) and _name(node) == "__all__":
+            return list(ast.literal_eval(node.value))
+    return []
 
 
 def _name(node: ast.AST) -> str:
