@@ -255,4 +255,6 @@ def test_wrong_videos_are_refused_before_the_games_are_played(capsys: Capture) -
     refused(capsys, [*words, "%.png"], "must have a place for its number")
     refused(capsys, [*words, "a.gif", "--scale", "17"], "--scale: '17' is not a whole number within 1..16", 2)
     assert not Path("a.a26r").exists()
-    refused(capsys, ["record", "pong", "--overlay", "score,best"], "'best' is none of score, lives, action, ram, curve", 2)
+    refused(
+        capsys, ["record", "pong", "--overlay", "score,best"], "'best' is none of score, lives, action, ram, curve", 2
+    )

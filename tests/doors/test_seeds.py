@@ -220,7 +220,7 @@ def test_compare_and_recorded_games(seed: int, tmp_path: Path) -> None:
 
 COMMANDS = (
     "record pong --policy random --steps 2 -o {out}.a26r --seed {seed}",
-    "causes pong --states 2 --values 1 --frames 2 --seed {seed}",
+    "causes pong --states 2 --values 1 --frames 2 --seed {seed} -o {out}",
     "evaluate noop pong --protocol dopamine --episodes 1 --seed {seed}",
     "collect breakout --policy noop --episodes 1 --observations grayscale -o {out}.h5 --seed {seed}",
     "verify pong --frames 5 --jobs 1 --seeds {seed}",
