@@ -64,7 +64,7 @@ def test_everything_that_plays_works_without_opencv_and_ale_py(tmp_path: Path) -
     program = f"""
 import os, sys
 sys.modules["cv2"] = sys.modules["ale_py"] = sys.modules["PIL"] = None
-os.environ["ATARI_ROMS"] = {str(tmp_path)!r}
+os.environ["ATARI_ROMS"] = os.environ["XDG_DATA_HOME"] = {str(tmp_path)!r}
 import gymnasium, atari
 print(atari.roms.find("pong"), [path for path in atari.roms.locations.folders() if "ale_py" in str(path)])
 for preset in atari.PRESETS:
