@@ -14,7 +14,7 @@ from atari.base.text_table import aligned
 from atari.base.validation import check_integer
 from atari.games.catalog import games
 from atari.learning.evaluation.protocols import GAME_SETS, EvaluationProtocol, differences, refusal
-from atari.learning.evaluation.published import Published, read_table
+from atari.learning.evaluation.published import Published, are_alike, read_table
 from atari.learning.evaluation.results import Result, changes_of
 from atari.learning.evaluation.statistics import (
     Estimate,
@@ -140,7 +140,7 @@ def compare(
 
     Most published scores are of training games, with exploration. The notes say so.
 
-    Scores are compared with published ones at equal budgets of training, and nothing is extrapolated: a budget after
+    Scores are compared at budgets of training that differ by 1 % at most, and nothing is extrapolated: a budget after
     the last or before the first score of a published agent is refused. With `mixed`, the agent has its last scores
     before that budget, or else its first scores, and its row has their frames.
 
@@ -298,16 +298,18 @@ def game_faults(played: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str]:
 
 
 def _common_frames(results: Sequence[Result], frames: int | None, faults: list[str]) -> int | None:
+    """The budget at which results are compared: `frames`, or else the smallest of theirs."""
     known = {result.training_frames for result in results}
+    given = {number for number in known if number is not None}
     if frames is not None:
-        known -= {None}
         frames = check_integer("frames", frames, 1, 10**15)
-        if known - {frames}:
+        if not are_alike({*given, frames}):
             faults.append(f"the results were trained for {_listed(known)} frames, not for {frames:,}")
         return frames
-    if len(known) > 1:
+    if len(known) > 1 and not (None not in known and are_alike(given)):
         faults.append(f"the results were trained for different numbers of frames: {_listed(known)}")
-    return known.pop() if len(known) == 1 else None
+        return None
+    return min(given, default=None)
 
 
 def _listed(numbers: set[int | None]) -> str:

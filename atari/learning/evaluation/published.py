@@ -5,7 +5,7 @@ Their sources and licences are in `Published.source`, in docs/evaluation.md, and
 
 import difflib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -121,8 +121,8 @@ class Published:
     def interval(self, frames: int) -> tuple[int, int]:
         """The interval of training, (first frame, last frame), over whose games the score at `frames` is the mean.
 
-        Both are `frames` where the source has a score at exactly these frames. A training ends with a whole update, so
-        frames at most a thousandth beyond the last score stand for it.
+        Both are `frames` where the source has a score at exactly these frames. Frames at most 1 % beyond the last score
+        stand for it (`are_alike`).
 
         Raises:
             TypeError, ValueError: `frames` is no integer, or the source has no score there.
@@ -146,7 +146,7 @@ class Published:
 
     def _reached(self, frames: int) -> int:
         last = max(self.budgets, default=0)
-        return last if last < frames <= last + last // 1000 else frames
+        return last if frames > last and are_alike({last, frames}) else frames
 
     def curve(self, game: str) -> Curve:
         """The learning curve of a game, with three arrays.
@@ -196,6 +196,11 @@ class Published:
         else:
             values = _floats([data["mean"][self._entry["frames"].index(last)]])
         return values[~np.isnan(values)]
+
+
+def are_alike(budgets: Collection[int]) -> bool:
+    """Whether budgets of training differ by 1 % at most: a training ends with a whole update."""
+    return max(budgets, default=0) <= 1.01 * min(budgets, default=0)
 
 
 def _floats(values: list[float | None]) -> Floats:

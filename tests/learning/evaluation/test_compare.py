@@ -81,6 +81,15 @@ def test_games_of_another_mode_or_with_interventions_are_not_compared(changes, t
     assert f"another {text}" in compare(played, "dopamine/rainbow", mixed=True).notes[0]
 
 
+def test_budgets_that_differ_by_one_percent_are_one():
+    results = {"a": result(frames=199_000_064), "b": result(frames=200_015_872)}
+    comparison = compare(results, "dopamine/rainbow")
+    assert (comparison.mixed, [row.frames for row in comparison.rows]) == (False, [199_000_064] * 3)
+    assert not compare(results["b"], "dopamine/rainbow").mixed
+    with pytest.raises(ValueError, match="different numbers of frames: 199,000,064 and 202,000,000"):
+        compare({**results, "b": result(frames=202_000_000)}, "dopamine/rainbow")
+
+
 def test_equal_frames():
     comparison = compare(result(frames=10_000_000), ["dopamine/rainbow", "dopamine/dqn"])
     assert [row.frames for row in comparison.rows] == [10_000_000] * 3
@@ -120,7 +129,7 @@ def test_another_budget_is_marked_and_not_renamed(to, frames, at):
         ({"to": ["dopamine/rainbow", "dreamerv3/ppo"]}, "full_action_space is True"),
         ({"to": "dopamine_nets/rainbow_cnn"}, "max_frames is 100000"),
         ({"results": result("machado2018")}, "full_action_space is False, and True in machado2018"),
-        ({"results": result(frames=200_000_001)}, "until 199,000,000 frames"),
+        ({"results": result(frames=201_000_000)}, "until 199,000,000 frames"),
         ({"results": result(frames=262_144)}, "rainbow are at 1,000,000 frames, not at 262,144: its curve begins with"),
         ({"results": result("baselines", 10_000_000), "to": "cleanrl/ppo"}, "only at 40,000,000 frames"),
         ({"results": [result(), result("machado2018")]}, "results are of protocols dopamine and machado2018"),
