@@ -136,7 +136,7 @@ class Adapter(Env):
             gymnasium.error.ResetNeeded: before the first reset.
         """
         if not self._started:
-            raise gymnasium.error.ResetNeeded("step() came before the first reset(); call env.reset() first")
+            self._before_reset()
         action = to_action(self.action_space, action)
         observation, reward, terminated, truncated, info = self._play(action)
         if truncated:
@@ -191,6 +191,10 @@ class Adapter(Env):
         self.modern.reset(seed=self._pending_seed)
         if generator is not None:
             self.np_random = generator
+
+    def _before_reset(self) -> None:
+        """Prepare a step before the first reset, or refuse it."""
+        raise gymnasium.error.ResetNeeded("step() came before the first reset(); call env.reset() first")
 
     def _play(self, action: Any) -> tuple[Any, Any, bool, bool, dict[str, Any]]:
         return self.modern.step(action)

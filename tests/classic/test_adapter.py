@@ -323,6 +323,21 @@ def test_rendering_before_the_first_reset(capsys: pytest.CaptureFixture[str]) ->
     assert capsys.readouterr().out == shown
 
 
+def test_a_state_before_the_first_reset(capsys: pytest.CaptureFixture[str]) -> None:
+    """Toy texts without a time limit begin at their construction; a state that is set stays."""
+    env = gym.make("Taxi-v2").env
+    env.s = 328
+    env.render()
+    assert env.s == 328
+    assert (env.step(1)[0], env.s) == (228, 228)  # north
+    assert gym.make("Blackjack-v0").unwrapped.step(0)[2] is True  # the player stops
+    taxi = gym.make("Taxi-v2")
+    taxi.env.s = 328
+    taxi.env.s = taxi.env.s + 100
+    assert taxi.unwrapped.s == 428
+    assert gym.make("FrozenLake-v0").unwrapped.step(0)[0] in (0, 4)
+
+
 def test_an_environment_that_only_shows_itself() -> None:
     class Shy(Probe):
         metadata = {"render_modes": ["human"]}  # noqa: RUF012

@@ -85,9 +85,9 @@ class Attributes:
 
     def _attribute(self, node: ast.Attribute) -> None:
         inner = isinstance(node.value, ast.Attribute) and node.value.attr == "unwrapped"
-        env, name = self.source.segment(node.value), node.attr
+        name = node.attr
         if name in _MOVED and isinstance(node.ctx, ast.Load):
-            self.source.replace_node(node, f"{env}.{_MOVED[name]}")
+            self._rename(node, _MOVED[name])
         elif name == "_max_episode_steps":
             self.script.mark(node, "make(..., max_episode_steps=...) changes the time limit now")
         elif name == "reward_range":
@@ -97,36 +97,42 @@ class Attributes:
         elif name in ("get_episode_rewards", "get_episode_lengths"):
             self._statistics(node, "return_queue" if name.endswith("rewards") else "length_queue")
         elif name in ("_get_image", "_get_ram"):
-            parent = self.script.parent(node)
             method = "getScreenRGB" if name == "_get_image" else "getRAM"
-            self.source.replace_node(parent or node, f"{env}{'' if inner else '.unwrapped'}.ale.{method}()")
+            self._rename(node, f"{'' if inner else 'unwrapped.'}ale.{method}")
         elif name == "configure":
             self.script.mark(node, "environments have no configure(); make() takes the options")
         elif inner or name in _API or self._is_own(node):
             return
         elif name in _INSIDE and name not in self._own:
-            self.source.replace_node(node, f"{env}.unwrapped.{name}")
+            self._rename(node, f"unwrapped.{name}")
         elif isinstance(node.ctx, ast.Load):
-            self.source.replace_node(node, f'{env}.get_wrapper_attr("{name}")')
+            self._rename(node, f'get_wrapper_attr("{name}")')
         else:
             self.script.mark(node, f"this sets {name} of the outermost wrapper alone, as wrappers hide what they wrap")
+
+    def _name_start(self, node: ast.Attribute) -> int:
+        """The offset of an attribute's name, before which the text of its object has edits of its own."""
+        return self.source.end(node) - len(node.attr)
+
+    def _rename(self, node: ast.Attribute, new: str) -> None:
+        self.source.replace(self._name_start(node), self.source.end(node), new)
 
     def _statistics(self, node: ast.Attribute, queue: str) -> None:
         """Edit `env.get_episode_rewards()` of Monitor."""
         call = self.script.parent(node)
         if isinstance(call, ast.Call):
-            env = self.source.segment(node.value)
-            self.source.replace_node(call, f'list(env.get_wrapper_attr("{queue}"))'.replace("env", env, 1))
+            self.source.before(call, "list(")
+            self.source.replace(self._name_start(node), self.source.end(call), f'get_wrapper_attr("{queue}"))')
             self.script.mark(node, "these are the last 100 episodes; RecordEpisodeStatistics takes a buffer_length")
 
     def _spec(self, node: ast.Attribute) -> None:
         outer = self.script.parent(node)
         call = self.script.parent(outer) if outer is not None else None
         if node.attr in _SPEC:
-            self.source.replace(self.source.end(node) - len(node.attr), self.source.end(node), _SPEC[node.attr])
+            self._rename(node, _SPEC[node.attr])
         elif node.attr == "tags" and any(getattr(each, "value", None) == _TAG for each in ast.walk(call or node)):
             whole = call if isinstance(call, ast.Call) else outer
-            self.source.replace_node(whole or node, f"{self.source.segment(node.value)}.max_episode_steps")
+            self.source.replace(self._name_start(node), self.source.end(whole or node), "max_episode_steps")
         elif node.attr in _SPEC_GONE:
             self.script.mark(node, f"a spec has no {node.attr} now")
 
@@ -137,7 +143,7 @@ class Attributes:
         call, new = self.script.parent(node), _RANDOM.get(node.attr)
         if new is None or not isinstance(call, ast.Call):
             return
-        self.source.replace(self.source.end(node) - len(node.attr), self.source.end(node), new)
+        self._rename(node, new)
         if node.attr in ("rand", "randn") and call.args:
             self.source.before(call.args[0], "(")
             self.source.after(call.args[-1], ",)" if len(call.args) == 1 else ")")

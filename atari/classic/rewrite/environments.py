@@ -4,6 +4,7 @@ import ast
 import re
 from typing import Literal
 
+from atari.classic.rewrite.conditions import parameters
 from atari.classic.rewrite.script import OLD, Function, Script, last_name
 
 Kind = Literal["env", "vector", "list", "other"]
@@ -79,7 +80,7 @@ class Environments:
                 if inside:
                     bindings = inside
                     break
-                if isinstance(scope, Function) and node.id in _parameters(scope):
+                if isinstance(scope, Function) and node.id in parameters(scope):
                     return None
         place = (node.lineno, node.col_offset)  # type: ignore[attr-defined]
         before = [
@@ -227,8 +228,3 @@ class Environments:
             return next((each for each in self.classes if each.name == node.func.id), None)
         bound = self.binding(node) if isinstance(node, ast.Name | ast.Attribute) else None
         return self.class_made(bound[0]) if bound is not None and isinstance(bound[0], ast.Call) else None
-
-
-def _parameters(function: Function) -> set[str]:
-    arguments = function.args
-    return {each.arg for each in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)}

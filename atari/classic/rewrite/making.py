@@ -4,6 +4,7 @@ import ast
 import re
 
 from atari.classic import gym_ids
+from atari.classic.rewrite.conditions import conditions, is_known
 from atari.classic.rewrite.environments import Environments
 from atari.classic.rewrite.script import OLD, Function, Script, constant, keyword, last_name
 
@@ -36,6 +37,7 @@ class Making:
         self.source = script.source
         self._makes: list[tuple[ast.Call, str]] = []
         self._modes: dict[ast.Call, set[str]] = {}
+        self._windows: dict[ast.Call, list[ast.Call]] = {}
         self.needs_atari = False
 
     def rewrite(self) -> None:
@@ -128,8 +130,8 @@ class Making:
         for make in makes:
             if mode == "human" and self._needs_array(make):
                 self.script.mark(call, 'this shows no window, since the environment has render_mode="rgb_array"')
-            elif mode == "human" and any(isinstance(each, ast.If) for each in self.script.above(call)):
-                self.script.mark(call, _SOMETIMES)
+            elif mode == "human":
+                self._windows.setdefault(make, []).append(call)
             self._modes[make].add(mode)
 
     def _reset_first(self, call: ast.Call, env: ast.expr) -> None:
@@ -175,10 +177,23 @@ class Making:
                 call, f"one environment has one render mode now; the script uses {', '.join(sorted(modes))}"
             )
         if modes and keyword(call, "render_mode") is None:
-            self.source.add_argument(call, f'render_mode="{min(modes)}"')
+            condition = self._condition(call) if modes == {"human"} else ""
+            self.source.add_argument(call, f'render_mode="{min(modes)}"{condition}')
         kind = keyword(call, "obs_type")
         if kind is not None and constant(kind.value) == "image":
             self.source.replace_node(kind.value, '"rgb"')
+
+    def _condition(self, make: ast.Call) -> str:
+        """The end of `render_mode="human" if render else None`: what all windows of an environment depend on."""
+        windows = [conditions(self.script, call, make) for call in self._windows[make]]
+        known = [
+            [self.source.segment(each) for each in window if each is not None and is_known(self.script, each, make)]
+            for window in windows
+        ]
+        common = [text for text in known[0] if all(text in texts for texts in known)]
+        if all(len(window) > len(common) for window in windows):
+            self.script.mark(make, _SOMETIMES)
+        return f" if {' and '.join(common)} else None" if common else ""
 
     # Seeds.
 

@@ -5,6 +5,7 @@ from collections import deque
 from typing import Any
 
 import numpy as np
+from gymnasium import error
 
 from atari.classic.core import Env, Step, Wrapper
 
@@ -20,6 +21,9 @@ class TimeLimit(Wrapper):
 
     Raises:
         ValueError: it is less than 1, or it is None and the spec has no limit.
+
+    `step` raises:
+        gymnasium.error.ResetNeeded: before the first reset.
     """
 
     def __init__(self, env: Env, max_episode_steps: int | None = None) -> None:
@@ -29,13 +33,15 @@ class TimeLimit(Wrapper):
         if max_episode_steps is None or max_episode_steps < 1:
             raise ValueError(f"max_episode_steps is a number of steps, 1 or more, got {max_episode_steps}")
         self._max_episode_steps = max_episode_steps
-        self._elapsed_steps = 0
+        self._elapsed_steps: int | None = None
 
     def _reset(self, **options: Any) -> Any:
         self._elapsed_steps = 0
         return self.env.reset(**options)
 
     def _step(self, action: Any) -> Step:
+        if self._elapsed_steps is None:
+            raise error.ResetNeeded("step() came before the first reset(); call env.reset() first")
         observation, reward, done, info = self.env.step(action)
         self._elapsed_steps += 1
         if self._past_limit():
@@ -45,7 +51,7 @@ class TimeLimit(Wrapper):
 
     def _past_limit(self) -> bool:
         """Whether the episode ends at this step."""
-        return self._elapsed_steps >= self._max_episode_steps
+        return (self._elapsed_steps or 0) >= self._max_episode_steps
 
 
 class AutoResetWrapper(Wrapper):

@@ -28,6 +28,14 @@ def test_attributes_behind_wrappers() -> None:
     assert value("CartPole-v1", "(env._max_episode_steps, env.reward_range)") == (500, (float("-inf"), float("inf")))
 
 
+def test_an_id_in_front_of_an_attribute_changes_too() -> None:
+    names = run(
+        "import gym\nn = gym.make('FrozenLake-v0').env.nS\nlimit = gym.make('Taxi-v2').spec.timestep_limit\n"
+        "steps = gym.make('FrozenLake-v0')._max_episode_steps\nlives = gym.make('Pong-v3').ale.lives()\n"
+    )
+    assert (names["n"], names["limit"], names["steps"], names["lives"]) == (16, 200, 100, 0)
+
+
 def test_attributes_of_own_wrappers() -> None:
     names = run(
         "import gym\nclass Count(gym.Wrapper):\n    n = 3\n    def twice(self):\n        return self.n * 2\n"

@@ -85,10 +85,66 @@ def test_text(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_render_modes_that_are_marked() -> None:
     make = "import gym\nenv = gym.make('CartPole-v1')\nenv.reset()\n"
-    assert 'render_mode="human" shows every step' in marks(make + "if slow:\n    env.render()\n")[0]
+    for test in ("slow", "n % 9 == 0", "n() and 1"):
+        text = make + f"n = 0\nif {test}:\n    env.render()\n"
+        assert 'render_mode="human" shows every step' in marks(text)[0]
+        assert "episodes to see\nenv = gym.make" in rewritten(text)
     assert "shows no window" in marks(make + "env.render()\nimage = env.render('rgb_array')\n")[0]
     assert "make() gets the render mode" in marks(make + "env.render(mode)\n")[0]
     assert "where this environment is made" in marks("import gym\ndef f(env):\n    return env.render('rgb_array')\n")[0]
+
+
+WINDOWS = {
+    "if render:\n    env.render()": "render",
+    "if args.render and n > 3:\n    env.render()": "args.render",
+    "if n > 3:\n    if not render:\n        env.render()": "not render",
+    "if render and args.render:\n    env.render()": "render and args.render",
+    "if render:\n    env.render()\nif args.render:\n    env.render()": None,
+    "if later:\n    env.render()": None,
+    "if render:\n    pass\nelse:\n    env.render()": None,
+    "def test(render):\n    if render: env.render()": None,
+    "def show():\n    if render: env.render()": "render",
+    "if n > 3 or 1:\n    env.render()": None,
+    "if changed:\n    env.render()": None,
+}
+
+
+@pytest.mark.parametrize("lines", WINDOWS)
+def test_a_window_under_a_condition(lines: str) -> None:
+    text = (
+        "import gym, types\nrender, changed = False, False\nargs = types.SimpleNamespace(render=False)\n"
+        f"env = gym.make('CartPole-v1')\nenv.reset()\nlater, n = False, 2\n{lines}\n"
+        "def f():\n    global changed\n    changed = True\n"
+    )
+    condition = WINDOWS[lines]
+    end = f" if {condition} else None" if condition else ""
+    assert f"env = gym.make('CartPole-v1', render_mode=\"human\"{end})\n" in rewritten(text)
+    if condition in ("render", "args.render"):
+        assert run(text)["env"].render_mode is None
+
+
+def test_a_window_in_a_class_and_in_a_program() -> None:
+    new = rewritten("""\
+import gym
+class Agent:
+    def __init__(self, show):
+        self.show = show
+        self.env = gym.make("CartPole-v1")
+    def play(self):
+        if self.show:
+            self.env.render()
+def main(show):
+    env = gym.make("Acrobot-v1")
+    if show:
+        env.render()
+if __name__ == "__main__":
+    other = gym.make("Pendulum-v0")
+    other.render()
+""")
+    assert 'gym.make("CartPole-v1", render_mode="human" if self.show else None)' in new
+    assert 'gym.make("Acrobot-v1", render_mode="human" if show else None)' in new
+    assert 'gym.make("Pendulum-v1", render_mode="human")' in new
+    assert "# atari.classic" not in new
 
 
 def test_two_environments_have_their_own_modes() -> None:

@@ -16,18 +16,32 @@ from atari.classic.envs.toy_text import discrete
 __all__ = ["BlackjackEnv", "CliffWalkingEnv", "FrozenLakeEnv", "TaxiEnv", "discrete"]
 
 
-class ToyText(Adapted, discrete.DiscreteEnv):
-    """An environment that has a state before the first `reset`, as in Gym."""
+class Begun(Adapted):
+    """An environment that has a state before the first `reset`, as in Gym: it can be rendered, set and stepped."""
+
+    _is_begun = False
+
+    def preview(self) -> None:
+        """Put the environment at the start of its first episode, unless it is in it already."""
+        if not (self._started or self._is_begun):
+            super().preview()
+            self._is_begun = True
+
+    _before_reset = preview
+
+
+class ToyText(Begun, discrete.DiscreteEnv):
+    """A `Begun` environment with finitely many states."""
 
     @property
     def s(self) -> int:
-        """The state; a script may set it."""
-        if not hasattr(self.modern.unwrapped, "s"):
-            self.preview()
+        """The state; a script may set it, also before the first `reset`."""
+        self.preview()
         return int(self.modern.unwrapped.s)  # type: ignore[attr-defined]
 
     @s.setter
     def s(self, state: int) -> None:
+        self.preview()
         self.modern.unwrapped.s = state  # type: ignore[attr-defined]
 
 
@@ -35,7 +49,7 @@ _CHANGES = {UP: [-1, 0], RIGHT: [0, 1], DOWN: [1, 0], LEFT: [0, -1]}
 """The change of row and column by each action of `CliffWalkingEnv`."""
 
 
-class BlackjackEnv(Adapted):
+class BlackjackEnv(Begun):
     """Play Blackjack against a dealer.
 
     Args:
