@@ -92,7 +92,7 @@ def lines(here: dict[str, Any]) -> Iterator[str]:
     yield f"atari-envs {here['version']}, {here['python']}, {here['platform']}"
     yield from (f"  {line}" for line in aligned(rows))
     torch_is_missing = any("torch" in use["missing"] for use in here["uses"])
-    if any(use["missing"] for use in here["uses"]):
+    if any("missing: pip" in text for _, text in rows):
         yield f"pip is `{here['executable'] or 'python'} -m pip`"
     if torch_is_missing and platform.system() == "Linux":
         yield "PyTorch's build for CPUs is smaller: pytorch.org/get-started has its command"
@@ -109,6 +109,8 @@ def _packages(use: dict[str, Any]) -> str:
 def _error_of_core(name: str) -> str | None:
     try:
         CORES[name]("pong").reset()
+    except gymnasium.error.DependencyNotInstalled:
+        return "missing: pip install --upgrade ale-py"
     except (gymnasium.error.Error, OSError, ValueError) as error:
         return str(error)
     return None

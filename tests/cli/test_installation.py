@@ -71,7 +71,13 @@ def test_the_command_has_the_missing_packages_alone(capsys: Capture, monkeypatch
 
 def test_pip_is_named_only_if_something_is_missing(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(installation, "USES", [use for use in USES if use.name == "videos with sound"])
+    monkeypatch.setattr(installation, "_error_of_core", lambda name: None)
     assert "pip" not in read(capsys, "info")
+    monkeypatch.undo()
+    blocked(monkeypatch, "ale_py")
+    out = read(capsys, "info")
+    assert row(out, "ale-py's core") == "missing: pip install --upgrade ale-py"
+    assert "pip is `" in out
 
 
 def test_without_rom_files_the_cores_say_so(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:

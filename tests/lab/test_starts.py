@@ -6,7 +6,6 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import VectorWrapper
 
 import atari
 from atari import AtariVectorEnv
@@ -136,7 +135,7 @@ def test_steps_limit_the_moments_of_long_games() -> None:
 
 
 def test_a_wrapper_that_restores_is_played_itself() -> None:
-    class Recorder(VectorWrapper):
+    class Recorder(gymnasium.vector.VectorWrapper):
         def __init__(self, envs: Any) -> None:
             super().__init__(envs)
             self.calls: list[str] = []

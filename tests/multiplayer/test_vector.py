@@ -9,7 +9,6 @@ import pytest
 from multiplayer.reference import Reference
 
 from atari import AtariVectorEnv
-from atari.multiplayer import MultiplayerEnv
 
 GAMES = [
     ("pong", 2, {}),
@@ -115,6 +114,8 @@ def test_players_are_out_one_by_one_in_every_autoreset_mode(mode: str) -> None:
 
 def test_players_who_are_out_take_the_first_action_of_the_task() -> None:
     """Which moves them here; the single environment has its own list of these actions."""
+    from atari.multiplayer import MultiplayerEnv
+
     options: dict[str, Any] = {
         "players": 4,
         "obs_type": "ram",
