@@ -175,14 +175,23 @@ def _of_video(args: argparse.Namespace) -> int:
     if args.json:
         print_json(facts)
         return 0
-    try:
-        played = str(Task.from_json(json.dumps(facts["task"])))
-    except (KeyError, TypeError, ValueError):  # the user's own game, or a game for several players
-        played = json.dumps(facts.get("task", facts))
-    print(f"{args.game}: written by {facts['package']}\n{played}")
-    if "core_seeds" in facts:
-        print(*fact_lines("core seeds", [", ".join(map(str, check_type(facts["core_seeds"], "core_seeds", list)))]))
+    print(f"{args.game}: written by {facts['package']}")
+    for one in (facts, *check_type(facts.pop("beside", []), "beside", list)):
+        print("\n".join(_played(check_type(one, "what was played", dict))))
     return 0
+
+
+def _played(facts: Mapping[str, Any]) -> Iterator[str]:
+    """The lines about one game of a video."""
+    try:
+        yield str(Task.from_json(json.dumps(facts["task"])))
+    except (KeyError, TypeError, ValueError):  # the user's own game, or a game for several players
+        yield json.dumps(facts.get("task", facts))
+    if "name" in facts:
+        yield from fact_lines("name", [facts["name"]])
+    for name in ("switched_on", "core_seeds"):
+        if name in facts:
+            yield from fact_lines(name.replace("_", " "), [", ".join(map(str, check_type(facts[name], name, list)))])
 
 
 def _description(game: Game, file: str) -> str:

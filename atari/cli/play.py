@@ -92,7 +92,7 @@ def _play(args: argparse.Namespace) -> int:
             with suppress(OSError):  # a folder that is not empty stays
                 for folder in new_folders:
                     folder.rmdir()
-    written = [path.resolve() for path in (replay, *session.video_files) if path is not None and path.exists()]
+    written = [path.resolve() for path in (replay, *session.files) if path is not None and path.exists()]
     own = {"players": task.players, "mode": task.mode, "scores": session.scores}
     result = {
         "game": task.game,
@@ -103,7 +103,12 @@ def _play(args: argparse.Namespace) -> int:
     if args.json:
         print_json(result)
     else:
-        best = f"{task.definition.title}: {session.frames:,} frames, best score {session.best:,}" if not match else ""
-        print(best or f"{session.title}   ({session.frames:,} frames)")
+        if not session.frames:
+            line = f"{task.definition.title}: nothing was played" + (", and no replay was written" if replay else "")
+        elif match:
+            line = f"{session.title}   ({session.frames:,} frames)"
+        else:
+            line = f"{task.definition.title}: {session.frames:,} frames, best score {session.best:,}"
+        print(line)
         print("".join(f"  {path}\n" for path in written), end="")
     return 0

@@ -95,6 +95,7 @@ def _show(args: argparse.Namespace) -> int:
             "frames_rewound": rewound,
             "steps": replay.steps,
             "core_seeds": replay.seeds,
+            "switched_on": replay.switched_on,
             "episodes": episodes,
         }
         task = {} if replay.players > 1 else {"task": json.loads(replay.header["task"])}
@@ -115,6 +116,7 @@ def _show(args: argparse.Namespace) -> int:
         "recorded": f"{replay.header.get('source')} on core {replay.header.get('core')!r}, "
         f"atari-envs {replay.header.get('package')}",
         **({"options": options} if replay.players > 1 else {"task": summary(replay.task)}),
+        **({"changed": f"by {', '.join(on)}, switched on during the game"} if (on := replay.switched_on) else {}),
         "seeds": seeds or "none: it begins with a snapshot",
         "ROM": f"MD5 {replay.header.get('rom')}",
     }.items():

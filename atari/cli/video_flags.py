@@ -85,7 +85,7 @@ class VideoFlags:
         Raises:
             TypeError, ValueError, OSError, gymnasium.error.DependencyNotInstalled: see `VideoWriter`.
         """
-        overlay = Overlay(self._options["overlay"])
+        overlay = Overlay(self._options["overlay"], game)
         (rows, columns), sound = overlay.size(game.screen.shape), self._options["sound"] and has_sound(path)
         VideoWriter(
             path, (rows, columns), 60, scale=self._options["scale"], sound=sound, caption_lines=overlay.caption_lines

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, asdict, fields
 from typing import Any
 
@@ -110,6 +110,12 @@ def make_writes(game: Game, interventions: Sequence[Intervention]) -> list[_emul
         for intervention in interventions
         for number, rule in enumerate(intervention.writes)
     ]
+
+
+def switched_on(interventions: Mapping[str, Intervention], definitions: Iterable[str | None]) -> tuple[str, ...]:
+    """The names of the interventions all of whose writes are among these `definitions`."""
+    present = set(definitions)
+    return tuple(name for name, one in interventions.items() if present.issuperset(map(_definition, one.writes)))
 
 
 def slots(core: Any) -> list[Any]:

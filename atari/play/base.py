@@ -60,8 +60,8 @@ class BaseSession(ABC):
         """Frames played, including rewound ones."""
         self.scores = [0] * players
         """The score of each player."""
-        self.video_files: list[Path] = []
-        """The videos that were begun."""
+        self.files: list[Path] = []
+        """The videos that were begun, and the state that was saved."""
 
     @property
     @abstractmethod
@@ -177,6 +177,8 @@ class BaseSession(ABC):
         data = snapshot.pack({"of": self._saved_as, "score": score}, {self._blob: self._snapshot()})
         self._state.parent.mkdir(parents=True, exist_ok=True)
         durable.write_file(self._state, data)
+        if self._state not in self.files:
+            self.files.append(self._state)
         return self._state
 
     def load(self) -> None:
@@ -215,7 +217,7 @@ class BaseSession(ABC):
             number += 1
         comment = json.dumps(self._facts)
         self._video = VideoWriter(path, self.game, scale=self._scale, sound=True, comment=comment)
-        self.video_files.append(path)
+        self.files.append(path)
         return path
 
     def close(self) -> None:

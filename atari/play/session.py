@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from atari.cores import ByteArray
-from atari.cores.writes import definitions, make_writes, slots
+from atari.cores.writes import definitions, make_writes, slots, switched_on
 from atari.games.actions import Action
 from atari.games.interventions import load
 from atari.play.base import BaseSession
@@ -90,13 +90,23 @@ class Session(BaseSession):
         self._unseen: deque[tuple[ByteArray, ByteArray, int]] = deque()  # frames not yet shown
         self._ended = self._truncated = False  # the episode; the game may continue
         self._atari.driver.observers.append(self)
-        self.best = 0
+        self._final_scores: list[int] = []  # of the games before this one
+        self._begun_at = 0  # the frame at which this game began
         self._played.reset(seed=seed)
 
     @property
     def score(self) -> int:
         """The score of the current game."""
         return self.scores[0]
+
+    @property
+    def best(self) -> int:
+        """The best score of the games that were played, as they ended or stand; 0 before the first frame."""
+        return max([*self._final_scores, *self._current_score()], default=0)
+
+    def _current_score(self) -> list[int]:
+        """The score of the current game, if a frame of it was played."""
+        return [self.score] if self.frames > self._begun_at else []
 
     @property
     def over(self) -> bool:
@@ -118,8 +128,8 @@ class Session(BaseSession):
     @property
     def interventions(self) -> Mapping[str, bool]:
         """The package's interventions for the game that the task does not have, by name, and whether each is on."""
-        present = set(definitions(slots(self._atari.core)))
-        return {name: present.issuperset(one.definition for one in self._writes(name)) for name in self._changes}
+        on = switched_on(self._changes, definitions(slots(self._atari.core)))
+        return {name: name in on for name in self._changes}
 
     def _writes(self, name: str) -> Sequence[Any]:
         """The writes of one of `interventions`. A session can be copied, and writes cannot."""
@@ -166,7 +176,8 @@ class Session(BaseSession):
 
     @property
     def _facts(self) -> dict[str, Any]:
-        return facts_of(self.task)
+        on = [name for name, is_on in self.interventions.items() if is_on]
+        return {**facts_of(self.task), **({"switched_on": on} if on else {})}
 
     @property
     def _between_steps(self) -> bool:
@@ -180,7 +191,6 @@ class Session(BaseSession):
             _, _, terminated, self._truncated, _ = self._played.step(self.legal_actions.index(action))
             self._ended = self._truncated or (terminated and not self.task.life_loss_info)
         self._screen, self._samples, reward = self._unseen.popleft()
-        self.best = max(self.best, self.score + reward)
         return [reward]
 
     def _show(self) -> None:
@@ -203,6 +213,8 @@ class Session(BaseSession):
 
     def _reset(self) -> None:
         self._go_on({"new_game": True})
+        self._final_scores += self._current_score()
+        self._begun_at = self.frames
 
     def _go_on(self, options: dict[str, Any] | None = None) -> None:
         """Begin an episode; after a lost life, in the same game, unless `options` begin a new one."""

@@ -67,8 +67,10 @@ def _difference(first: Replay, other: Replay) -> str:
 
 
 def facts_of_replays(replays: list[Replay]) -> dict[str, Any]:
-    """The metadata of a data set of replays: as `Replay.facts`, with the seeds of all."""
-    return {**replays[0].facts, "core_seeds": [seed for replay in replays for seed in replay.seeds]}
+    """The metadata of a data set of replays: as `Replay.facts`, with the seeds and the interventions of all."""
+    on = sorted({name for replay in replays for name in replay.switched_on})
+    seeds = [seed for replay in replays for seed in replay.seeds]
+    return {**replays[0].facts, **({"switched_on": on} if on else {}), "core_seeds": seeds}
 
 
 def replay_env(

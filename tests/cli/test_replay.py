@@ -15,6 +15,7 @@ from atari.cli import main
 from atari.play import Session
 from atari.recording import Replay
 from atari.recording.replay import file_format
+from atari.recording.video.images import line_height
 from atari.recording.video.overlay import CURVE_ROWS
 
 
@@ -146,7 +147,7 @@ def test_an_episode_alone(replay: Replay, capsys: Capture) -> None:
     assert main(["replay", "render", "a.a26r", "-o", "best.mkv", *words]) == 0
     frames = video_frames(Path("best.mkv"))
     assert len(frames) == replay.episodes[best].frames
-    assert frames[0].shape == (210 + CURVE_ROWS + 8, 320, 3)
+    assert frames[0].shape == (210 + CURVE_ROWS + line_height(1), 320, 3)
 
 
 @pytest.mark.parametrize("words", ["--start best", "--start 30", "--episode 1 --start best"])

@@ -236,7 +236,7 @@ def test_save_load_video_new_game_and_quit() -> None:
     assert not driver.press(pygame.K_ESCAPE)
     replay = driver.close()
     assert len(replay.episodes) == 2
-    assert [path.name for path in driver.session.video_files] == ["breakout-1.mp4"]
+    assert [path.suffix for path in driver.session.files] == [".state", ".mp4"]
 
 
 def test_file_errors_are_shown_and_play_continues() -> None:
@@ -391,17 +391,20 @@ def test_flags_without_a_meaning(words: list[str], text: str, capsys: Capture) -
     refused(capsys, ["play", "pong", *words], text, 1 if "--obs-type" in words else 2)
 
 
-def test_no_frame_no_file(monkeypatch: Patch) -> None:
+def test_no_frame_no_file(monkeypatch: Patch, capsys: Capture) -> None:
     monkeypatch.setattr(Loop, "run", lambda loop: None)
     for words in (["--replay", "a.a26r"], ["--replay", "a/b/c.a26r"], ["--no-replay"], []):
         assert main(["play", "pong", "--scale", "1", "--no-sound", *words]) == 0
         assert not list(Path().iterdir())
+        no_replay = "" if words == ["--no-replay"] else ", and no replay was written"
+        assert capsys.readouterr().out == f"{BARE}Pong: nothing was played{no_replay}\n"
 
 
-def test_without_a_frame_only_folders_that_were_made_for_it_go(monkeypatch: Patch) -> None:
+def test_without_a_frame_only_folders_that_were_made_for_it_go(monkeypatch: Patch, capsys: Capture) -> None:
     monkeypatch.setattr(Loop, "run", lambda loop: loop._session.save())
     Path("replays").mkdir()
     assert main(["play", "pong", "--scale", "1", "--no-sound"]) == 0
+    assert capsys.readouterr().out.endswith(f"\n  {Path('states/pong.state').resolve()}\n")
     assert main(["play", "pong", "--scale", "1", "--no-sound", "--replay", "a/b.a26r", "--state", "a/c.state"]) == 0
     assert sorted(map(str, Path().rglob("*"))) == ["a", "a/c.state", "replays", "states", "states/pong.state"]
 

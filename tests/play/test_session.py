@@ -1,5 +1,6 @@
 """`Session`: the replay, saved states, rewind points and videos."""
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -8,12 +9,14 @@ import numpy as np
 import pytest
 
 from atari import AtariEnv
+from atari.cli import main
 from atari.cores import snapshot
 from atari.games.actions import Action
 from atari.play.base import FRAMES_PER_REWIND_POINT
 from atari.play.multiplayer_session import MultiplayerSession
 from atari.play.session import Session
 from atari.recording import Replay, VideoWriter, video_facts
+from atari.recording.episodes import facts_of_replays
 from atari.task import Task
 
 
@@ -70,12 +73,25 @@ def test_the_score_is_rewound_too(tmp_path: Path) -> None:
     session = make(tmp_path, game="ms_pacman", seed=1)
     play(session, 400, Action.UP)
     assert session.score > 0
-    best = session.score
+    assert session.best == session.score
     while session.rewind():
         pass
-    assert (session.score, session.best) == (0, best)
+    assert (session.score, session.best) == (0, 0)
     session.new_game()
     assert session.score == 0
+    session.close()
+
+
+def test_the_best_score_may_be_below_zero(tmp_path: Path) -> None:
+    session = make(tmp_path, game="pong", seed=0)
+    session.new_game()  # without a frame it is no game
+    play(session, 400, Action.NOOP)
+    lost = session.score
+    assert session.best == lost < 0
+    session.new_game()
+    assert (session.score, session.best) == (0, lost)
+    play(session, 1, Action.NOOP)
+    assert session.best == 0
     session.close()
 
 
@@ -147,8 +163,8 @@ def test_videos(tmp_path: Path) -> None:
             assert not session.recording
             play(session, 7)
     session.close()
-    assert session.video_files == [tmp_path / "v" / "breakout-1.mp4", tmp_path / "v" / "breakout-2.mp4"]
-    for number, path in enumerate(session.video_files, 1):
+    assert session.files == [tmp_path / "v" / "breakout-1.mp4", tmp_path / "v" / "breakout-2.mp4"]
+    for number, path in enumerate(session.files, 1):
         with av.open(str(path)) as container:
             assert container.streams.video[0].frames == 12 * number
             assert len(container.streams.audio) == 1
@@ -361,9 +377,30 @@ def test_interventions_are_switched_and_stay_so_after_going_back(tmp_path: Path)
         session.play(Action.RIGHT)
     assert not session.interventions["one_row"]
     assert session._atari.core.ram()[1] == 63
-    session.close()
-    assert Replay.load(tmp_path / "a.a26r").verify()
+    assert closed(session, tmp_path).verify()
     assert not Session("tetris").interventions
+
+
+def test_what_was_switched_on_is_a_fact(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    session = make(tmp_path, seed=0, interventions=["wind"])
+    session.toggle_intervention("one_row")
+    own = session.toggle_video()
+    play(session, 40)
+    session.toggle_intervention("one_row")
+    replay = closed(session, tmp_path)
+    assert replay.switched_on == ("one_row",)
+    assert own is not None
+    for video in (own, replay.render(tmp_path / "a.mp4", stop=10)):
+        facts = video_facts(video)
+        assert facts["switched_on"] == ["one_row"]
+        assert [one["name"] for one in facts["task"]["interventions"]] == ["wind"]
+        assert main(["info", str(video)]) == 0
+        assert "  switched on   one_row\n" in capsys.readouterr().out
+    assert main(["replay", "show", str(tmp_path / "a.a26r")]) == 0
+    assert "  changed   by one_row, switched on during the game\n" in capsys.readouterr().out
+    assert main(["replay", "show", str(tmp_path / "a.a26r"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["switched_on"] == ["one_row"]
+    assert facts_of_replays([replay])["switched_on"] == ["one_row"]
 
 
 def test_an_intervention_without_room_changes_nothing() -> None:

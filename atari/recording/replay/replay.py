@@ -23,9 +23,10 @@ from atari.base.notebook import picture
 from atari.base.png import animation, pooled
 from atari.base.validation import check_integer, check_name
 from atari.cores import CORES, Core, snapshot
+from atari.cores.writes import switched_on
 from atari.env import AtariEnv
 from atari.games.game import Game
-from atari.games.interventions import resolve
+from atari.games.interventions import load, resolve
 from atari.recording.replay import file_format
 from atari.recording.replay.events import Event, Kind, unpack
 from atari.recording.replay.file_format import FRAMES_PER_FULL_HASH, Corrupt
@@ -35,7 +36,7 @@ from atari.recording.replay.players import PlayersRunner, make_core
 from atari.recording.replay.results import Divergence, EpisodeSummary, Frame, Verification, difference, frames_of
 from atari.recording.replay.runner import Call, Checkpoint, ReplayRunner
 from atari.recording.replay.shown import ShownVideo, in_notebook
-from atari.recording.replay.side_by_side import write_film
+from atari.recording.replay.side_by_side import labels, write_film
 from atari.recording.video.facts import PACKAGE
 from atari.recording.video.formats import has_sound, is_picture
 from atari.recording.video.overlay import Overlay
@@ -407,19 +408,24 @@ class Replay:
         audible = sound and has_sound(path)
         if len(replays) > 1 and overlay is None:
             overlay = ("score", "lives")
-        overlays = [Overlay(overlay) for _ in replays]
+        overlays = [Overlay(overlay, replay.game) for replay in replays]
         part: dict[str, Any] = {"start": start, "stop": stop, "episode": episode, "frame": frame}
         last = is_picture(path) and "curve" not in overlays[0].parts  # a curve has the frames before, too
+        names, facts = [""], self.facts
+        if others:
+            names = labels([replay.name for replay in replays], self.game.screen.width)
+            first, *rest = ({**replay.facts, "name": name} for replay, name in zip(replays, names, strict=True))
+            facts = {**first, "beside": rest}
         return write_film(
             path,
             [replay._rendered(path, last, **part, core=core, sound=audible) for replay in replays],
             overlays,
             [replay.game.screen.shape for replay in replays],
-            [replay.name for replay in replays],
+            names,
             video_rate(self.game, Path(path).suffix, speed=speed),
             scale=scale,
             sound=audible,
-            comment=json.dumps({**self.facts, **({"beside": [one.facts for one in others]} if others else {})}),
+            comment=json.dumps(facts),
             progress=progress,
         )
 
@@ -542,13 +548,19 @@ class Replay:
         return Task.from_json(self.header["task"], self.game)
 
     @property
+    def switched_on(self) -> tuple[str, ...]:
+        """The package's interventions that were switched on during the recording; those of the task are not here."""
+        return switched_on({} if self.game.file else load(self.game), self._content.writes)
+
+    @property
     def facts(self) -> dict[str, Any]:
         """The facts that videos and data sets made of the replay carry; see `video_facts`."""
         if self.players > 1:
             played = {"game": self.game.id, "players": self.players, "options": dict(self.header["options"])}
         else:
             played = {"task": json_text.parse(self.header["task"], f"the task of {self.path}")}
-        return {**played, "core_seeds": list(self.seeds), "package": PACKAGE}
+        changed = {"switched_on": list(self.switched_on)} if self.switched_on else {}
+        return {**played, **changed, "core_seeds": list(self.seeds), "package": PACKAGE}
 
     def walk(self, core: Core) -> Walk:
         """Yield each event with an iterator that makes its calls on `core`; exhaust it before the next event.

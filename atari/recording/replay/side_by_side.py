@@ -41,7 +41,7 @@ def write_film(
         parts: the frames of each replay.
         overlays: what is below the screen of each.
         shapes: (rows, columns) of their screens.
-        names: their names; that of a single replay is not shown.
+        names: the first line below each, see `labels`; "" means none.
         progress: called with 1 after each frame.
 
     Raises:
@@ -49,7 +49,7 @@ def write_film(
             frame.
     """
     several = len(parts) > 1
-    shown = list(map(_Shown, overlays, labels(names, shapes[0][1]) if several else [""]))
+    shown = list(map(_Shown, overlays, names))
     sizes = [overlay.size(shape) for overlay, shape in zip(overlays, shapes, strict=True)]
     if several:
         image = _Mosaic(shown, sizes, check_integer("scale", scale, 1, 16))

@@ -23,6 +23,9 @@ def facts_of(task: Task) -> dict[str, Any]:
 def video_facts(path: str | PathLike[str]) -> dict[str, Any]:
     """The facts that a video of this package carries: `task` and `package`; a rendered replay adds `core_seeds`.
 
+    Interventions that were switched on during the game are in `switched_on`, by name. Of replays beside each other each
+    has a `name`, and `beside` has the facts of the others.
+
     Games of several players and old replays have no `task`; their facts are `game`, `players` and `options`.
     `atari.Task.from_json(json.dumps(facts["task"]))` makes the task, unless the game is your own.
 

@@ -6,6 +6,9 @@ import numpy.typing as npt
 from atari.base import font
 from atari.cores import ByteArray
 
+_MARGIN = 2
+"""The pixels left of a caption and above each of its lines, at scale 1."""
+
 
 def enlarge(rgb: ByteArray, across: int, down: int) -> ByteArray:
     """Return an image (rows, columns, 3) with each pixel as a block: (down * rows, across * columns, 3) uint8."""
@@ -14,12 +17,12 @@ def enlarge(rgb: ByteArray, across: int, down: int) -> ByteArray:
 
 def line_height(scale: int) -> int:
     """Return the height of a caption line in rows."""
-    return font.ROWS * scale
+    return (_MARGIN + font.ROWS) * scale
 
 
 def caption_room(columns: int) -> int:
     """Return the characters of a caption line below a screen of this many columns, before it is enlarged."""
-    return 2 * columns // font.COLUMNS
+    return (2 * columns - _MARGIN) // font.COLUMNS
 
 
 def add_caption(image: ByteArray, text: str, lines: int, scale: int) -> ByteArray:
@@ -31,8 +34,9 @@ def add_caption(image: ByteArray, text: str, lines: int, scale: int) -> ByteArra
     height, width = image.shape[:2]
     whole = np.zeros((height + lines * line_height(scale), width, 3), np.uint8)
     whole[:height] = image
+    margin = _MARGIN * scale
     for number, line in enumerate(text.splitlines()[:lines]):
-        font.write(whole, line, 0, height + number * line_height(scale), (255, 255, 255), scale)
+        font.write(whole, line, margin, height + margin + number * line_height(scale), (255, 255, 255), scale)
     return whole
 
 

@@ -7,10 +7,13 @@ import numpy as np
 
 from atari.cores import ByteArray
 from atari.games.actions import Action
+from atari.games.game import Game
 
 OVERLAYS = ("score", "lives", "action", "ram", "curve")
 CURVE_ROWS = 32
 _RAM_LINES = 8
+_NO_LIVES = ("0", "1", "0 if terminal else 1")
+"""The expressions of `lives` in the rules of games that have none."""
 _LINE, _ZERO = (236, 236, 236), (74, 74, 74)
 
 
@@ -19,15 +22,16 @@ class Overlay:
 
     Args:
         parts: some of `OVERLAYS`; None means no part.
+        game: the game; the lives of a game without lives are not shown.
 
     Raises:
         ValueError: there is no such part.
     """
 
-    def __init__(self, parts: Sequence[str] | None) -> None:
+    def __init__(self, parts: Sequence[str] | None, game: Game) -> None:
         if isinstance(parts, str) or not set(parts or ()) <= set(OVERLAYS):
             raise ValueError(f"overlay is a tuple of some of {', '.join(map(repr, OVERLAYS))}, got {parts!r}")
-        self.parts = tuple(parts or ())
+        self.parts = tuple(part for part in parts or () if part != "lives" or _has_lives(game))
         self.caption_lines = bool({"score", "lives", "action"} & set(self.parts)) + _RAM_LINES * ("ram" in self.parts)
         self.begin_game()
 
@@ -92,3 +96,10 @@ class Overlay:
         row = np.arange(CURVE_ROWS)[:, np.newaxis]
         strip[:, 1:-1][(row >= np.minimum(first, second)) & (row <= np.maximum(first, second))] = _LINE
         return whole
+
+
+def _has_lives(game: Game) -> bool:
+    """Whether the game's rules, for one player or for several, count lives."""
+    rules = (game.rules, game.multiplayer and game.multiplayer.rules)
+    names = [(one, name) for one in rules if one for name in one.outputs if name.startswith("lives")]
+    return any(one.expression(name) not in _NO_LIVES for one, name in names)

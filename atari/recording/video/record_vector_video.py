@@ -137,9 +137,10 @@ class RecordVectorVideo(RecordVideoBase, VectorWrapper, RecordConstructorArgs):
         self._index = check_integer("index", index, 0, inner.num_envs - 1)
         filmed = [self._index] if record_first_only else list(range(inner.num_envs))
         self._columns = _columns([inner.games[i].screen.shape for i in filmed], video_aspect_ratio)
-        rate = video_rate(inner.games[self._index], f".{format}", fps, speed)
+        game = inner.games[self._index]
+        rate = video_rate(game, f".{format}", fps, speed)
         size = tile([np.zeros((*inner.games[i].screen.shape, 3), np.uint8) for i in filmed], self._columns).shape
-        self._settings = VideoSettings(format, (size[0], size[1]), rate, scale, sound, overlay, keep)
+        self._settings = VideoSettings(format, game, (size[0], size[1]), rate, scale, sound, overlay, keep)
         self._plan(episode_trigger, step_trigger, video_length, name_prefix)
         self.disable_logger, self.gc_trigger = disable_logger, gc_trigger
         self.record_first_only, self.video_aspect_ratio = record_first_only, video_aspect_ratio

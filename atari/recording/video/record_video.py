@@ -46,7 +46,7 @@ class RecordEnvVideo(RecordVideoBase, RestorableWrapper):
         super().__init__(env, **given)
         self._atari = inner
         rate = video_rate(inner.game, f".{format}", fps, speed)
-        self._settings = VideoSettings(format, inner.game.screen.shape, rate, scale, sound, overlay, keep)
+        self._settings = VideoSettings(format, inner.game, inner.game.screen.shape, rate, scale, sound, overlay, keep)
         self._plan(episode_trigger, step_trigger, video_length, name_prefix)
         self.disable_logger, self.gc_trigger = disable_logger, gc_trigger
         self.video_folder = make_folder(video_folder, name_prefix)

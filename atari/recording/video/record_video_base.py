@@ -22,6 +22,7 @@ from gymnasium import logger
 
 from atari.base.validation import check_integer, check_name
 from atari.cores import ByteArray, Core
+from atari.games.game import Game
 from atari.recording.recordable import DeferredErrorMixin
 from atari.recording.video.encoder import import_av
 from atari.recording.video.facts import facts_of
@@ -35,7 +36,7 @@ Trigger = Callable[[int], bool]
 
 
 class VideoSettings:
-    """The settings of all videos of a wrapper, see `RecordVideo`; `size` is (rows, columns) of the frames.
+    """The settings of all videos of a wrapper, see `RecordVideo`; `size` is (rows, columns) of the frames of `game`.
 
     Raises:
         TypeError, ValueError: an argument has the wrong type or is out of range.
@@ -45,6 +46,7 @@ class VideoSettings:
     def __init__(
         self,
         format: str,
+        game: Game,
         size: tuple[int, int],
         fps: Fraction | float,
         scale: int,
@@ -55,7 +57,7 @@ class VideoSettings:
         check_name("format", format, [suffix[1:] for suffix in FORMATS])
         check_name("keep", keep, ["all", "best"])
         self.keep = keep
-        self.overlay = Overlay(overlay)
+        self.game, self.overlay = game, Overlay(overlay, game)
         self.format, self.size, self.scale = format, self.overlay.size(size), scale
         self.sound = bool(sound) and FORMATS[f".{format}"].sound is not None
         self.set_fps(fps)
@@ -89,7 +91,7 @@ class VideoRecorder(DeferredErrorMixin):
     def __init__(self, settings: VideoSettings, task: Callable[[], Task]) -> None:
         self._settings, self._task = settings, task
         self._writer: VideoWriter | None = None
-        self._overlay = Overlay(settings.overlay.parts)
+        self._overlay = Overlay(settings.overlay.parts, settings.game)
         self.score = 0
         """The sum of the rewards in the current video, or in the last one."""
 

@@ -10,13 +10,14 @@ from replay_tools import record
 from video_reader import video_frames
 
 import atari
+from atari.cli import main
 from atari.multiplayer import MultiplayerCore
 from atari.recording import RecordReplay, Replay, video_facts
 from atari.recording.replay.side_by_side import labels
 from atari.recording.video.images import add_caption, enlarge
 from atari.recording.video.overlay import CURVE_ROWS
 
-WIDTH, HEIGHT, GAP = 320, 210, 8  # at scale 1; a line of text has 8 rows
+WIDTH, HEIGHT, GAP, LINE = 320, 210, 8, 10  # at scale 1; LINE is the height of a line of text
 
 
 @pytest.fixture
@@ -33,20 +34,29 @@ def cell(screen: np.ndarray, *lines: str) -> np.ndarray:
     return add_caption(enlarge(screen, 2, 1), "\n".join(lines), 2, 1)
 
 
-def test_an_ended_replay_keeps_its_last_frame(pong: Replay, breakout: Replay, tmp_path: Path) -> None:
+def test_an_ended_replay_keeps_its_last_frame(
+    pong: Replay, breakout: Replay, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     shown: list[int] = []
     pong.render(tmp_path / "a.mkv", scale=1, beside=[breakout], progress=shown.append)
     frames = video_frames(tmp_path / "a.mkv")
     first, second = list(pong.frames()), list(breakout.frames())
     assert len(frames) == len(first) == sum(shown) == 40
     assert len(second) == 16
-    assert frames[0].shape == (HEIGHT + 2 * 8, 2 * WIDTH + GAP, 3)
+    assert frames[0].shape == (HEIGHT + 2 * LINE, 2 * WIDTH + GAP, 3)
     for number, image in enumerate(frames):
         left, right = first[number], second[min(number, 15)]
-        assert np.array_equal(image[:, :WIDTH], cell(left.screen, "pong", f"score {left.score}   lives {left.lives}"))
+        assert np.array_equal(image[:, :WIDTH], cell(left.screen, "pong", f"score {left.score}"))
         assert np.array_equal(image[:, WIDTH + GAP :], cell(right.screen, "breakout", "score 0   lives 5"))
         assert not image[:, WIDTH : WIDTH + GAP].any()
-    assert [facts["task"]["game"] for facts in video_facts(tmp_path / "a.mkv")["beside"]] == ["breakout"]
+    facts = video_facts(tmp_path / "a.mkv")
+    assert [(one["name"], one["task"]["game"]) for one in (facts, *facts["beside"])] == [
+        ("pong", "pong"),
+        ("breakout", "breakout"),
+    ]
+    assert main(["info", str(tmp_path / "a.mkv")]) == 0
+    names = [line.split()[1] for line in capsys.readouterr().out.splitlines() if line.startswith("  name ")]
+    assert names == ["pong", "breakout"]
 
 
 def test_the_sound_is_that_of_the_first(pong: Replay, breakout: Replay, tmp_path: Path) -> None:
@@ -66,10 +76,10 @@ def test_more_than_three_make_a_square(pong: Replay, tmp_path: Path, count: int,
     path = pong.render(tmp_path / "a.png", scale=1, beside=[pong] * (count - 1))
     with av.open(path) as container:
         (image,) = (frame.to_ndarray(format="rgb24") for frame in container.decode(video=0))
-    height = HEIGHT + 2 * 8 + GAP
+    height = HEIGHT + 2 * LINE + GAP
     assert image.shape == (rows * height - GAP, columns * (WIDTH + GAP) - GAP, 3)
-    assert image[-16 - HEIGHT : -16, :WIDTH].any()  # the last row has a replay
-    assert image[-16 - HEIGHT : -16, -WIDTH:].any() == (count == rows * columns)
+    assert image[-2 * LINE - HEIGHT : -2 * LINE, :WIDTH].any()  # the last row has a replay
+    assert image[-2 * LINE - HEIGHT : -2 * LINE, -WIDTH:].any() == (count == rows * columns)
 
 
 def test_screens_of_other_sizes_and_games_of_two_players(pong: Replay, tmp_path: Path) -> None:
@@ -86,13 +96,13 @@ def test_screens_of_other_sizes_and_games_of_two_players(pong: Replay, tmp_path:
     heights = [replay.game.screen.shape[0] for replay in (pong, combat, pal)]
     assert len(set(heights)) == 3
     rows = max(heights)
-    assert last.shape == (rows + 16, 3 * WIDTH + 2 * GAP, 3)
+    assert last.shape == (rows + 2 * LINE, 3 * WIDTH + 2 * GAP, 3)
     top = (rows - HEIGHT) // 2
     assert not last[:top, :WIDTH].any()
     assert np.array_equal(last[top : top + HEIGHT, :WIDTH:2], list(pong.frames())[-1].screen)
     below = (rows - heights[2]) // 2
     assert np.array_equal(last[below : below + heights[2], -WIDTH::2], list(pal.frames())[-1].screen)
-    scores = add_caption(np.zeros((rows, WIDTH, 3), np.uint8), "combat\nscore 0, 0   lives 0, 0", 2, 1)
+    scores = add_caption(np.zeros((rows, WIDTH, 3), np.uint8), "combat\nscore 0, 0", 2, 1)
     frame = list(combat.frames())[-1]
     assert frame.scores == (0, 0)
     assert frame.all_lives == (0, 0)
@@ -107,7 +117,7 @@ def test_parts_and_overlays_apply_to_each(pong: Replay, breakout: Replay, tmp_pa
     pong.render(tmp_path / "a.mkv", scale=1, start=8, stop=12, overlay=("curve",), beside=[breakout])
     frames = video_frames(tmp_path / "a.mkv")
     assert len(frames) == 4
-    assert frames[0].shape == (HEIGHT + CURVE_ROWS + 8, 2 * WIDTH + GAP, 3)
+    assert frames[0].shape == (HEIGHT + CURVE_ROWS + LINE, 2 * WIDTH + GAP, 3)
     for replay, left in ((pong, 0), (breakout, WIDTH + GAP)):
         expected = next(replay.frames(8)).screen
         assert np.array_equal(frames[0][:HEIGHT, left : left + WIDTH : 2], expected)

@@ -144,11 +144,21 @@ def test_captions_are_below_the_frame(tmp_path: Path) -> None:
 def test_the_characters_of_captions_differ_and_keep_to_their_places(scale: int) -> None:
     empty = np.zeros((2, 320 * scale, 3), np.uint8)
     text = "".join(map(chr, range(33, 86)))
-    band = add_caption(empty, text, 1, scale)[2:, : 53 * 6 * scale, 0]
-    cells = [cell.tobytes() for cell in np.split(band, 53, axis=1)]
+    margin = 2 * scale
+    below = add_caption(empty, text, 1, scale)[2:, :, 0]
+    assert not below[:margin].any()
+    assert not below[:, :margin].any()
+    cells = [cell.tobytes() for cell in np.split(below[:, margin:], 53, axis=1)]
     assert len(set(cells)) == 53
-    assert add_caption(empty, f" {text[0]}é", 1, scale)[2:, 6 * scale : 12 * scale, 0].tobytes() == cells[0]
-    assert add_caption(empty, "x" * 1000, 1, scale).shape == (2 + 8 * scale, 320 * scale, 3)
+    second = slice(margin + 6 * scale, margin + 12 * scale)
+    assert add_caption(empty, f" {text[0]}é", 1, scale)[2:, second, 0].tobytes() == cells[0]
+    assert add_caption(empty, "x" * 1000, 1, scale).shape == (2 + line_height(scale), 320 * scale, 3)
+
+
+def test_a_descender_does_not_touch_the_line_below() -> None:
+    lines = add_caption(np.zeros((2, 320, 3), np.uint8), "qbert-pqn\nscore 850", 2, 1)[2:, :, 0]
+    drawn = lines.any(axis=1)
+    assert np.flatnonzero(drawn).tolist() == [*range(2, 10), *range(12, 19)]
 
 
 def test_enlarging_repeats_pixels() -> None:

@@ -26,6 +26,7 @@ from atari.lab import RamLabels, Watch
 from atari.recording import RecordReplay, RecordVideo, VideoWriter
 from atari.recording.video import writer
 from atari.recording.video.audio import to_16_bit
+from atari.recording.video.images import line_height
 from atari.recording.video.overlay import CURVE_ROWS, Overlay
 from atari.wrappers import DqnPreprocessing, EpisodicLife
 
@@ -228,7 +229,7 @@ def test_the_overlay_is_below_the_frame_and_changes(tmp_path: Path, videos: Any,
     env.close()
     frames = videos["rl-video-episode-0.mkv"].images
     lines = (overlay != ("ram",)) + 8 * ("ram" in overlay)
-    assert frames[0].shape == (210 + 8 * lines, 320, 3)
+    assert frames[0].shape == (210 + line_height(1) * lines, 320, 3)
     captions = [image[210:].tobytes() for image in frames]
     different = len(set(captions))
     if overlay == ("score",):
@@ -474,7 +475,7 @@ def test_only_the_best_video_is_kept(tmp_path: Path, videos: Any) -> None:
 
 
 def test_the_curve_is_the_score_from_the_first_frame_to_this_one() -> None:
-    overlay = Overlay(("curve",))
+    overlay = Overlay(("curve",), atari.games["pong"])
     screen = np.full((210, 160, 3), 7, np.uint8)
     assert overlay.size((210, 160)) == (210 + CURVE_ROWS, 160)
     for reward in [0] * 50 + [10] + [0] * 49:
@@ -490,7 +491,7 @@ def test_the_curve_is_the_score_from_the_first_frame_to_this_one() -> None:
 
 
 def test_the_curve_goes_below_zero() -> None:
-    overlay = Overlay(("curve",))
+    overlay = Overlay(("curve",), atari.games["pong"])
     for reward in (1, -3):
         overlay.add(reward)
     strip = overlay.draw(np.zeros((10, 160, 3), np.uint8))[10:, :, 0]
