@@ -17,7 +17,9 @@ __all__ = ["modernized"]
 
 
 def modernized(text: str) -> Source:
-    """The edits that make a script for Gym one for Gymnasium; none for a script that is one.
+    """The edits that make a script for Gym one for Gymnasium.
+
+    In a script that imports Gymnasium, only what is wrong there is edited, such as four values of `step`.
 
     Raises:
         SyntaxError: the text is not of this version of Python.
@@ -40,5 +42,5 @@ def modernized(text: str) -> Source:
         making.rewrite()
         Attributes(script, environments).rewrite()
         needs_atari = making.needs_atari
-    Imports(script, environments.is_old).rewrite(needs_atari)
+    Imports(script, environments.is_old, environments.careful).rewrite(needs_atari)
     return script.source

@@ -83,9 +83,19 @@ class Attributes:
             return self.environments.kind(node.value) == "env"
         return isinstance(node, ast.Call) and self.script.qualified(node.func) == f"{OLD}.spec"
 
+    def _is_wrong(self, node: ast.Attribute) -> bool:
+        """Whether a script for Gymnasium cannot have an attribute: its environment comes from `make` directly."""
+        bound = self.environments.binding(node.value) if isinstance(node.value, ast.Name | ast.Attribute) else None
+        made = bound[0] if bound is not None else node.value
+        if not isinstance(made, ast.Call) or self.script.qualified(made.func) != f"{OLD}.make":
+            return node.attr in ("nS", "nA")
+        return node.attr in _INSIDE or node.attr in ("nS", "nA", "reward_range")
+
     def _attribute(self, node: ast.Attribute) -> None:
         inner = isinstance(node.value, ast.Attribute) and node.value.attr == "unwrapped"
         name = node.attr
+        if self.environments.careful and not self._is_wrong(node):
+            return
         if name in _MOVED and isinstance(node.ctx, ast.Load):
             self._rename(node, _MOVED[name])
         elif name == "_max_episode_steps":
@@ -138,6 +148,8 @@ class Attributes:
 
     def _random(self, node: ast.Attribute) -> None:
         """Edit a method of RandomState, which is a NumPy Generator now."""
+        if self.environments.careful and "np_random" in self._own:
+            return  # it may be a RandomState of the script
         if node.attr in _RANDOM_GONE:
             self.script.mark(node, f"np_random is a numpy.random.Generator now, which has no {node.attr}()")
         call, new = self.script.parent(node), _RANDOM.get(node.attr)

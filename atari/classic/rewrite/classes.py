@@ -22,6 +22,8 @@ class Classes:
         """Edit each class."""
         renamed: set[str] = set()
         for node, kind in self.environments.classes.items():
+            if self.environments.is_current(node):
+                continue
             for method in [each for each in node.body if isinstance(each, Function)]:
                 renamed |= self._rename(node, method)
                 name = method.name.lstrip("_")
@@ -35,12 +37,14 @@ class Classes:
                     )
         self._calls_of(renamed)
         self._metadata()
-        self._arrays()
+        if not self.environments.careful:
+            self._arrays()
 
     def _rename(self, node: ast.ClassDef, method: Function) -> set[str]:
         """Edit the name of a method of 2017."""
         others = {each.name for each in node.body if isinstance(each, Function)}
-        if method.name not in _UNTIL_2017 or method.name[1:] in others:
+        is_helper = self.environments.careful and others & {"step", "reset"}
+        if method.name not in _UNTIL_2017 or method.name[1:] in others or is_helper:
             return set()
         source = self.script.source
         start = source.text.index(method.name, source.start(method))
@@ -153,7 +157,8 @@ class Classes:
     def _two(self, value: ast.expr, info: str | None) -> None:
         """Edit the observation that a `reset` returns into observation and info."""
         source = self.script.source
-        if self.environments.is_reset(value):
+        is_two = self.environments.careful and isinstance(value, ast.Tuple) and len(value.elts) == 2
+        if is_two or self.environments.is_reset(value):
             return
         if isinstance(value, ast.Tuple) and source.text[source.start(value)] != "(":
             source.before(value, "(")

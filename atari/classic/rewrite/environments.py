@@ -25,6 +25,8 @@ class Environments:
     Attributes:
         classes: the classes that are environments: "env" derives from Gym's `Env`, "wrapper" from a wrapper, "plain"
             has `reset`, and a `step` that returns four values.
+        is_old: whether there is something of Gym's to rewrite.
+        careful: whether the script imports Gymnasium already, so that only what is wrong there is rewritten.
     """
 
     def __init__(self, script: Script) -> None:
@@ -32,6 +34,7 @@ class Environments:
         functions = script.walk(ast.FunctionDef, ast.AsyncFunctionDef)
         self.functions = {node.name: node for node in functions if isinstance(node, Function)}
         self._bindings = self._find_bindings()
+        self.careful = "gymnasium" in script.packages
         self.classes: dict[ast.ClassDef, str] = {}
         for node in script.walk(ast.ClassDef):
             if isinstance(node, ast.ClassDef) and (kind := self._class_kind(node)):
@@ -40,10 +43,10 @@ class Environments:
 
     def _is_old(self) -> bool:
         """Whether the script has Gym's interface: it imports Gym, or takes or returns four values."""
-        roots = {name.partition(".")[0] for name in self.script.names.values()} | set(self.script.star)
-        if "gymnasium" in roots:
-            return False
-        if OLD in {root.partition(".")[0] for root in roots} or "plain" in self.classes.values():
+        packages = self.script.packages
+        if self.careful:  # with both, or with vectors of four values, the script cannot be judged
+            return not packages & {OLD, "atari.classic", *(name.rstrip(".") for name in _FOUR)}
+        if packages & {OLD, "atari.classic"} or "plain" in self.classes.values():
             return True
         return any(self.is_step(call) and self._is_unpacked(call) for call in self.script.calls())
 
@@ -125,6 +128,8 @@ class Environments:
                 return "env"
             if kind is not None:
                 return ("env" if kind == "list" else "other") if element else kind
+            if self.careful and isinstance(value, ast.Call):
+                return "other"  # of a class or a function that is not shown, which may have an interface of its own
         name = last_name(node)
         if _ENV.search(name):
             return "env"
@@ -177,12 +182,26 @@ class Environments:
                 if isinstance(base, ast.Name) and base.id == other.name:
                     return kind
         methods = {each.name: each for each in node.body if isinstance(each, Function)}
-        if "step" in methods and "reset" in methods:
+        if "step" in methods and "reset" in methods and not self.careful:
             for each in self.script.own(methods["step"], ast.Return):
                 value = each.value if isinstance(each, ast.Return) else None
                 if isinstance(value, ast.Tuple) and len(value.elts) == 4:
                     return "plain"
         return None
+
+    def is_current(self, node: ast.ClassDef | None) -> bool:
+        """Whether a class is for Gymnasium, as it neither takes nor returns four values of `step`."""
+        if node is None or not self.careful:
+            return False
+        for each in ast.walk(node):
+            value = each.value if isinstance(each, ast.Return | ast.Assign) else None
+            function = self.script.function(each)
+            if isinstance(value, ast.Call) and self.is_step(value) and self._is_unpacked(value):
+                return False
+            is_four = isinstance(each, ast.Return) and isinstance(value, ast.Tuple) and len(value.elts) == 4
+            if is_four and function is not None and function.name in ("step", "_step"):
+                return False
+        return True
 
     def is_step(self, node: ast.AST | None, depth: int = 4) -> bool:
         """Whether an expression has the values of `step`: a call of it, or of a function that returns one."""
@@ -197,7 +216,9 @@ class Environments:
             return False
         if isinstance(node.func, ast.Attribute) and node.func.attr in (method, f"_{method}"):
             kind = self.kind(node.func.value)
-            return kind in ("env", "vector") or (kind is None and method == "step" and self._is_used_as_four(node))
+            if kind is None and method == "step" and not self.careful:
+                return self._is_used_as_four(node)
+            return kind in ("env", "vector")
         function = self.functions.get(last_name(node.func))
         if function is None or method == "reset" or isinstance(self.script.qualified(node.func), str):
             return False
@@ -221,6 +242,36 @@ class Environments:
             return False
         target = statement.targets[0]
         return isinstance(target, ast.Tuple | ast.List) and len(target.elts) == 4
+
+    def is_pair(self, node: ast.Name | ast.Attribute) -> bool:
+        """Whether a script for Gymnasium may take the value of `reset` in a name as observation and info."""
+        scope, text = self.script.function(node), ast.unparse(node)
+        uses = [
+            each
+            for each in self.script.walk(type(node))
+            if ast.unparse(each) == text and (isinstance(node, ast.Attribute) or self.script.function(each) is scope)
+        ]
+        loads = [each for each in uses if isinstance(each.ctx, ast.Load)]  # type: ignore[attr-defined]
+        of_step = any(self._is_observation(each) for each in uses)
+        return not loads or any(self._is_taken_apart(each, of_step) for each in loads)
+
+    def _is_observation(self, target: ast.AST) -> bool:
+        """Whether a target is the first of those to which `step` is unpacked."""
+        targets = self.script.parent(target)
+        statement = self.script.parent(targets) if isinstance(targets, ast.Tuple | ast.List) else None
+        return isinstance(statement, ast.Assign) and targets.elts[0] is target and self.is_step(statement.value)  # type: ignore[union-attr]
+
+    def _is_taken_apart(self, node: ast.AST, of_step: bool) -> bool:
+        parent = self.script.parent(node)
+        if isinstance(parent, ast.Subscript):
+            statement = self.script.parent(parent)
+            is_first = isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) == ast.unparse(node)
+            return isinstance(getattr(parent.slice, "value", None), int) and (is_first or not of_step)
+        if isinstance(parent, ast.Assign):
+            return isinstance(parent.targets[0], ast.Tuple | ast.List)
+        return isinstance(parent, ast.Return | ast.Starred) or (
+            isinstance(parent, ast.Call) and last_name(parent.func) in ("isinstance", "len", "print", "tuple", "type")
+        )
 
     def class_made(self, node: ast.AST) -> ast.ClassDef | None:
         """The class of the script whose instance an expression is, if the script shows it."""

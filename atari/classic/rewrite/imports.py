@@ -8,8 +8,8 @@ from functools import cache
 import gymnasium
 import numpy as np
 
-from atari.classic.rewrite.making import RECORDERS, wrapper_name
-from atari.classic.rewrite.script import OLD, Script, constant
+from atari.classic.rewrite.making import OF_GAMES, RECORDERS, wrapper_name
+from atari.classic.rewrite.script import OLD, Script, constant, normal
 
 _NUMPY = {
     **{name: name for name in ("bool", "complex", "float", "int", "object", "str")},
@@ -46,10 +46,11 @@ _PYTHON_2 = {"raw_input": "input", "unicode": "str", "xrange": "range"}
 class Imports:
     """Rewrites imports and the names that come from them."""
 
-    def __init__(self, script: Script, is_old: bool) -> None:
+    def __init__(self, script: Script, is_old: bool, careful: bool) -> None:
         self.script = script
         self.source = script.source
         self.is_old = is_old
+        self.careful = careful
 
     def rewrite(self, needs_atari: bool) -> None:
         """Edit the imports and names; `needs_atari` adds the import that registers the games."""
@@ -80,6 +81,8 @@ class Imports:
 
     def _alias(self, node: ast.Import, alias: ast.alias) -> bool:
         """Edit `import gym` and `import gym.wrappers as wrappers`; whether it is one."""
+        if self.careful:
+            return alias.name == "gymnasium"
         name = alias.name.replace("atari.classic", OLD)
         if name.partition(".")[0] in _PACKAGES:
             self.script.mark(node, _PACKAGES[name.partition(".")[0]])
@@ -98,11 +101,13 @@ class Imports:
 
     def _import_from(self, node: ast.ImportFrom) -> bool:
         """Edit `from gym.wrappers import Monitor`; whether it is from Gym."""
-        module = (node.module or "").replace("atari.classic", OLD)
+        module = normal(node.module or "")
         if module.partition(".")[0] in _PACKAGES and not node.level:
             self.script.mark(node, _PACKAGES[module.partition(".")[0]])
         if module.partition(".")[0] != OLD or node.level:
             return False
+        if self.careful and all(_found(f"{node.module}.{alias.name}") for alias in node.names if alias.name != "*"):
+            return True
         text = self.source.segment(node)
         match = re.match(r"from\s+([\w.]+)\s+import", text)
         if match is None:
@@ -123,9 +128,9 @@ class Imports:
             return
         name = wrapper_name(alias.name) if in_wrappers else alias.name
         if in_wrappers and name == "Monitor":
-            self.source.replace_node(alias, ", ".join(RECORDERS))
+            self.source.replace_node(alias, ", ".join(RECORDERS[:1] if OF_GAMES in self.script.imports else RECORDERS))
         elif not _found(f"{module}.{name}"):
-            self.script.mark(node, _gone(f"{str(node.module).replace('atari.classic', OLD)}.{alias.name}"))
+            self.script.mark(node, _gone(normal(f"{node.module}.{alias.name}")))
         elif name != alias.name:
             self.source.replace_node(alias, f"{name} as {alias.asname}" if alias.asname else name)
 
@@ -156,7 +161,7 @@ class Imports:
             return True
         if name.startswith(f"{OLD}.envs.registry") or name in (f"{OLD}.vector.make", f"{OLD}.make_vec"):
             return True
-        if name.startswith(f"{OLD}.logger.") and last in _LEVELS:
+        if name.startswith(f"{OLD}.logger.") and last in _LEVELS and not (self.careful and _found(_modern(name))):
             self.source.replace_node(node, _LEVELS[last])
             return True
         if not isinstance(call, ast.Call) or call.func is not node:
@@ -185,7 +190,7 @@ class Imports:
             self.source.replace_node(node, registry)
         elif last == "spec":
             self.source.replace_node(node, self.script.modern("spec"))
-        else:
+        elif not (self.careful and hasattr(dict, last)):
             self.script.mark(node, f"the registry is a dictionary now, and {last} is gone")
 
     def _numpy(self) -> None:

@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cached_property
 
 from atari.classic import gym_ids
 from atari.classic.rewrite.conditions import conditions, is_known
@@ -19,6 +20,8 @@ _RENAMED = {
 }
 RECORDERS = ("RecordEpisodeStatistics", "RecordVideo")
 """These two wrappers of Gymnasium replace Monitor."""
+OF_GAMES = "from atari.recording import RecordVideo"
+"""The recorder of Atari games, which needs no MoviePy."""
 _MONITOR = ("env", "video_folder", "episode_trigger")
 _SOMETIMES = 'render_mode="human" shows every step from now on; make another environment for the episodes to see'
 
@@ -28,6 +31,22 @@ def wrapper_name(name: str) -> str:
     return _RENAMED.get(name, name)
 
 
+def _alive(env_id: str) -> str | None:
+    """An ID, or its newest version if its own is gone; None if there is none."""
+    return env_id if gym_ids.is_alive(env_id) else gym_ids.newest(env_id)
+
+
+def _has_mode(make: ast.Call) -> bool:
+    """Whether a call of `make` has a render mode, or may have one in `**options`."""
+    return any(each.arg in ("render_mode", None) for each in make.keywords)
+
+
+def _monitored(call: ast.Call) -> ast.expr | None:
+    """The environment of a call of `env.monitor.start`; None for other calls."""
+    monitor = call.func.value if isinstance(call.func, ast.Attribute) and call.func.attr == "start" else None
+    return monitor.value if isinstance(monitor, ast.Attribute) and monitor.attr == "monitor" else None
+
+
 class Making:
     """Rewrites how a script makes its environments."""
 
@@ -35,6 +54,7 @@ class Making:
         self.script = script
         self.environments = environments
         self.source = script.source
+        self.careful = environments.careful
         self._makes: list[tuple[ast.Call, str]] = []
         self._modes: dict[ast.Call, set[str]] = {}
         self._windows: dict[ast.Call, list[ast.Call]] = {}
@@ -48,9 +68,9 @@ class Making:
                 self._modes[call] = set()
         for call in self.script.calls():
             name = self.script.qualified(call.func) or ""
-            if name.startswith(f"{OLD}.wrappers."):
+            if name.startswith(f"{OLD}.wrappers.") and not name.startswith(f"{OLD}.wrappers.vector."):
                 self._wrapper(call, name.rpartition(".")[2])
-            elif name.startswith(f"{OLD}.vector."):
+            elif name == f"{OLD}.vector.make" or (name.startswith(f"{OLD}.vector.") and not self.careful):
                 self._vector(call, name.rpartition(".")[2])
             elif isinstance(call.func, ast.Attribute) and call.func.attr in ("render", "seed", "start", "close"):
                 self._method(call, call.func)
@@ -64,7 +84,8 @@ class Making:
         if of is not None and self.environments.kind(of) == "env":
             self._old_monitor(call, function, of)
         elif kind in ("env", "vector") and function.attr == "seed":
-            self._seed(call, function)
+            if not (self.careful and (last_name(receiver) == "self" or self._is_own(receiver, "seed"))):
+                self._seed(call, function)
         elif kind == "env" and function.attr == "render" and last_name(receiver) not in ("self", "super"):
             self._render(call, receiver)
 
@@ -109,9 +130,10 @@ class Making:
         if close is not None and constant(close.value) is True:
             self.source.replace(self.source.end(call.func) - len("render"), self.source.end(call), "close()")
             return
-        made = self.environments.class_made(env)
-        if made is not None and any(isinstance(each, Function) and each.name == "render" for each in made.body):
-            return  # the script's own class, whose render() stays
+        if self._is_own(env, "render"):
+            return
+        if self.careful and all(map(_has_mode, self._made_for(env))):
+            return
         mode = "human" if given is None else constant(given)
         if not isinstance(mode, str):
             self.script.mark(call, "make() gets the render mode now (render_mode=), and render() has no argument")
@@ -133,6 +155,11 @@ class Making:
             elif mode == "human":
                 self._windows.setdefault(make, []).append(call)
             self._modes[make].add(mode)
+
+    def _is_own(self, env: ast.expr, method: str) -> bool:
+        """Whether an environment is of a class of the script that has a method."""
+        made = self.environments.class_made(env)
+        return made is not None and any(isinstance(each, Function) and each.name == method for each in made.body)
 
     def _reset_first(self, call: ast.Call, env: ast.expr) -> None:
         """Insert a `reset` before a `render` that follows `make`: Gymnasium renders episodes alone."""
@@ -163,9 +190,8 @@ class Making:
             records = name.startswith(f"{OLD}.wrappers.") and name.endswith(("Monitor", "RecordVideo"))
             if records and call.args and make in self._made_for(call.args[0]) and not self._is_silent(call):
                 return True
-            start = call.func.value if isinstance(call.func, ast.Attribute) and call.func.attr == "start" else None
-            monitors = isinstance(start, ast.Attribute) and start.attr == "monitor"
-            if isinstance(start, ast.Attribute) and monitors and make in self._made_for(start.value):
+            env = _monitored(call)
+            if env is not None and make in self._made_for(env):
                 return True
         return False
 
@@ -176,7 +202,7 @@ class Making:
             self.script.mark(
                 call, f"one environment has one render mode now; the script uses {', '.join(sorted(modes))}"
             )
-        if modes and keyword(call, "render_mode") is None:
+        if modes and not _has_mode(call):
             condition = self._condition(call) if modes == {"human"} else ""
             self.source.add_argument(call, f'render_mode="{min(modes)}"{condition}')
         kind = keyword(call, "obs_type")
@@ -284,13 +310,14 @@ class Making:
     def _monitor(self, call: ast.Call) -> None:
         env, source = call.args[0], self.source
         silent = self._is_silent(call)
-        video, statistics = (self._sibling(call.func, name) for name in ("RecordVideo", RECORDERS[0]))
-        source.replace_node(call.func, statistics if silent else video)
+        statistics = self._sibling(call.func, RECORDERS[0])
         if silent:
+            source.replace_node(call.func, statistics)
             for argument in [*call.args[1:], *call.keywords]:
                 source.drop_argument(call, argument)
             self.script.mark(call, 'the statistics are in info["episode"] of an episode\'s last step, not in files')
             return
+        source.replace_node(call.func, self._recorder(call, self._sibling(call.func, "RecordVideo")))
         source.before(env, f"{statistics}(")
         source.after(env, ")")
         for argument in call.args[3:]:
@@ -305,13 +332,37 @@ class Making:
         if not makes:
             self.script.mark(call, 'give make() render_mode="rgb_array" where this environment is made')
 
+    def _recorder(self, monitor: ast.Call, gymnasiums: str) -> str:
+        """The text for the class that records videos: that of the Atari games if the script records them alone."""
+        if not self._records_games:
+            self.script.mark(monitor, "RecordVideo needs MoviePy: pip install moviepy")
+            return gymnasiums
+        if OF_GAMES not in self.script.imports:
+            self.script.imports.append(OF_GAMES)
+        return "RecordVideo"
+
+    @cached_property
+    def _records_games(self) -> bool:
+        recorded: list[ast.Call] = []
+        for call in self.script.calls():
+            name = self.script.qualified(call.func) or ""
+            is_monitor = name.startswith(f"{OLD}.wrappers.") and name.endswith(".Monitor") and not self._is_silent(call)
+            env = call.args[0] if is_monitor and call.args else _monitored(call)
+            if env is not None:
+                recorded += self._made_for(env) or [call]
+        ids = [constant(make.args[0]) if make in self._modes and make.args else ... for make in recorded]
+        alive = [_alive(each) if isinstance(each, str) else None for each in ids]
+        games = all(each is not None and gym_ids.is_ours(each) for each in alive)
+        return games and "RecordVideo" not in self.script.names
+
     def _old_monitor(self, call: ast.Call, function: ast.Attribute, env: ast.expr) -> None:
         """Edit `env.monitor.start(folder)` and `env.monitor.close()` of 2016."""
         name, source = self.source.segment(env), self.source
         if function.attr == "close":
             source.replace_node(call, f"{name}.close()")
         elif function.attr == "start" and isinstance(self.script.parent(call), ast.Expr) and call.args:
-            video, statistics = (self.script.modern(f"wrappers.{each}") for each in ("RecordVideo", RECORDERS[0]))
+            video = self._recorder(call, self.script.modern("wrappers.RecordVideo"))
+            statistics = self.script.modern(f"wrappers.{RECORDERS[0]}")
             chosen = keyword(call, "video_callable")
             trigger = f", episode_trigger={source.segment(chosen.value)}" if chosen is not None else ""
             folder = source.segment(call.args[0])
@@ -352,10 +403,12 @@ class Making:
             made = isinstance(call := self.script.parent(node), ast.Call) and call in self._modes
             self._id(node, value, made)
         for call, _ in self._makes:
-            self.needs_atari |= bool(call.args) and constant(call.args[0]) is ...
+            self.needs_atari |= bool(call.args) and constant(call.args[0]) is ... and not self.careful
+        if self.careful and {"ale_py", "atari"} & {each.partition(".")[0] for each in self.script.names.values()}:
+            self.needs_atari = False
 
     def _id(self, node: ast.AST, value: str, made: bool) -> None:
-        new = value if gym_ids.is_alive(value) else gym_ids.newest(value)
+        new = _alive(value)
         if new is None:
             fate = gym_ids.fate(value)
             if made and fate is not None:

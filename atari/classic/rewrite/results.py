@@ -37,6 +37,11 @@ class Results:
         parent = self.script.parent(call)
         if isinstance(parent, ast.Expr):
             return
+        if self.environments.careful:
+            target = parent.targets[0] if isinstance(parent, ast.Assign) and len(parent.targets) == 1 else None
+            if isinstance(parent, ast.Assign) and isinstance(target, ast.Tuple | ast.List):
+                self._unpack(parent, target, call)
+            return
         if isinstance(parent, ast.Return):
             function = self.script.function(call)
             if function is not None and self.script.class_of(function) in self.environments.classes:
@@ -141,7 +146,7 @@ class Results:
 
     def _reset(self, call: ast.Call) -> None:
         parent, source = self.script.parent(call), self.script.source
-        if isinstance(parent, ast.Expr):
+        if isinstance(parent, ast.Expr) or (self.environments.careful and not self._is_observation(call)):
             return
         if isinstance(parent, ast.Return):
             function = self.script.function(call)
@@ -154,6 +159,24 @@ class Results:
                 source.after(target, f", {info_name(self.script, self.environments, parent) or '_'}")
                 return
         source.after(call, "[0]")
+
+    def _is_observation(self, reset: ast.Call) -> bool:
+        """Whether a script for Gymnasium takes what a `reset` returns as the observation alone, an error there."""
+        parent, inside = self.script.parent(reset), self.script.class_of(reset)
+        function = self.script.function(reset)
+        if function is not None and function.name in ("reset", "_reset") and inside in self.environments.classes:
+            return not self.environments.is_current(inside) and not _is_two(parent)
+        if isinstance(parent, ast.Assign) and len(parent.targets) == 1:
+            target = parent.targets[0]
+            return isinstance(target, ast.Name | ast.Attribute) and not self.environments.is_pair(target)
+        if not isinstance(parent, ast.Call) or last_name(parent.func) in ("print", "len", "tuple", "list", "type"):
+            return False
+        function = self.environments.functions.get(last_name(parent.func))
+        if function is None or reset not in parent.args:
+            return True
+        given = function.args.args[-len(parent.args) :][parent.args.index(reset)]
+        uses = [each for each in self.script.own(function, ast.Name) if each.id == given.arg]  # type: ignore[attr-defined]
+        return not any(self.environments.is_pair(each) for each in uses[:1] if isinstance(each, ast.Name))
 
     def _limits(self) -> None:
         """Edit `info["TimeLimit.truncated"]`, which is `truncated` where `step` was unpacked."""
@@ -180,6 +203,11 @@ class Results:
                 source.replace_node(use, f'{base}["final_obs"][{index}]')
             else:
                 self.script.mark(node, 'a vector\'s infos are one dictionary now: infos["final_obs"][i]')
+
+
+def _is_two(node: ast.AST | None) -> bool:
+    """Whether a statement unpacks two values."""
+    return isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Tuple | ast.List)
 
 
 def info_name(script: Script, environments: Environments, assign: ast.stmt) -> str | None:

@@ -7,7 +7,7 @@ from atari.classic.rewrite.source import Source
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 OLD = "gym"
-"""The name of Gym in qualified names; `atari.classic` counts as Gym."""
+"""The name of Gym in qualified names; `atari.classic` and Gymnasium count as Gym."""
 
 
 class Script:
@@ -17,6 +17,7 @@ class Script:
         source: its text, with the edits.
         tree: its syntax tree.
         names: the qualified name of each name that an import binds, such as {"np": "numpy"}.
+        packages: the packages that are imported; "atari.classic" counts as one.
         imports: lines to insert after the import of Gym.
 
     Raises:
@@ -29,7 +30,7 @@ class Script:
         self.imports: list[str] = []
         self._parents = {child: node for node in ast.walk(self.tree) for child in ast.iter_child_nodes(node)}
         self.names: dict[str, str] = {}
-        self.star: list[str] = []
+        self.packages: set[str] = set()
         for node in self.walk(ast.Import, ast.ImportFrom):
             self._bind(node)
         self.identifiers = {node.id for node in self.walk(ast.Name)}  # type: ignore[attr-defined]
@@ -37,13 +38,13 @@ class Script:
     def _bind(self, node: ast.AST) -> None:
         if isinstance(node, ast.Import):
             for alias in node.names:
+                self.packages.add(_package(alias.name))
                 name = alias.name if alias.asname else alias.name.partition(".")[0]
                 self.names[alias.asname or name] = normal(name)
         elif isinstance(node, ast.ImportFrom):
             for alias in node.names:
+                self.packages.add(_package(f"{node.module}.{alias.name}"))
                 self.names[alias.asname or alias.name] = normal(f"{node.module}.{alias.name}")
-                if alias.name == "*":
-                    self.star.append(normal(str(node.module)))
 
     def walk(self, *kinds: type[ast.AST]) -> Iterator[ast.AST]:
         """Return the nodes of some kinds, in the order of the text."""
@@ -131,9 +132,13 @@ class Script:
         return f"gymnasium.{name}"
 
 
+def _package(name: str) -> str:
+    return "atari.classic" if f"{name}.".startswith("atari.classic.") else name.partition(".")[0]
+
+
 def normal(name: str) -> str:
     """A qualified name in which Gym has one name, wherever it is imported from."""
-    for other in ("atari.classic",):
+    for other in ("atari.classic", "gymnasium"):
         if name == other or name.startswith(other + "."):
             return OLD + name.removeprefix(other)
     return name

@@ -111,11 +111,12 @@ class Source:
         self.replace(self._starts[node.lineno - 1], ([*self._starts, len(self.text)])[last], "")
 
     def mark(self, statement: ast.AST, text: str) -> None:
-        """Insert a comment line before a statement that begins its line, unless it stands there already."""
+        """Insert a comment line before a statement that begins its line, unless an earlier rewriting has marked it."""
         line = min([statement, *getattr(statement, "decorator_list", [])], key=self.start).lineno
         row = f"{self.indent(line)}{PREFIX}{text}{self.newline}"
         start = self._starts[line - 1]
-        if (start, text) in self._marks or self.text.endswith(row, 0, start):
+        above = self.text[self._starts[max(line - 2, 0)] : start].lstrip()
+        if (start, text) in self._marks or above.startswith(PREFIX):
             return
         self._marks.add((start, text))
         self.replace(start, start, row)

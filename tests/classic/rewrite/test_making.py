@@ -192,6 +192,24 @@ def test_monitor(monitor: str, tmp_path: Path) -> None:
     assert videos(tmp_path) == {"rl-video-episode-0.mp4": first + 1, "rl-video-episode-2.mp4": third + 1}
 
 
+@pytest.mark.parametrize(
+    "monitor",
+    [
+        "from gym.wrappers import Monitor\nenv = Monitor(env, {folder!r}, video_callable=lambda e: e == 0, force=True)",
+        "env = gym.wrappers.Monitor(env, {folder!r}, lambda e: e == 0)",
+        "env.monitor.start({folder!r}, video_callable=lambda e: e == 0)",
+    ],
+)
+def test_monitor_of_a_game_needs_no_other_package(monitor: str, tmp_path: Path) -> None:
+    text = "import gym\nenv = gym.make('Pong-v0', max_episode_steps=20)\n" + monitor.format(folder=str(tmp_path))
+    names = run(text + PLAY.replace("rewards = ", "# "))
+    assert names["lengths"] == [20, 20, 20]
+    assert list(videos(tmp_path)) == ["rl-video-episode-0.mp4"]
+    assert marks(text) == []
+    other = text + "\nother = gym.wrappers.Monitor(gym.make('CartPole-v1'), 'folder')\n"
+    assert set(marks(other)) == {"RecordVideo needs MoviePy: pip install moviepy"}
+
+
 def test_monitor_without_videos(tmp_path: Path) -> None:
     text = f"import gym\nenv = gym.wrappers.Monitor(gym.make('CartPole-v1'), {str(tmp_path)!r}, video_callable=False, force=True)"
     names = run(text + PLAY.replace(" if hasattr(env, 'rewards_of_monitor') else None", ""))
