@@ -117,7 +117,7 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
 def games_of(policy: Any, game: EvaluatedGame, protocol: str | None = None) -> tuple[Task, EvaluatedPolicy]:
     """The task that a policy plays in a game, and the policy in its environments, which `record` games.
 
-    A note on stderr says if the policy was trained on other games.
+    A note on stderr, or the error, says if the policy was trained on other games.
 
     Args:
         policy, game: see `record_games`.
@@ -128,10 +128,16 @@ def games_of(policy: Any, game: EvaluatedGame, protocol: str | None = None) -> t
     """
     found = find_protocol(protocol) if protocol else usual_protocol(policy, game)
     trained = getattr(policy, "games", None) or (game.id,)
-    if game.id not in trained:
-        print(f"note: {policy.name} was trained on {', '.join(trained)}, and plays {game.id}", file=sys.stderr)
-    task = played_task(game, found, policy)
-    return task, EvaluatedPolicy(policy, task, found.epsilon)  # raises its errors before a game is played
+    other = game.id not in trained
+    said = f"{policy.name} was trained on {', '.join(trained)}"
+    try:
+        task = played_task(game, found, policy)
+        player = EvaluatedPolicy(policy, task, found.epsilon)  # raises its errors before a game is played
+    except ValueError as error:
+        raise ValueError(f"{said}, and {game.id} is another game: {error}" if other else str(error)) from error
+    if other:
+        print(f"note: {said}, and plays {game.id}", file=sys.stderr)
+    return task, player
 
 
 @dataclass(frozen=True)

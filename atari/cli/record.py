@@ -171,11 +171,11 @@ def _alone(args: argparse.Namespace, policy: str) -> tuple[Task, Play]:
             return _play(args, PolicySession(env, task, loaded, args.seed))
 
         return task, play
+    (game,) = find_played(args, [args.game], loaded)
+    task, player = games_of(loaded, game)
     for option in ("seconds", "steps", "rom"):
         if getattr(args, option) is not None:
             raise ValueError(f"{policy} plays whole games, with the ROM that is found; leave --{option} out")
-    (game,) = find_played(args, [args.game], loaded)
-    task, player = games_of(loaded, game)
     seeds = range(args.seed, args.seed + (args.episodes or 1))
     return task, lambda path: bool(player.record(seeds, path))
 

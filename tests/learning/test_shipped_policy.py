@@ -36,3 +36,15 @@ def test_it_plays_another_game_with_a_note(capsys: pytest.CaptureFixture[str]) -
     assert capsys.readouterr().err.endswith("breakout-pqn) was trained on breakout, and plays pong\n")
     assert main([*command, "breakout"]) == 0
     assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    "words", [["record", "pong", "--seconds", "1", "--policy", str(FOLDER)], ["watch", str(FOLDER), "pong"]]
+)
+def test_what_it_cannot_play_is_refused_with_the_game_of_its_training(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == 1
+    error = capsys.readouterr().err
+    assert "breakout-pqn) was trained on breakout, and pong is another game: " in error
+    assert "note" not in error
