@@ -44,13 +44,16 @@ examples:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command line (without the program's name; None is `sys.argv`) and return its exit code."""
+    """Run one command line (without the program's name; None is `sys.argv`) and return its exit code.
+
+    Without words it prints the help.
+    """
     return run(lambda: _run(argv))
 
 
 def _run(argv: Sequence[str] | None) -> int:
     try:
-        words = sys.argv[1:] if argv is None else [*argv]
+        words = (sys.argv[1:] if argv is None else [*argv]) or ["--help"]
         args, unknown = _parser(words).parse_known_args(words)
         if unknown and "words" in args:  # `atari train` parses them when it knows the agent
             args.words[:0] = unknown

@@ -17,6 +17,7 @@ from atari.base.text_table import aligned
 from atari.cores import CORES
 from atari.cores.host_check import machine
 from atari.games.catalog import games
+from atari.web.shelf import is_built
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,7 @@ def facts() -> dict[str, Any]:
         "translator": here.translator,
         "ale_py": _version("ale-py"),
         "roms": {"found": len(roms.installed()), "games": len(games)},
+        "page": is_built(),
         "uses": uses,
     }
 
@@ -87,6 +89,7 @@ def lines(here: dict[str, Any]) -> Iterator[str]:
         ("native core", here["cores"]["native"] or fast),
         ("ale-py's core", here["cores"]["ale"] or f"plays; ale-py {here['ale_py']}"),
         ("ROM files", f"{found} of {of} games" + ("" if found else "; `atari roms --help` says how to add them")),
+        ("page (atari web)", "here" if here["page"] else "missing: scripts/web builds it in a clone (Emscripten)"),
         *((use["use"], _packages(use)) for use in here["uses"]),
     ]
     yield f"atari-envs {here['version']}, {here['python']}, {here['platform']}"

@@ -12,7 +12,6 @@ from typing import Any
 
 from atari.base.program import removed_at_ctrl_c
 from atari.base.progress import ProgressBar
-from atari.base.validation import check_integer
 from atari.cli.arguments import Commands, add_command
 from atari.cli.printing import print_json, print_table, printed_warnings
 from atari.cli.video_flags import VideoFlags, add_video_flags, best_or_number
@@ -219,8 +218,11 @@ def _part(args: argparse.Namespace, replays: list[Replay]) -> dict[str, Any]:
         raise ValueError("--start best is a part of one replay; name one, or give --start a number")
     if args.episode is not None:
         for replay in replays:
-            if args.episode != "best":
-                check_integer("--episode", args.episode, 0, len(replay.episodes) - 1)
+            if args.episode != "best" and args.episode >= (count := len(replay.episodes)):
+                raise ValueError(
+                    f"{replay.path} has no episode {args.episode}; it has {count}, numbered from 0, which "
+                    "`atari replay show` lists"
+                )
         if args.start == "best" and length is not None:
             frames = min(length, _length(first, {"episode": args.episode}))
             start = first.best_start(frames, episode=args.episode)

@@ -80,11 +80,17 @@ def _add_flag(group: Any, name: str) -> None:
         group.add_argument(*flags, action=argparse.BooleanOptionalAction, **common)
     elif name == "interventions":
         common["help"] += "; may be repeated"
-        group.add_argument(*flags, action="append", metavar=row.metavar, **common)
+        group.add_argument(*flags, action="append", type=as_type(_one_name), metavar=row.metavar, **common)
     else:
         choices = get_args(TYPES[name]) if get_origin(TYPES[name]) is Literal else ()
         metavar = row.metavar or "|".join(choices) or "N"
         group.add_argument(*flags, type=as_type(partial(field_from_text, name)), metavar=metavar, **common)
+
+
+def _one_name(text: str) -> str:
+    if "," in text and "#" not in text:  # the path before # may have a comma
+        raise ValueError(f"{text!r} has a comma; give the option once for each name")
+    return text
 
 
 def read_task(path: Path) -> Task:

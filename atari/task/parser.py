@@ -5,6 +5,7 @@ import difflib
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 from typing import Any, NoReturn
 
 from atari.cores.options import SEED_LIMIT
@@ -52,6 +53,8 @@ class Parser(argparse.ArgumentParser):
     def _advised(self, message: str) -> str:
         """An error with the nearest name, or how a value that begins with a dash is given."""
         if chosen := re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message):
+            if Path(chosen[1]).is_file() and "COMMAND" in message:
+                return f"{chosen[1]} is a file; name a command before it: {chosen[2]}"
             near = difflib.get_close_matches(chosen[1], re.findall(r"[\w.-]+", chosen[2]), n=1)
         elif without := re.match(r"argument (?:-\w, )?(--[\w-]+)[^:]*: expected one argument", message):
             return f"{message}; a value that begins with - is joined by =, as {without[1]}=-1"

@@ -47,13 +47,18 @@ class Shown:
     film: bytes | None = None
 
 
+def is_built() -> bool:
+    """Whether the parts of the page are there."""
+    return (PARTS / "core.wasm").exists()
+
+
 def check_built() -> None:
     """Check that the parts of the page are there.
 
     Raises:
         FileNotFoundError: they are not.
     """
-    if not (PARTS / "core.wasm").exists():
+    if not is_built():
         raise FileNotFoundError(
             "this package was built without the page; run scripts/web in a clone of the repository (it needs "
             "Emscripten), then install the package from there, or install a wheel of a release"

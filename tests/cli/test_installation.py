@@ -3,6 +3,7 @@
 import re
 import sys
 from importlib.metadata import metadata, requires
+from pathlib import Path
 
 import pytest
 from cli_tools import Capture, read, read_json
@@ -11,6 +12,7 @@ import atari
 from atari import roms
 from atari.cli import installation
 from atari.cli.installation import USES
+from atari.web import shelf
 
 
 def blocked(monkeypatch: pytest.MonkeyPatch, *modules: str) -> None:
@@ -44,12 +46,14 @@ def test_with_everything_missing_it_is_still_one_screen(capsys: Capture, monkeyp
     blocked(monkeypatch, *(module for use in USES for module in use.packages.values()))
     monkeypatch.setattr(sys, "executable", "/usr/bin/python3")
     monkeypatch.setattr(installation.platform, "system", lambda: "Linux")
+    monkeypatch.setattr(shelf, "PARTS", Path("none"))
     lines = read(capsys, "info").splitlines()
     assert len(lines) <= 24
     assert max(map(len, lines)) <= 80
     out = "\n".join(lines)
     for use in USES:
         assert row(out, use.name).startswith("missing: pip install ")
+    assert row(out, "page (atari web)") == "missing: scripts/web builds it in a clone (Emscripten)"
     assert row(out, "Ray and RLlib") == "missing: pip install 'ray[rllib]' torch"
     assert "pip is `/usr/bin/python3 -m pip`" in lines
     assert "PyTorch's build for CPUs is smaller: pytorch.org/get-started has its command" in lines
@@ -90,3 +94,14 @@ def test_without_rom_files_the_cores_say_so(capsys: Capture, monkeypatch: pytest
     assert row(out, "native core") == "there is no ROM file of pong"
     assert row(out, "ROM files") == "0 of 108 games; `atari roms --help` says how to add them"
     assert read_json(capsys, "info")["cores"] == {"native": "there is no ROM file of pong", "ale": None}
+
+
+@pytest.mark.parametrize("built", [True, False])
+def test_whether_the_page_is_built(
+    built: bool, capsys: Capture, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(shelf, "PARTS", tmp_path)
+    if built:
+        (tmp_path / "core.wasm").touch()
+    assert read_json(capsys, "info")["page"] is built
+    assert (row(read(capsys, "info"), "page (atari web)") == "here") is built

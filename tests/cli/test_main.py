@@ -30,6 +30,7 @@ def test_version(capsys: Capture) -> None:
 
 def test_help_names_every_command(capsys: Capture) -> None:
     out = read(capsys, "--help")
+    assert read(capsys) == out
     assert out.startswith("usage: atari [-h] [--version] COMMAND")
     assert {command[0] for command in COMMANDS} <= set(out.split())
 
@@ -55,7 +56,8 @@ def test_each_command_has_help(command: list[str], capsys: Capture) -> None:
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        ([], "arguments are required: COMMAND"),
+        (["replay", __file__], " is a file; name a command before it: "),
+        (["play", "pong", "--intervention", "a,b"], "'a,b' has a comma; give the option once for each name"),
         (["roms"], "arguments are required: COMMAND"),
         (["paly"], "there is no command 'paly'; did you mean 'play'?"),
         (["recrod"], "there is no command 'recrod'; did you mean 'record'?"),

@@ -163,7 +163,7 @@ def test_seconds_from_a_start(replay: Replay, capsys: Capture, words: str) -> No
 @pytest.mark.parametrize(
     ("words", "text", "code"),
     [
-        (["-o", "a.gif", "--episode", "2"], "--episode must be within 0..1, got 2", 1),
+        (["-o", "a.gif", "--episode", "2"], "a.a26r has no episode 2; it has 2, numbered from 0", 1),
         (["--episode", "best", "--stop", "3"], "whole episode, or with --start best --seconds S the best part", 1),
         (["--episode", "best", "--seconds", "3"], "--episode shows a whole episode, or with --start best", 1),
         (["--start", "best"], "--start best needs --seconds, the length of the part", 1),

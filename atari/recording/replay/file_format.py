@@ -259,7 +259,7 @@ def _chunks(path: Path) -> Iterator[tuple[int, bytes, bytes]]:
     check_file(path)
     with path.open("rb") as file:
         if file.read(len(magic.REPLAY)) != magic.REPLAY:
-            raise Corrupt(f"{path} is no replay of atari-envs, which begins with {magic.REPLAY!r}")
+            raise Corrupt(f"{path} is no replay of atari-envs; `atari play` and `atari record -o game.a26r` write them")
         while True:
             offset = file.tell()
             head = file.read(_HEAD_SIZE)
