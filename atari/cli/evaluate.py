@@ -1,6 +1,7 @@
 """`atari evaluate`: whole games of policies by an evaluation protocol, beside each other and published results."""
 
 import argparse
+import glob
 import json
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -8,6 +9,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from gymnasium.error import DependencyNotInstalled
 
 from atari.base.progress import ProgressBar
 from atari.cli.arguments import Commands, add_command
@@ -74,7 +77,8 @@ def register(commands: Commands) -> None:
         action="append",
         default=[],
         metavar="SOURCE",
-        help="another policy that plays the same games, or a folder of policies; may be repeated",
+        help="another policy that plays the same games, a folder of policies, or files such as 'class/*.pt'; may be "
+        "repeated",
     )
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="save the result, JSON; or a page of the scores, .html"
@@ -168,7 +172,7 @@ def _agents(args: argparse.Namespace, games: Sequence[EvaluatedGame]) -> tuple[l
     """The agents of a command line, and the names of those in folders that cannot play, with the reasons."""
     agents: list[_Agent] = []
     not_played: dict[str, str] = {}
-    for source in (args.source, *args.beside):
+    for source in (args.source, *(one for pattern in args.beside for one in _sources(pattern))):
         found: Iterable[tuple[str, LoadedPolicy | str]] = [(source, "")]
         if in_folder := is_policy_folder(source):
             found = policies_in(Path(source), args.sample)
@@ -192,6 +196,19 @@ def _agents(args: argparse.Namespace, games: Sequence[EvaluatedGame]) -> tuple[l
         reasons = "; ".join(f"{name}: {reason}" for name, reason in not_played.items())
         raise ValueError(f"no policy of {args.source} can play: {reasons}")
     return agents, not_played
+
+
+def _sources(pattern: str) -> list[str]:
+    """The files of a pattern, which the shells of Windows do not expand; any other source is the only one.
+
+    Raises:
+        FileNotFoundError: no file fits the pattern.
+    """
+    if "*" not in pattern:
+        return [pattern]
+    if found := sorted(glob.glob(pattern)):
+        return found
+    raise FileNotFoundError(f"there are no files {pattern}; give the folder of the policies")
 
 
 _REFUSED = (TypeError, ValueError, OSError)
@@ -252,18 +269,23 @@ def _is_page(args: argparse.Namespace) -> bool:
 
 
 def _tables(results: Mapping[str, Result]) -> dict[str, dict[str, GameResult]]:
-    """The results of each game, by agent; with one agent, by variant."""
+    """The results of each game, by agent, the best mean score first; with one agent, by variant."""
     first = next(iter(results.values()))
     names = dict.fromkeys(one.game for one in first.games)
     if len(results) == 1:
         return {game: first.variants(game) for game in names}
-    return {game: {name: result[game] for name, result in results.items()} for game in names}
+    ranked = {game: sorted(results, key=lambda name: -results[name][game].mean) for game in names}
+    return {game: {name: results[name][game] for name in order} for game, order in ranked.items()}
 
 
 def _about(results: Mapping[str, Result]) -> list[str]:
-    """Sentences on how the games were played."""
+    """Sentences on how the games were played; one that is true of all agents has no name."""
     first = next(iter(results.values()))
-    notes = [f"{name}: {note}" for name, result in results.items() for note in result.notes]
+    named: dict[str, list[str]] = {}
+    for name, result in results.items():
+        for note in result.notes:
+            named.setdefault(note, []).append(name)
+    notes = [note if len(names) == len(results) else f"{', '.join(names)}: {note}" for note, names in named.items()]
     return [f"protocol {first.protocol}; seed {first.seed}", *notes]
 
 
@@ -278,19 +300,39 @@ def _save(
     if not _is_page(args):
         next(iter(results.values())).save(args.output)
         return
-    from atari.learning.beside import median_game, write_scores
+    from atari.learning.beside import write_scores
 
-    videos = {
-        (game.id, agent.name): median_game(
-            agent.policies[game.id], game, result.protocol, result[game.id], agent.name if args.beside else ""
-        )
-        for agent in agents
-        if (result := results.get(agent.name)) and not args.variants
-        for game in games
-    }
-    title = f"{' and '.join(results)} in {', '.join(game.id for game in games)}"
+    videos = {} if args.variants else _videos(args, games, agents, results)
+    shown = " and ".join(results) if len(results) <= _MOST_NAMES else f"{len(results)} policies"
+    title = f"{shown} in {', '.join(game.id for game in games)}"
     about = _about(results)
     write_scores(args.output, title, _tables(results), about=about, videos=videos, not_played=not_played)
+
+
+_MOST_NAMES = 2
+"""Policies that the title of a page names."""
+
+
+def _videos(
+    args: argparse.Namespace, games: Sequence[EvaluatedGame], agents: Sequence[_Agent], results: Mapping[str, Result]
+) -> dict[tuple[str, str], str]:
+    """The videos of a page by game and agent; none without PyAV, which is reported on stderr."""
+    from atari.learning.beside import median_game
+    from atari.recording.video.encoder import import_av
+
+    try:
+        import_av()
+    except DependencyNotInstalled as error:
+        print(f"{args.output} has no videos: {error}", file=sys.stderr)
+        return {}
+    played = [(agent, game) for agent in agents if agent.name in results for game in games]
+    print(f"{len(played)} videos, one of each policy and game", file=sys.stderr, flush=True)
+    videos = {}
+    for agent, game in ProgressBar(played, unit=" videos", disable=None):
+        result, name = results[agent.name], agent.name if args.beside else ""
+        own = median_game(agent.policies[game.id], game, result.protocol, result[game.id], name)
+        videos[game.id, agent.name] = own
+    return videos
 
 
 def _print(

@@ -292,8 +292,10 @@ class AtariEnv(EnvState):
             return None
         caption = f"{self.game.title}: not reset yet"
         if self.driver.phase != "new":
-            frame, lives = self.core.episode_frame_number, self.core.lives
-            caption = f"{self.game.title}: frame {frame:,}, score {self.driver.played.score:,.0f}, lives {lives}"
+            caption = f"{self.game.title}: frame {self.core.episode_frame_number:,}"
+            caption += f", score {self.driver.played.score:,.0f}"
+            if self.game.rules and self.game.rules.lives_initial:
+                caption += f", lives {self.core.lives}"
         return picture(png(self.core.screen_rgb()), caption, self.game.screen.shape)
 
     def render(self) -> Any:

@@ -7,8 +7,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from gymnasium.error import DependencyNotInstalled
-
 from atari.learning.evaluation.evaluate import record_games
 from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import EvaluationProtocol
@@ -55,9 +53,13 @@ def write_scores(
 
 
 def median_game(policy: Any, game: EvaluatedGame, protocol: EvaluationProtocol, result: GameResult, name: str) -> str:
-    """The game of an agent whose score is the median, as a video in a figure, HTML; "" without PyAV.
+    """The game of an agent whose score is the median, as a video in a figure, HTML.
 
-    With an even number of games it is the lower one of the two in the middle.
+    With an even number of games it is the lower one of the two in the middle. The video begins with the last frame of
+    the first step: the frames of the reset may have other colours.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: PyAV is not installed.
     """
     order = sorted(range(len(result.scores)), key=lambda number: result.scores[number])
     number = order[(len(order) - 1) // 2]
@@ -65,11 +67,9 @@ def median_game(policy: Any, game: EvaluatedGame, protocol: EvaluationProtocol, 
         file = Path(folder) / "median"
         record_games(policy, game, protocol, [result.seeds[number]], file.with_suffix(".a26r"))
         replay = Replay.load(file.with_suffix(".a26r"), game=game.task.definition)
-        stop = min(replay.frames_total, _MOST_FRAMES)
-        try:
-            replay.render(file.with_suffix(".mp4"), scale=1, sound=False, stop=stop)
-        except DependencyNotInstalled:
-            return ""
+        start = next(frame.index for frame in replay.frames() if frame.ends_step)
+        stop = min(replay.frames_total, start + _MOST_FRAMES)
+        replay.render(file.with_suffix(".mp4"), scale=1, start=start, stop=stop)
         data = base64.b64encode(file.with_suffix(".mp4").read_bytes()).decode()
     part = "" if stop == replay.frames_total else ", its first two minutes"
     caption = f"{html.escape(name)}: {result.scores[number]:,.1f}, game {number}{part}"

@@ -19,6 +19,7 @@ from atari.base.extras import import_extra, install_extra, pip_install
 from atari.base.typed_table import check_type
 from atari.base.validation import check_file
 from atari.policy import (
+    NO_ENVIRONMENT,
     Accepted,
     Array,
     LoadedPolicy,
@@ -361,7 +362,7 @@ def _network(module: Any, name: str, sample: bool, **facts: Any) -> ScoresPolicy
             with torch.no_grad():
                 returned = module(given)
         except (AttributeError, LookupError, RuntimeError, TypeError) as error:
-            raise _failed(facts["name"], observations, error) from error
+            raise _failed(facts, observations, error) from error
         finally:
             for part in training:
                 part.training = True
@@ -374,10 +375,11 @@ def _network(module: Any, name: str, sample: bool, **facts: Any) -> ScoresPolicy
     return ScoresPolicy(scores, sample=sample, features=_last_hidden(module, scores), network=module, **facts)
 
 
-def _failed(name: str, observations: Any, error: Exception) -> ValueError:
+def _failed(facts: Mapping[str, Any], observations: Any, error: Exception) -> ValueError:
+    missing = "" if facts.get("task") or facts.get("environment") else NO_ENVIRONMENT
     return ValueError(
-        f"{name} cannot be computed on observations {describe(observations)}: {_first_line(error)}; a network takes "
-        "observations as its task or environment says, and divides them by 255 itself"
+        f"{facts['name']} cannot be computed on observations {describe(observations)}: {_first_line(error)}; a network "
+        f"takes observations as its task or environment says, and divides them by 255 itself{missing}"
     )
 
 
@@ -402,7 +404,7 @@ def _onnx(file: Path, sample: bool) -> Policy:
         try:
             return session.run(None, {entry.name: np.ascontiguousarray(observations, dtype)})[0]
         except Exception as error:  # onnxruntime's classes of errors are not public
-            raise _failed(file.name, observations, error) from error
+            raise _failed({"name": file.name, "environment": environment}, observations, error) from error
 
     stored = session.get_modelmeta().custom_metadata_map.get("environment", "")
     environment = _environment(file, stored) or _of_shape(entry.shape)

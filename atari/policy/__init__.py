@@ -229,6 +229,12 @@ class Accepted:
 
 _CAUSE = "make the environment with the policy's task or environment, and give a row for each lane"
 
+NO_ENVIRONMENT = (
+    "; it does not say which observations it needs, so an evaluation gives it images: a network says it by its "
+    "attribute `environment`, a TorchScript file by environment.json"
+)
+"""The end of an error of a policy without `task` and `environment`, which may have got the wrong observations."""
+
 
 class ScoresPolicy:
     """A policy from a function that returns a score for each action: action values, or logits.
@@ -402,7 +408,7 @@ class ScoresPolicy:
         if scores.ndim != 2 or scores.dtype.kind != "f":
             raise ValueError(
                 f"{self.name or 'the policy'} must return scores (n, actions), floats, or actions (n,), integers; "
-                f"got {scores.dtype} {scores.shape}"
+                f"got {scores.dtype} {scores.shape}{'' if self.task or self.environment else NO_ENVIRONMENT}"
             )
         if np.isnan(scores).any():
             raise ValueError(f"{self.name or 'the policy'} returned a score that is no number (NaN)")

@@ -51,6 +51,9 @@ def test_an_environment_shows_its_screen() -> None:
         observation, *_ = env.step(1)
     page = env._repr_html_()
     assert "Breakout: frame 40, score 0, lives 5" in page
+    pong = atari.AtariEnv("pong")
+    pong.reset(seed=0)
+    assert "Pong: frame 0, score 0<" in str(pong._repr_html_())
     assert (shown(pictures(page)[0]) == observation).all()
     env.close()
     assert env._repr_html_() is None

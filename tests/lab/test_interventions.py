@@ -347,7 +347,11 @@ def test_wrong_files(tmp_path: Path, before: str, after: str, text: str) -> None
         ),
         (lambda: atari.AtariEnv("pong", interventions="lazy_enemy"), TypeError, "must be a list of names"),
         (lambda: atari.AtariEnv("pong", interventions=[3]), TypeError, "an intervention is a name"),
-        (lambda: atari.AtariEnv("pong", interventions=["x.toml#y"]), FileNotFoundError, "x.toml"),
+        (
+            lambda: atari.AtariEnv("pong", interventions=["x.toml#y"]),
+            FileNotFoundError,
+            r"there is no file of interventions x\.toml; \. has no file 'x\.toml'",
+        ),
         (lambda: atari.AtariEnv("pong", interventions=["/dev/null#y"]), ValueError, "null"),
         (lambda: atari.AtariEnv("pong", interventions=[{"writes": []}]), ValueError, "needs its name"),
         (lambda: atari.AtariEnv("pong", intervention=["lazy_enemy"]), TypeError, "did you mean 'interventions'"),
@@ -380,6 +384,19 @@ def test_a_value_that_a_label_cannot_have() -> None:
         for step in range(20):
             one.step(step % 6)
     assert (env.core.ram() == twin.core.ram()).all()  # it is not written
+
+
+def test_a_file_that_does_not_exist_suggests_the_nearest(tmp_path: Path) -> None:
+    (tmp_path / "calm_sea.toml").touch()
+    with pytest.raises(FileNotFoundError, match=r"there is no file .*cam_sea\.toml; .* did you mean 'calm_sea\.toml'"):
+        atari.AtariEnv("pong", interventions=[f"{tmp_path / 'cam_sea.toml'}#calm"])
+
+
+def test_a_write_to_a_derived_byte_alone_does_not_pass_the_check_of_its_effect() -> None:
+    lazy = load("pong")["lazy_enemy"].definition()
+    assert check("pong", lazy).passed
+    alone = {**lazy, "writes": [write for write in lazy["writes"] if write["to"] == "enemy_y"]}
+    assert not check("pong", alone).passed
 
 
 def test_a_check_takes_a_task_with_its_mode() -> None:

@@ -75,6 +75,9 @@ def test_a_network_of_another_number_of_actions_or_shape_is_refused(net: Any) ->
     with pytest.raises(ValueError, match=r"Net gives scores of 3 actions, and in pong it has 6 \(NOOP"):
         evaluate(net.Net(3), "pong", short())
     module = net.Net()
+    module.environment = {}
+    with pytest.raises(ValueError, match=r"Net cannot be .* by 255 itself; it does not say .* environment.json"):
+        evaluate(module, "pong", short())
     module.environment = {"preset": "baselines"}
     text = r"Net cannot be computed on observations uint8 \(1, 4, 84, 84\): .*shapes.*; a network takes observations as"
     with pytest.raises(ValueError, match=text):
@@ -86,13 +89,17 @@ def test_what_a_network_must_return(net: Any) -> None:
     def forward(returned: Any) -> Any:
         module = net.Net()
         module.forward = lambda images: returned
+        module.environment = {}
         return load_policy(module)
 
     images = np.zeros((2, 4, 42, 42), np.uint8)
     for returned, text in [
         ((torch.zeros(2, 6), torch.zeros(2)), "Net must return one tensor, of scores or of actions, got tuple"),
         (torch.zeros(2, 6) / 0, "Net returned a score that is no number"),
-        (torch.zeros(2), r"Net must return scores \(n, actions\), floats, or actions \(n,\), integers; got float32"),
+        (
+            torch.zeros(2),
+            r"Net must return scores \(n, actions\), floats, or actions \(n,\), integers; got float32 \(2,\); it does not say",
+        ),
         (torch.zeros(3, dtype=torch.int64), r"policy Net must return integers of shape \(2,\)"),
     ]:
         with pytest.raises(ValueError, match=text):

@@ -18,7 +18,7 @@ COUNTED = {"7 tasks, 5 games of each: 35 games\n"}
 """Lines on stderr: `evaluate` prints the number of games of variants."""
 
 
-LEARN = {"lecture-1": [], "lecture-2": ["torch"], "pixels": [], "ram": [], "training": ["torch"]}
+LEARN = {"lecture-1": ["av"], "lecture-2": ["torch", "av"], "pixels": [], "ram": [], "training": ["torch"]}
 """The packages that the notebooks need, beside those of every notebook."""
 
 
@@ -46,7 +46,8 @@ def test_it_runs(name: str, tmp_path: Path, site_module: Callable[[str], ModuleT
     notebook = site_module("notebook_runs").run(RUNS[name], tmp_path)
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     shown = [output.data["text/html"] for output in outputs if "text/html" in output.get("data", {})]
-    assert any("data:image/png" in page for page in shown)  # an environment or a replay shows itself
+    kinds = ("data:image/png", "data:video/mp4")
+    assert any(kind in page for page in shown for kind in kinds)  # an environment or a replay shows itself
     assert {output.text for output in outputs if output.output_type == "stream" and output.name == "stderr"} <= COUNTED
     assert list(tmp_path.iterdir()) == []
     if name == "lecture-2":
@@ -77,10 +78,14 @@ def test_links_between_notebooks_are_links_between_pages() -> None:
     """In a process of its own: `documents` is a module of the tests, too."""
     program = (
         "import sys, nbformat, pathlib\nsys.path.insert(0, sys.argv[1])\nfrom documents import relink\n"
-        "path = pathlib.Path(sys.argv[2])\nprint(relink(nbformat.read(path, 4).cells[0].source, path))"
+        "path = pathlib.Path(sys.argv[2])\nfor cell in nbformat.read(path, 4).cells:\n    print(relink(cell.source, path))"
     )
     pytest.importorskip("nbformat")
-    command = [sys.executable, "-c", program, str(FOLDER.parents[1] / "scripts/site"), str(RUNS["lecture-1"])]
-    text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
-    assert "[Part 2](lecture-2.md)" in text
-    assert "[For teachers](../teaching.md)" in text
+    command = [sys.executable, "-c", program, str(FOLDER.parents[1] / "scripts/site")]
+    for name, link in (("lecture-1", "[Part 2](lecture-2.md)"), ("ram", "[The RAM lab](../ram.md)")):
+        assert link in subprocess.run([*command, str(RUNS[name])], check=True, capture_output=True, text=True).stdout
+
+
+@pytest.mark.parametrize("name", ["lecture-1", "lecture-2"])
+def test_the_lecture_can_be_handed_out_without_the_documentation(name: str) -> None:
+    assert "](../" not in RUNS[name].read_text(encoding="utf-8")

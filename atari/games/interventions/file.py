@@ -96,6 +96,9 @@ def load(game: "str | Game", file: str | PathLike[str] | None = None) -> Mapping
     path = _FOLDER / f"{found.id}.toml" if file is None else Path(file)
     if file is None and not path.exists():
         return FrozenDict()
+    if not path.exists():
+        nearest = unknown(path.name, "file", (file.name for file in path.parent.glob("*.toml")), str(path.parent))
+        raise FileNotFoundError(f"there is no file of interventions {path}; {nearest}")
     return _load(path, found, path.stat().st_mtime_ns)
 
 
@@ -109,6 +112,7 @@ def resolve(game: Game, items: Any) -> tuple[Intervention, ...]:
     Raises:
         TypeError: `items` is no list of these.
         ValueError: there is no such intervention (the message suggests the nearest), or a definition is wrong.
+        FileNotFoundError: there is no such file; the message suggests the nearest.
         OSError: a file cannot be read.
     """
     if items is None:

@@ -95,7 +95,7 @@ def check(
         >>> from atari.lab.interventions import check
         >>> result = check("pong", "lazy_enemy")
         >>> result.passed, result.expression
-        (True, 'enemy_y == first(enemy_y)')
+        (True, 'score_enemy')
     """
     task = resolve_frames(game, mode, difficulty, owner="check")
     found = task.definition

@@ -191,14 +191,17 @@ class Result:
         return notes
 
     def _unlike(self, one: GameResult) -> dict[str, Any]:
-        """The fields in which the task that was played differs from the protocol's in the game as it comes."""
+        """The fields in which the task that was played differs from the protocol's in the game as it comes.
+
+        A field that is None has no effect, such as the sizes of images in a task of RAM.
+        """
         protocol, own = self.protocol, games.get(one.game)
         if own is None or not one.task:
             return one.changes
         task = Task.of(own) if protocol.task is None else protocol.task
         usual = json.loads(played_task(EvaluatedGame.of_policy(task), protocol, None).to_json())
         shown = [name for name in FIELDS if name in OF_GAME or name not in _NOT_PLAYED]
-        return {name: one.task[name] for name in shown if name in one.task and one.task[name] != usual[name]}
+        return {name: value for name in shown if (value := one.task.get(name)) is not None and value != usual[name]}
 
     def plot(self, file: str | PathLike[str]) -> None:
         """Draw the mean scores with their intervals, of each game and its variants; the file's ending is the format.
