@@ -12,7 +12,7 @@ import atari.classic
 from atari.base.program import run
 from atari.base.script import run_script
 from atari.classic import old_numpy
-from atari.classic.rewrite.files import modernize
+from atari.classic.rewrite.files import HINT, is_python_2, modernize, no_option
 
 _HELP = """\
        python -m atari.classic --modern FILE... [--write]
@@ -27,7 +27,21 @@ def main(arguments: list[str]) -> int:
     """Run a script like `python script.py`, or rewrite it, and return the exit code."""
     if arguments[:1] == ["--modern"]:
         return run(lambda: modernize(arguments[1:]))
-    return run_script("atari.classic", _HELP, arguments, prepare)
+    if arguments and arguments[0].startswith("-") and arguments[0] not in ("-h", "--help"):
+        print(f"atari.classic: {no_option(arguments[0], ['--modern', '--help'])}; see --help", file=sys.stderr)
+        return 2
+    script = Path(arguments[0]).absolute() if arguments else Path()
+    if script.suffix == ".ipynb" and script.is_file():
+        print(
+            f"atari.classic: {script.name} is a notebook, which Jupyter runs: replace its line `import gym` by "
+            "`import atari.classic as gym`, or rewrite it with --modern",
+            file=sys.stderr,
+        )
+        return 2
+    code = run_script("atari.classic", _HELP, arguments, prepare)
+    if code and script.is_file() and is_python_2(script):
+        print(f"atari.classic: {HINT}", file=sys.stderr)
+    return code
 
 
 def prepare() -> None:

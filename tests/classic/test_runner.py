@@ -37,6 +37,14 @@ def run_here(
     return run_script_here
 
 
+def test_python_2_gets_a_hint(tmp_path: Path) -> None:
+    ran = run(tmp_path, "import gym\nprint 3\n")
+    assert ran.returncode == 1
+    assert "SyntaxError" in ran.stderr
+    assert "this is Python 2; `2to3 -w FILE`" in ran.stderr
+    assert "Python 2" not in run(tmp_path, "import gym\nx = (\n").stderr
+
+
 IMPORTS = """\
 from gym import Env, GoalEnv, spaces, wrappers, error, logger, utils, envs
 from gym.wrappers.monitor import Monitor

@@ -8,6 +8,8 @@ from atari.classic.rewrite.script import Function, Script
 
 _UNTIL_2017 = frozenset("_step _reset _render _close _seed _observation _action _reward _reverse_action".split())
 """Names of methods that subclasses defined until 2017."""
+_HOOKS = {"_observation": "ObservationWrapper", "_reward": "RewardWrapper", "_action": "ActionWrapper"}
+"""Those of them that one class of wrappers calls."""
 
 
 class Classes:
@@ -22,10 +24,11 @@ class Classes:
         """Edit each class."""
         renamed: set[str] = set()
         for node, kind in self.environments.classes.items():
-            if self.environments.is_current(node):
-                continue
+            is_current = self.environments.is_current(node)
             for method in [each for each in node.body if isinstance(each, Function)]:
                 renamed |= self._rename(node, method)
+                if is_current:
+                    continue
                 name = method.name.lstrip("_")
                 if name == "step":
                     self._step(method)
@@ -43,13 +46,20 @@ class Classes:
     def _rename(self, node: ast.ClassDef, method: Function) -> set[str]:
         """Edit the name of a method of 2017."""
         others = {each.name for each in node.body if isinstance(each, Function)}
-        is_helper = self.environments.careful and others & {"step", "reset"}
-        if method.name not in _UNTIL_2017 or method.name[1:] in others or is_helper:
+        if self.environments.careful and not self._is_hook(node, method.name, others):
+            return set()
+        if method.name not in _UNTIL_2017 or method.name[1:] in others:
             return set()
         source = self.script.source
         start = source.text.index(method.name, source.start(method))
         source.replace(start, start + 1, "")
         return {method.name}
+
+    def _is_hook(self, node: ast.ClassDef, name: str, others: set[str]) -> bool:
+        """Whether a method would be called under its new name, and is no helper of a class for Gymnasium."""
+        wrapper = _HOOKS.get(name)
+        bases = [(self.script.qualified(base) or "").rpartition(".")[2] for base in node.bases]
+        return wrapper in bases if wrapper is not None else not others & {"step", "reset"}
 
     def _calls_of(self, renamed: set[str]) -> None:
         for node in self.script.walk(ast.Attribute):

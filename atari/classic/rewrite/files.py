@@ -117,7 +117,7 @@ def modernize(words: list[str]) -> int:
     paths = [Path(word) for word in words if word != "--write"]
     unknown = [word for word in words if word.startswith("-") and word != "--write"]
     if unknown or not paths:
-        wrong = f"there is no option {unknown[0]}" if unknown else "--modern takes at least one file"
+        wrong = no_option(unknown[0], ["--write"]) if unknown else "--modern takes at least one file"
         print(f"atari.classic: {wrong}; usage: python -m atari.classic --modern FILE... [--write]", file=sys.stderr)
         return 2
     for path in paths:
@@ -137,6 +137,27 @@ def _modernize_file(file: OldFile, write: bool) -> None:
     print(f"atari.classic: {file.path}: {said}{left}", file=sys.stderr)
 
 
+def no_option(word: str, options: list[str]) -> str:
+    """The sentence about an unknown option, with the one that may be meant."""
+    near = difflib.get_close_matches(word, options, 1)
+    return f"there is no option {word}" + (f"; did you mean {near[0]}?" if near else "")
+
+
+def is_python_2(path: Path) -> bool:
+    """Whether a script has a syntax error because it is in Python 2."""
+    try:
+        ast.parse(path.read_bytes())
+    except (SyntaxError, ValueError) as error:
+        return _is_python_2(str(getattr(error, "text", "") or "").strip(), error)
+    return False
+
+
+def _is_python_2(row: str, error: SyntaxError | ValueError) -> bool:
+    """Whether the line of a syntax error is Python 2."""
+    said = str(getattr(error, "msg", error))
+    return bool(_PYTHON_2.search(row)) or any(each in said for each in ("print", "exec", "multiple exception types"))
+
+
 def _rewritten(path: Path, text: str) -> Source:
     try:
         source = modernized(text)
@@ -145,8 +166,7 @@ def _rewritten(path: Path, text: str) -> Source:
         rows = text.splitlines() or [""]
         row = rows[min(line, len(rows)) - 1].strip()
         said = str(getattr(error, "msg", error))
-        old = _PYTHON_2.search(row) or "print" in said or "exec" in said or "multiple exception types" in said
-        raise ValueError(f"{path}, line {line}: {HINT if old else said} ({row})") from error
+        raise ValueError(f"{path}, line {line}: {HINT if _is_python_2(row, error) else said} ({row})") from error
     try:
         ast.parse(source.result())
     except SyntaxError as error:
@@ -157,7 +177,12 @@ def _rewritten(path: Path, text: str) -> Source:
 
 
 def _encoding(path: Path, data: bytes) -> str:
+    if b"\0" in data or data.startswith((b"%PDF-", b"\x89PNG", b"GIF8", b"\xff\xd8\xff")):
+        raise ValueError(f"{path} is not text, and so no Python script; name a script or a notebook")
     try:
         return tokenize.detect_encoding(io.BytesIO(data).readline)[0]
     except SyntaxError as error:
-        raise ValueError(f"{path}: {error.msg}") from error
+        raise ValueError(
+            f"{path} is not text in UTF-8, and so no Python script, or its first line must name its encoding, such as "
+            f"`# -*- coding: latin-1 -*-` ({error.msg})"
+        ) from error

@@ -24,6 +24,7 @@ _NUMPY = {
 """The names of today, by the names that NumPy has removed."""
 _MODULES = {
     f"{OLD}.wrappers.": f"{OLD}.wrappers",
+    f"{OLD}.spaces.prng": "env.action_space.seed(0) seeds a space",
     f"{OLD}.scoreboard": "the site for results is closed",
     f"{OLD}.benchmarks": "Gym removed its benchmarks",
     f"{OLD}.envs.classic_control.rendering": "its windows are gone; return an array from render(), drawn by pygame",
@@ -56,6 +57,7 @@ class Imports:
         """Edit the imports and names; `needs_atari` adds the import that registers the games."""
         self._numpy()
         self._python_2()
+        self._pickle()
         if not self.is_old:
             return
         if needs_atari and "atari" not in self.script.names:
@@ -217,6 +219,18 @@ class Imports:
             if given.arg == "copy" and constant(given.value) is False:
                 self.source.replace_node(node, f"{self.source.segment(node.value)}.asarray")
                 self.source.drop_argument(call, given)
+
+    def _pickle(self) -> None:
+        """Edit `import cPickle`, which Python 3 has as `pickle`."""
+        for node in self.script.walk(ast.Import, ast.ImportFrom):
+            guarded = any(isinstance(each, ast.Try) for each in self.script.above(node))
+            for alias in node.names if not guarded else []:  # type: ignore[attr-defined]
+                if isinstance(node, ast.Import) and alias.name == "cPickle":
+                    name = alias.asname or "cPickle"
+                    self.source.replace_node(alias, "pickle" if name == "pickle" else f"pickle as {name}")
+            if isinstance(node, ast.ImportFrom) and node.module == "cPickle" and not guarded:
+                start = self.source.text.index("cPickle", self.source.start(node))
+                self.source.replace(start, start + len("cPickle"), "pickle")
 
     def _python_2(self) -> None:
         for node in self.script.walk(ast.Name):

@@ -57,6 +57,7 @@ class Making:
         self.careful = environments.careful
         self._makes: list[tuple[ast.Call, str]] = []
         self._modes: dict[ast.Call, set[str]] = {}
+        self._begun: set[ast.stmt] = set()
         self._windows: dict[ast.Call, list[ast.Call]] = {}
         self.needs_atari = False
 
@@ -162,7 +163,7 @@ class Making:
         return made is not None and any(isinstance(each, Function) and each.name == method for each in made.body)
 
     def _reset_first(self, call: ast.Call, env: ast.expr) -> None:
-        """Insert a `reset` before a `render` that follows `make`: Gymnasium renders episodes alone."""
+        """Insert a `reset` after a `make` that `render` follows: Gymnasium renders episodes alone."""
         statement, name = self.script.statement(call), self.source.segment(env)
         block = self.script.block(statement)
         for other in reversed(block[: block.index(statement)]):
@@ -170,8 +171,9 @@ class Making:
             if any(isinstance(node, ast.Attribute) and node.attr in ("reset", "seed") for node in used):
                 return
             if isinstance(other, ast.Assign) and self.source.segment(other.targets[0]) == name:
-                self.source.before(statement, f"{name}.reset()")
-                self.source.before(statement, self.source.newline + self.source.indent(statement.lineno))
+                if other not in self._begun:
+                    self.source.statement_after(other, f"{name}.reset()")
+                self._begun.add(other)
                 return
 
     def _needs_array(self, make: ast.Call) -> bool:

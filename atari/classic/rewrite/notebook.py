@@ -27,6 +27,11 @@ class Notebook:
         self._text = text
         try:
             self._data: dict[str, Any] = json.loads(text)
+        except ValueError as error:
+            raise ValueError(f"it is not JSON, as notebooks are ({error}); it may be damaged") from error
+        if not isinstance(self._data, dict) or not {"cells", "worksheets"} & set(self._data):
+            raise ValueError("it is JSON, but not a notebook, which has cells; check the path")
+        try:
             cells = [cell for cell in self._data["cells"] if cell["cell_type"] == "code"]
             sources = [("".join(cell["source"]), cell) for cell in cells]
         except (ValueError, LookupError, TypeError) as error:

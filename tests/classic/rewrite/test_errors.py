@@ -9,6 +9,9 @@ from env_tools import needs_gymnasium_1
 ERRORS = {
     "a, b, c, d = env.step(0)": "too many values to unpack",
     "env.reset().shape": "no attribute 'shape'",
+    "np.zeros((16, 4))[gym.make('FrozenLake-v1').reset(), :]": "only integers",
+    "env.reset()[::2, ::2]": "tuple indices",
+    "hash(gym.make('FrozenLake-v1').reset())": "unhashable",
     "np.reshape(env.reset(), [1, 4])": "inhomogeneous shape",
     "env.seed(0)": "no attribute 'seed'",
     "env.env.seed(0)": "no attribute 'seed'",
@@ -21,6 +24,10 @@ ERRORS = {
     "env.monitor": "no attribute 'monitor'",
     "from gymnasium.wrappers import FrameStack": "cannot import name",
     "gym.make('FrozenLake-v0')": "deprecated",
+    "env.env.get_action_meanings()": "no attribute 'get_action_meanings'",
+    "type('W', (gym.ObservationWrapper,), {'_observation': lambda self, o: o})(env).reset()": "^$",
+    "gym.spaces.prng.seed(0)": "no attribute 'prng'",
+    "import cPickle": "cPickle",
     "env.ale": "no attribute 'ale'",
     "env.nS": "no attribute 'nS'",
     "env.reward_range": "no attribute 'reward_range'",
@@ -32,6 +39,7 @@ ERRORS = {
     "np.float": "no attribute 'float'",
     "np.Inf": "np.Inf",
     "np.array([1], copy=False)": "Unable to avoid copy",
+    "env.step(0)[4]['ale.lives']": "ale.lives",
     "env.step(0)[4]['TimeLimit.truncated']": "TimeLimit.truncated",
     "gym.upload('x')": "no attribute 'upload'",
 }

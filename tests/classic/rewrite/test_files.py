@@ -137,14 +137,26 @@ def test_other_errors(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert "nothing.py" in error(["nothing.py"], capsys)
     script.write_text("import gym\nx = (1\n")
     assert "atari: error: old.py, line 2: '(' was never closed (x = (1)" in error(["old.py"], capsys)
-    script.write_bytes(b"\xff\xfe")
-    assert "old.py" in error(["old.py"], capsys)
+    for data in (b"\xff\xfe", b"x = '\xe9'\n"):
+        script.write_bytes(data)
+        assert "old.py is not text in UTF-8, and so no Python script" in error(["old.py"], capsys)
+    for data in (b"%PDF-1.4 \xff", b"\x89PNG\r\n\x1a\n", b"\0\1"):
+        script.write_bytes(data)
+        assert "old.py is not text, and so no Python script; name a script or a notebook" in error(["old.py"], capsys)
     for words, said in (
         ([], "--modern takes at least one file"),
-        (["old.py", "--wirte"], "there is no option --wirte"),
+        (["old.py", "--wirte"], "there is no option --wirte; did you mean --write?"),
     ):
         assert main(["--modern", *words]) == 2
         assert f"{said}; usage: python -m atari.classic --modern FILE... [--write]" in capsys.readouterr().err
+
+
+def test_the_command_without_modern(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--modren", "old.py"]) == 2
+    assert capsys.readouterr().err == "atari.classic: there is no option --modren; did you mean --modern?; see --help\n"
+    Path("old.ipynb").write_text('{"cells": []}')
+    assert main(["old.ipynb"]) == 2
+    assert "is a notebook, which Jupyter runs: replace its line `import gym`" in capsys.readouterr().err
 
 
 def test_what_is_no_file(script: Path, capsys: pytest.CaptureFixture[str]) -> None:

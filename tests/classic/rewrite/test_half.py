@@ -64,6 +64,23 @@ shape = obs.shape
     assert (names["result"], names["frame"].shape, names["one"]) == ((1.0, True), (400, 600, 3), 500)
 
 
+def test_a_wrapper_whose_method_has_its_name_of_2016() -> None:
+    names = run("""\
+import gymnasium as gym
+class Half(gym.ObservationWrapper):
+    def _observation(self, observation):
+        return observation / 2
+class Twice(gym.RewardWrapper):
+    def _reward(self, reward):
+        return 2 * reward
+env = Twice(Half(gym.make("CartPole-v1")))
+state, info = env.reset(seed=0)
+reward = env.step(0)[1]
+""")
+    assert abs(names["state"]).max() < 0.025
+    assert names["reward"] == 2
+
+
 def test_uses_that_show_an_observation() -> None:
     names = run("""\
 import gymnasium as gym

@@ -62,7 +62,7 @@ box = isinstance(gym.make(two).observation_space, gym.spaces.Box)
     ("line", "mark"),
     [
         ("from gym.envs.classic_control import rendering", "its windows are gone"),
-        ("gym.spaces.prng.seed(0)", "Gymnasium has no spaces.prng.seed"),
+        ("gym.spaces.prng.seed(0)", "Gymnasium has no spaces.prng.seed: env.action_space.seed(0) seeds a space"),
         ("gym.benchmark_spec('Atari40M')", "Gymnasium has no benchmark_spec"),
         ("import gym.scoreboard.scoring", "the site for results is closed"),
         ("from baselines.common.vec_env import SubprocVecEnv", "Baselines never supported Gymnasium"),
@@ -110,6 +110,16 @@ def test_lazy_frames() -> None:
         "        return np.zeros(3, dtype)\nx = np.array(LazyFrames())\n"
     )
     assert names["x"].shape == (3,)
+
+
+def test_pickle() -> None:
+    names = run(
+        "import gym\nimport cPickle as pickle\nimport cPickle\nfrom cPickle import dumps, loads\nx = pickle, cPickle\n"
+    )
+    assert names["x"][0] is names["x"][1]
+    assert names["loads"](names["dumps"](3)) == 3
+    text = "try:\n    import cPickle as pickle\nexcept ImportError:\n    import pickle\n"
+    assert rewritten(text) == text
 
 
 def test_names_of_python_2_in_a_script_for_python_3() -> None:

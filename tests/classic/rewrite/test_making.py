@@ -83,6 +83,16 @@ def test_text(capsys: pytest.CaptureFixture[str]) -> None:
     assert "FHFH" in capsys.readouterr().out
 
 
+def test_a_state_that_is_set_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    """Books render a state that they set before any `reset`, which Gymnasium needs before the first `render`."""
+    names = run(
+        "import gym\nenv = gym.make('FrozenLake-v0', is_slippery=False).env\nenv.s = 14\nenv.render()\nenv.render()\n"
+        "state, reward, done, info = env.step(2)\n"
+    )
+    assert (names["state"], names["reward"], names["done"]) == (15, 1, True)
+    assert "HFF\x1b[41mG" not in capsys.readouterr().out
+
+
 def test_render_modes_that_are_marked() -> None:
     make = "import gym\nenv = gym.make('CartPole-v1')\nenv.reset()\n"
     for test in ("slow", "n % 9 == 0", "n() and 1"):

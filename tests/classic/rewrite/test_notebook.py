@@ -95,12 +95,22 @@ def test_marks_stand_in_their_cell() -> None:
     assert new[2].startswith("# atari.classic: step() returns five values now")
 
 
-@pytest.mark.parametrize("text", ["", "[]", "{}", '{"worksheets": []}', '{"cells": [1]}', "import gym"])
-def test_other_files(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "it is not JSON, as notebooks are (Expecting value: line 1 column 1 (char 0)); it may be damaged"),
+        ("import gym", "it is not JSON"),
+        ("[]", "it is JSON, but not a notebook"),
+        ("{}", "it is JSON, but not a notebook"),
+        ('{"worksheets": []}', "it is not a notebook of version 4"),
+        ('{"cells": [1]}', "it is not a notebook of version 4"),
+    ],
+)
+def test_other_files(text: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "a.ipynb"
     path.write_text(text)
     assert main(["--modern", str(path)]) == 1
-    assert "it is not a notebook of version 4" in capsys.readouterr().err
+    assert said in capsys.readouterr().err
     path.write_text(notebook(["import gym\nprint 3"]))
     assert main(["--modern", str(path)]) == 1
     assert "this is Python 2" in capsys.readouterr().err
