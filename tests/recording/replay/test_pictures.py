@@ -66,7 +66,7 @@ def test_a_picture_has_the_overlay_of_its_frame_in_a_video(replay: Replay, tmp_p
     overlay = ("score", "action", "ram", "curve")
     video = video_frames(replay.render(tmp_path / "a.mkv", scale=1, stop=61, overlay=overlay))
     image = picture(replay, tmp_path, frame=60, overlay=overlay)
-    assert image.shape[0] == 210 + CURVE_ROWS + 9 * 8
+    assert image.shape[0] == 210 + CURVE_ROWS + 9 * 10
     assert np.array_equal(image, video[60])
     image = picture(replay, tmp_path, frame=60, overlay=("score",))
     alone = video_frames(replay.render(tmp_path / "a.mkv", scale=1, stop=61, overlay=("score",)))
