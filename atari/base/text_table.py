@@ -30,7 +30,7 @@ def for_terminal(text: str, stream: Any) -> str:
     """Lines as lines of whole words, if the stream is a terminal that is narrower; otherwise the text.
 
     What follows of a line begins below its second column, or two blanks further than the line. Lines with control
-    characters, such as those of a progress bar, stay.
+    characters, such as a progress bar has, stay.
     """
     if not stream.isatty():
         return text

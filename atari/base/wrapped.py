@@ -51,7 +51,7 @@ def page_of(env: Any) -> str | None:
 
 
 def _pages(envs: Any) -> Sequence[str | None]:
-    """What each environment of a vector shows, also in other processes; none while those play."""
+    """The HTML of each environment of a vector, also in other processes; none while these play."""
     if isinstance(envs, gymnasium.vector.AsyncVectorEnv) and hasattr(gymnasium.Env, "has_wrapper_attr"):
         with suppress(gymnasium.error.AlreadyPendingCallError, gymnasium.error.ClosedEnvironmentError):
             if all(envs.call("has_wrapper_attr", "_repr_html_")):

@@ -61,7 +61,7 @@ USES = (
 
 
 def facts() -> dict[str, Any]:
-    """What is here and what is missing, in the types of JSON. A core has the text of its error, or None if it plays."""
+    """The installed and the missing parts, in the types of JSON. A core that plays has None, another one its error."""
     here = machine()
     uses = [
         {"use": use.name, "extra": use.extra, "installed": use.installed(), "missing": use.missing()} for use in USES
@@ -103,7 +103,7 @@ def lines(here: dict[str, Any]) -> Iterator[str]:
 
 
 def _packages(use: dict[str, Any]) -> str:
-    """What is installed for a use; the command, if anything is missing."""
+    """The installed packages of a use, and the command that installs the missing ones."""
     installed = ", ".join(f"{package} {version}".strip() for package, version in use["installed"].items())
     command = f"missing: pip install {shlex.join(use['missing'])}" if use["missing"] else ""
     return "; ".join(filter(None, [installed, command]))

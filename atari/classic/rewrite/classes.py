@@ -9,7 +9,7 @@ from atari.classic.rewrite.script import Function, Script
 _UNTIL_2017 = frozenset("_step _reset _render _close _seed _observation _action _reward _reverse_action".split())
 """Names of methods that subclasses defined until 2017."""
 _HOOKS = {"_observation": "ObservationWrapper", "_reward": "RewardWrapper", "_action": "ActionWrapper"}
-"""Those of them that one class of wrappers calls."""
+"""The methods that one class of wrappers calls."""
 
 
 class Classes:

@@ -1,4 +1,4 @@
-"""The conditions under which a script renders, and those of them that it knows before it makes the environment."""
+"""The conditions under which a script renders, if it knows them before it makes the environment."""
 
 import ast
 

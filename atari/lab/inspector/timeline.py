@@ -59,7 +59,7 @@ class Timeline:
         self.frozen: dict[int, int] = {}
         """Bytes that new frames hold."""
         self.added: dict[str, tuple[Any, ...]] = {}
-        """The writes by name that new frames have beside those of the core."""
+        """The writes by name that new frames have beside the core's own writes."""
         self._holds: dict[tuple[int, int], Freeze] = {}
         self.own_slots = tuple(getattr(core, "writes", ()))
         """The writes of the core by slot, without the writes that hold frozen bytes; None where one has ended."""

@@ -549,7 +549,7 @@ class Replay:
 
     @property
     def switched_on(self) -> tuple[str, ...]:
-        """The package's interventions that were switched on during the recording; those of the task are not here."""
+        """The package's interventions that were switched on during the recording, without the task's own."""
         return switched_on({} if self.game.file else load(self.game), self._content.writes)
 
     @property
