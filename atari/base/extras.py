@@ -4,6 +4,7 @@ import re
 import shlex
 import sys
 from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import gymnasium
@@ -39,7 +40,7 @@ def import_extra(module: str, need: str) -> Any:
     Raises:
         gymnasium.error.DependencyNotInstalled: it is not installed.
     """
-    if PROGRAM and module in _SLOW and module not in sys.modules:
+    if PROGRAM and module in _SLOW and module not in sys.modules and find_spec(module):
         say(f"atari: loading {_SLOW[module]}, which takes some seconds")
     try:
         return import_module(module)

@@ -9,6 +9,7 @@ from pathlib import Path
 import gymnasium
 import pytest
 
+from atari.base import extras
 from atari.base.extras import import_extra, install_extra, pip_install
 
 EXTRAS = [extra for extra in metadata("atari-envs").get_all("Provides-Extra") or [] if extra != "dev"]
@@ -60,3 +61,16 @@ def test_a_command_says_what_it_loads(tmp_path: Path) -> None:
         [sys.executable, "-c", script], cwd=tmp_path, env=path, capture_output=True, text=True, check=False
     )
     assert (result.stderr, "needs torch" in result.stdout) == ("", True)
+
+
+def test_a_package_that_is_missing_is_not_announced(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(extras, "PROGRAM", True)
+    monkeypatch.setattr(extras, "_SLOW", {"no_such_package": "No such package", "colorsys": "colours"})
+    monkeypatch.delitem(sys.modules, "colorsys", raising=False)
+    with pytest.raises(gymnasium.error.DependencyNotInstalled):
+        extras.import_extra("no_such_package", "it is needed")
+    assert capsys.readouterr().err == ""
+    extras.import_extra("colorsys", "it is needed")
+    assert capsys.readouterr().err == "atari: loading colours, which takes some seconds\n"
