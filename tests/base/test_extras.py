@@ -64,13 +64,13 @@ def test_a_command_says_what_it_loads(tmp_path: Path) -> None:
 
 
 def test_a_package_that_is_missing_is_not_announced(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(extras, "PROGRAM", True)
     monkeypatch.setattr(extras, "_SLOW", {"no_such_package": "No such package", "colorsys": "colours"})
     monkeypatch.delitem(sys.modules, "colorsys", raising=False)
     with pytest.raises(gymnasium.error.DependencyNotInstalled):
         extras.import_extra("no_such_package", "it is needed")
-    assert capsys.readouterr().err == ""
+    assert capfd.readouterr().err == ""
     extras.import_extra("colorsys", "it is needed")
-    assert capsys.readouterr().err == "atari: loading colours, which takes some seconds\n"
+    assert capfd.readouterr().err == "atari: loading colours, which takes some seconds\n"
