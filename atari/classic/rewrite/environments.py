@@ -227,6 +227,13 @@ class Environments:
         returns = self.script.own(function, ast.Return)
         return any(isinstance(each, ast.Return) and self.is_step(each.value, depth - 1) for each in returns)
 
+    def has_old_vectors(self) -> bool:
+        """Whether the script's vectors are of Gym's time, so that they reset in the step that ends an episode."""
+        if not self.careful:
+            return True
+        steps = [call for call in self.script.calls() if self._is_unpacked(call) and self.is_step(call)]
+        return any(isinstance(call.func, ast.Attribute) and self.kind(call.func.value) == "vector" for call in steps)
+
     def _is_used_as_four(self, call: ast.Call) -> bool:
         """Whether a call's result is assigned to four targets, also by a caller of the function that returns it."""
         function = self.script.function(call)

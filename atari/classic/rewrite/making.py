@@ -71,7 +71,9 @@ class Making:
             name = self.script.qualified(call.func) or ""
             if name.startswith(f"{OLD}.wrappers.") and not name.startswith(f"{OLD}.wrappers.vector."):
                 self._wrapper(call, name.rpartition(".")[2])
-            elif name == f"{OLD}.vector.make" or (name.startswith(f"{OLD}.vector.") and not self.careful):
+            elif name == f"{OLD}.vector.make" or (
+                name.startswith(f"{OLD}.vector.") and self.environments.has_old_vectors()
+            ):
                 self._vector(call, name.rpartition(".")[2])
             elif isinstance(call.func, ast.Attribute) and call.func.attr in ("render", "seed", "start", "close"):
                 self._method(call, call.func)
@@ -376,7 +378,7 @@ class Making:
 
     def _vector(self, call: ast.Call, name: str) -> None:
         mode = self.script.modern("vector.AutoresetMode.SAME_STEP")
-        if name in ("SyncVectorEnv", "AsyncVectorEnv"):
+        if name in ("SyncVectorEnv", "AsyncVectorEnv") and keyword(call, "autoreset_mode") is None:
             self.source.add_argument(call, f"autoreset_mode={mode}")
         elif name == "make":
             self.source.replace_node(call.func, self.script.modern("make_vec"))

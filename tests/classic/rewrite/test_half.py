@@ -153,3 +153,23 @@ def test_games_are_imported_unless_ale_py_is() -> None:
     assert marks("import gymnasium as gym\nx = gym.wrappers.Monitor(gym.make('CartPole-v1'), 'a')\n") == [
         "RecordVideo needs MoviePy: pip install moviepy"
     ]
+
+
+VECTOR = """\
+import gymnasium as gym
+envs = gym.vector.SyncVectorEnv([lambda: gym.make("CartPole-v1")])
+envs.reset(seed=0)
+ends = 0
+for _ in range(100):
+    obs, reward, done, info = envs.step([1])
+    assert obs.shape == (1, 4)
+    assert not done or abs(obs[0, 2]) < 0.1
+    ends += int(done[0])
+"""
+
+
+def test_vectors_of_four_values_reset_in_the_step_that_ends_an_episode() -> None:
+    assert run(VECTOR)["ends"] > 5
+    assert "autoreset_mode=gym.vector.AutoresetMode.SAME_STEP" in rewritten(VECTOR)
+    current = VECTOR.replace("done, info", "done, truncated, info")
+    assert rewritten(current) == current
