@@ -4,10 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from atari.cores import NativeCore
 from atari.games.catalog import games
 from atari.lab.interventions import check, load
-from atari.lab.interventions.check import _actions
 
 INTERVENTIONS = [(game, name) for game in games for name in load(game)]
 DOCS = Path(__file__).parents[2] / "docs" / "interventions.md"
@@ -17,29 +15,7 @@ DOCS = Path(__file__).parents[2] / "docs" / "interventions.md"
 def test_an_intervention_has_its_effect(game: str, name: str) -> None:
     result = check(game, name)
     assert result, result
-
-
-@pytest.mark.parametrize(("game", "name"), INTERVENTIONS)
-def test_the_effect_is_seen_on_the_screen(game: str, name: str) -> None:
-    """A check of the byte that is written could pass for a byte without meaning."""
-    intervention = load(game)[name]
-    assert intervention.check is not None
-    cores = [NativeCore(game, repeat_action_probability=0.0, interventions=chosen) for chosen in ((), (intervention,))]
-    for core in cores:
-        core.reset()
-    differing = 0  # pixels in all compared frames: it must be one a frame, so that the play ends once there are as many
-    for frame, action in zip(range(1500), _actions(games[game], intervention.check), strict=False):
-        for core in cores:
-            core.act(action)
-        if frame % 8 == 0:
-            one, other = (core.screen() for core in cores)
-            differing += int((one != other).sum())
-        if differing > 1500 / 8:
-            return
-        for core in cores:
-            if core.game_over:
-                core.reset()
-    pytest.fail(f"{differing} pixels differ")
+    assert result.picture > 0.005, result
 
 
 def test_the_package_has_many_interventions() -> None:

@@ -288,7 +288,7 @@ def test_a_file_of_ones_own(tmp_path: Path) -> None:
     env = atari.AtariEnv("pong", obs_type="ram", interventions=[f"{path}#one"])
     env.reset(seed=0)
     assert env.step(0)[0][49] == 52
-    assert check("pong", f"{path}#one")
+    assert check("pong", {**load("pong", path)["one"].definition(), "check": {"frames": 200, "holds": "ball_x == 3"}})
     path.write_text(GOOD.replace("value = 3", "value = 5"))
     assert load("pong", path)["one"].writes[0].value == 5
 
@@ -397,6 +397,13 @@ def test_a_write_to_a_derived_byte_alone_does_not_pass_the_check_of_its_effect()
     assert check("pong", lazy).passed
     alone = {**lazy, "writes": [write for write in lazy["writes"] if write["to"] == "enemy_y"]}
     assert not check("pong", alone).passed
+
+
+def test_a_byte_that_the_game_does_not_use_does_not_pass_although_it_holds() -> None:
+    rules = {"description": "nothing", "source": "own", "writes": [{"to": 120, "value": 77}]}
+    result = check("pong", {"name": "idle", **rules, "check": {"frames": 60, "holds": "ram[120] == 77"}})
+    assert (result.with_it, result.without, result.ram, result.picture) == (1, 0, 0, 0)
+    assert not result
 
 
 def test_a_check_takes_a_task_with_its_mode() -> None:

@@ -3,6 +3,7 @@
 import ast
 import itertools
 import operator
+import zlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -15,7 +16,7 @@ from atari.games.actions import Action
 from atari.games.game import Game
 from atari.games.interventions import Check, Intervention, resolve
 from atari.games.interventions.file import CHECK_NAMES, split_calls
-from atari.games.interventions.writes import parse_expression
+from atari.games.interventions.writes import compile_write, parse_expression
 from atari.task import Task
 from atari.task.task import GameLike, resolve_frames
 
@@ -36,6 +37,8 @@ class CheckResult:
         kind: "holds", "more" or "less".
         expression: the expression that was measured.
         with_it, without: the share of the frames on which the expression is true, for "holds"; else its mean.
+        ram, picture: the share of the frames on which RAM that the intervention does not write differs from the run
+            without it, and the share on which the picture does. A write that changes neither has no effect.
         first_failure: for "holds", the first frame on which the expression is false with the intervention, or None.
     """
 
@@ -46,6 +49,8 @@ class CheckResult:
     expression: str
     with_it: float
     without: float
+    ram: float
+    picture: float
     first_failure: int | None = None
 
     @property
@@ -60,9 +65,12 @@ class CheckResult:
         what = "true on" if self.kind == "holds" else "mean of"
         form = ".1%" if self.kind == "holds" else ".4g"
         failed = "" if self.first_failure is None else f"; first false at frame {self.first_failure}"
+        changed = (
+            f"; RAM that it does not write differs on {self.ram:.1%} of the frames, the picture on {self.picture:.1%}"
+        )
         return (
             f"{self.game} {self.name}: {'passed' if self.passed else 'FAILED'}: {what} {self.expression!r} "
-            f"{self.with_it:{form}} with it, {self.without:{form}} without{failed}"
+            f"{self.with_it:{form}} with it, {self.without:{form}} without{failed}{changed}"
         )
 
 
@@ -85,7 +93,8 @@ def check(
         A `CheckResult`, which is true if the check has passed. It prints in one line, and has `task`, `name`, `passed`,
         `kind` ("holds", "more" or "less"), `expression`, `with_it` and `without`: for "holds" the share of frames on
         which the expression is true, else its mean. `first_failure` is the first frame on which "holds" failed, or
-        None.
+        None. `ram` and `picture` are the shares of the frames on which RAM that is not written, and the picture, differ
+        from the run without it; if both are 0, the check has not passed.
 
     Raises:
         TypeError, ValueError: there is no such intervention, or it has no check; as `Task.of`, or the task has another
@@ -106,25 +115,30 @@ def check(
     without = _play(task, (), plan)
     with_it = _play(task, (intervention,), plan, without.screens)
     values = [_values(found, run, plan)[plan.after :] for run in (with_it, without)]
+    written = {compile_write(found, rule, intervention.name).index for rule in intervention.writes}
+    rest = [place for place in range(with_it.ram.shape[1]) if place not in written]
+    ram = float((with_it.ram[:, rest] != without.ram[:, rest]).any(axis=1).mean())
+    picture = float((with_it.pictures != without.pictures).mean())
     facts = (task, intervention.name)
     if plan.kind == "holds":
         held, held_without = (series != 0 for series in values)
         failures = np.flatnonzero(~held)
-        passed = bool(held.all() and not held_without.all())
+        passed = bool(held.all() and not held_without.all() and ram + picture > 0)
         first = int(failures[0]) + plan.after + 1 if failures.size else None
         shares = float(held.mean()), float(held_without.mean())
-        return CheckResult(*facts, passed, plan.kind, plan.expression, *shares, first)
+        return CheckResult(*facts, passed, plan.kind, plan.expression, *shares, ram, picture, first)
     mean, mean_without = (float(series.mean()) for series in values)
     low, high = (mean_without, mean) if plan.kind == "more" else (mean, mean_without)
-    passed = high > low and high - low >= (plan.by - 1) * abs(low)
-    return CheckResult(*facts, passed, plan.kind, plan.expression, mean, mean_without)
+    passed = high > low and high - low >= (plan.by - 1) * abs(low) and ram + picture > 0
+    return CheckResult(*facts, passed, plan.kind, plan.expression, mean, mean_without, ram, picture)
 
 
 @dataclass(frozen=True)
 class _Measurements:
-    """The results of playing: (frames, 128) RAM, screens, and the series of reward, lives and pixels."""
+    """The results of playing: (frames, 128) RAM, check sums of pictures, screens, and series of numbers by name."""
 
     ram: npt.NDArray[np.uint8]
+    pictures: Series
     screens: list[npt.NDArray[np.uint8]]
     numbers: dict[str, Series]
 
@@ -137,7 +151,7 @@ def _play(
     chosen: dict[str, Any] = {"mode": task.set_mode, "difficulty": task.set_difficulty}
     core = NativeCore(game, seed=0, repeat_action_probability=0.0, interventions=interventions, **chosen)
     core.reset()
-    screens, rams, rewards, lives, pixels = [], [], [], [], []
+    screens, pictures, rams, rewards, lives, pixels = [], [], [], [], [], []
     score = 0
     needs_pixels = "pixels" in plan.expression
     for frame, action in zip(range(plan.frames), _actions(game, plan), strict=False):
@@ -145,15 +159,17 @@ def _play(
         rams.append(core.ram())
         rewards.append(score)
         lives.append(core.lives)
+        screen = core.screen()
+        pictures.append(zlib.crc32(screen.tobytes()))
         if needs_pixels:
-            screens.append(core.screen())
+            screens.append(screen)
         pixels.append(int((screens[-1] != others[frame]).sum()) if needs_pixels and others else 0)
         if core.game_over:
             core.reset()
     core.close()
     numbers = {"reward": rewards, "lives": lives, "frame": range(1, plan.frames + 1), "pixels": pixels}
     series = {name: np.array(values, np.int64) for name, values in numbers.items()}
-    return _Measurements(np.array(rams), screens, series)
+    return _Measurements(np.array(rams), np.array(pictures), screens, series)
 
 
 def _actions(game: Game, plan: Check) -> Iterator[int]:
