@@ -4,7 +4,7 @@ import argparse
 import glob
 import json
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,13 +25,14 @@ from atari.learning import (
     evaluate,
     load_policy,
 )
-from atari.learning.evaluation.compare import Comparison, budget_faults, game_faults
+from atari.learning.evaluation.compare import Comparison, comparison_faults
 from atari.learning.evaluation.played import EvaluatedGame
-from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol, refusal
+from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol
 from atari.learning.evaluation.results import GameResult, estimates_of, score_tables
 from atari.learning.evaluation.variants import AXES, find_axes
 from atari.learning.policy_folder import is_policy_folder, policies_in
 from atari.policy import LoadedPolicy
+from atari.task import Task
 from atari.task.arguments import add_task, show_task
 from atari.task.fields import OF_GAME
 from atari.task.parser import number, seed
@@ -106,13 +107,8 @@ def _evaluate(args: argparse.Namespace) -> int:
     _check_before_playing(args)
     games = find_played(args, args.games, None if args.games else load_policy(args.source))
     agents, not_played = _agents(args, games)
-    policies = [policy for agent in agents for policy in agent.policies.values()]
-    trained = {getattr(policy, "training_frames", None) for policy in policies}
-    frames = args.frames or (trained.pop() if len(trained) == 1 else None)
-    check_comparable(args.compare, args.mixed, lambda agent: budget_faults(agent, frames))
     tasks = [games_of(agents[0].policies[game.id], game, args.protocol)[0] for game in games]
-    faults = game_faults((task.game, json.loads(task.to_json())) for task in tasks)
-    check_comparable(args.compare, args.mixed, lambda _: faults)
+    check_comparable(args, tasks, [_trained_frames(agent) for agent in agents])
     if any(show_task(args, task) for task in tasks):
         return 0
     results = _play(args, games, agents, not_played)
@@ -121,7 +117,7 @@ def _evaluate(args: argparse.Namespace) -> int:
     if args.compare:
         comparison = compare(own, args.compare, frames=args.frames, human=args.human, mixed=args.mixed)
     if args.output:
-        _save(args, games, agents, results, not_played)
+        _save(args, games, agents, results, not_played, comparison)
     if args.plot and comparison is not None:
         comparison.plot(args.plot)
     elif args.plot:
@@ -134,9 +130,8 @@ def _evaluate(args: argparse.Namespace) -> int:
 
 def _check_before_playing(args: argparse.Namespace) -> None:
     """Raise errors before the games, which may take hours, rather than after them."""
-    protocol = find_protocol(args.protocol)
     Published.human_scores(args.human)
-    check_comparable(args.compare, args.mixed, lambda agent: list(filter(None, [refusal(protocol, agent)])))
+    check_comparable(args, (), ())
     if args.variants:
         find_axes(args.variants)
         if args.beside or args.compare:
@@ -152,11 +147,24 @@ def _check_before_playing(args: argparse.Namespace) -> None:
             raise FileNotFoundError(f"there is no folder {file.absolute().parent} for {file.name}")
 
 
-def check_comparable(names: Sequence[str], mixed: bool, faults_of: Callable[[Published], list[str]]) -> None:
-    """Raise ValueError for a published agent that is not comparable, unless agents are `mixed`."""
-    for name in names:
-        if (faults := faults_of(Published(name))) and not mixed:
-            raise ValueError(f"{name} is not comparable: {'; '.join(faults)}; --mixed compares it, and says so")
+def check_comparable(args: argparse.Namespace, tasks: Iterable[Task], trained: Sequence[int | None]) -> None:
+    """Check that agents can be compared with `args.compare` before games or trainings that may take hours.
+
+    Args:
+        args: a command line with `--compare`, `--protocol` and `--mixed`; it may have `--frames` and `--human`.
+        tasks: the tasks that are played.
+        trained: the frames of training of each agent; None are not known.
+
+    Raises:
+        ValueError: they are not comparable, and `--mixed` is not given.
+    """
+    if not args.compare:
+        return
+    chosen = {name: getattr(args, name) for name in ("frames", "human") if hasattr(args, name)}
+    played = ((task.game, json.loads(task.to_json())) for task in tasks)
+    faults, _ = comparison_faults(find_protocol(args.protocol), played, args.compare, trained, **chosen)
+    if faults and not args.mixed:
+        raise ValueError(f"these are not comparable: {'; '.join(faults)}; --mixed compares them, and says so")
 
 
 @dataclass(frozen=True)
@@ -166,6 +174,12 @@ class _Agent:
     name: str
     policies: Mapping[str, LoadedPolicy]
     in_folder: bool
+
+
+def _trained_frames(agent: _Agent) -> int | None:
+    """The frames of training of all policies of an agent; None if they differ, or are not known."""
+    trained = {getattr(policy, "training_frames", None) for policy in agent.policies.values()}
+    return trained.pop() if len(trained) == 1 else None
 
 
 def _agents(args: argparse.Namespace, games: Sequence[EvaluatedGame]) -> tuple[list[_Agent], dict[str, str]]:
@@ -295,6 +309,7 @@ def _save(
     agents: Sequence[_Agent],
     results: Mapping[str, Result],
     not_played: Mapping[str, str],
+    comparison: Comparison | None,
 ) -> None:
     """Save the only result, or a page; with videos, unless it has variants."""
     if not _is_page(args):
@@ -305,8 +320,15 @@ def _save(
     videos = {} if args.variants else _videos(args, games, agents, results)
     shown = " and ".join(results) if len(results) <= _MOST_NAMES else f"{len(results)} policies"
     title = f"{shown} in {', '.join(game.id for game in games)}"
-    about = _about(results)
-    write_scores(args.output, title, _tables(results), about=about, videos=videos, not_played=not_played)
+    write_scores(
+        args.output,
+        title,
+        _tables(results),
+        about=_about(results),
+        videos=videos,
+        not_played=not_played,
+        comparison=comparison,
+    )
 
 
 _MOST_NAMES = 2

@@ -99,9 +99,9 @@ def _report(report: ImportReport, json: bool) -> int:
     if json:
         print_json(report)
     else:
-        for word, files in (("imported", report.imported), ("already there", report.present)):
-            print(f"{word}: {len(files)} games" + (f" ({', '.join(files)})" if files else ""))
-        print(f"not taken: {len(report.rejected)} files")
+        for word, files in (("games imported", report.imported), ("already there", report.present)):
+            print(f"{word}: {len(files)}" + (f" ({', '.join(files)})" if files else ""))
+        print(f"files not taken: {len(report.rejected)}")
         for sentence in report.rejected[:_REJECTED_SHOWN]:
             print(f"  {sentence}")
         if len(report.rejected) > _REJECTED_SHOWN:

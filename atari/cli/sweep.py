@@ -18,9 +18,7 @@ from typing import TYPE_CHECKING, Any
 from atari.cli.evaluate import check_comparable
 from atari.cli.printing import print_json, print_table
 from atari.learning import GAME_SETS
-from atari.learning.evaluation.compare import budget_faults
-from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol, refusal
-from atari.learning.evaluation.published import Published
+from atari.learning.evaluation.protocols import MAX_EPISODES, find_protocol
 from atari.task.parser import Parser, number
 
 if TYPE_CHECKING:
@@ -80,12 +78,7 @@ def run_sweep(args: argparse.Namespace, code: "AgentCode", words: Sequence[str])
     runs = plan(find_games(games), seeds, folder, resolve, find_grid(args.grid or ()))
     check_protocol(runs, protocol)
     check_folder(folder, code, runs, resolve)
-    frames = planned_frames(runs)
-
-    def faults_of(agent: Published) -> list[str]:
-        return list(filter(None, [refusal(protocol, agent), *budget_faults(agent, frames)]))
-
-    check_comparable(args.compare, args.mixed, faults_of)
+    check_comparable(args, [run.options.task for run in runs], [planned_frames(runs)])
     settings = _do(args, code, options, folder, runs)
     return _finish(args, code.name, folder, runs, settings, args.compare or comparable_agents(runs, protocol))
 

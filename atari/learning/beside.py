@@ -7,11 +7,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from atari.learning.evaluation.compare import Comparison
 from atari.learning.evaluation.evaluate import record_games
 from atari.learning.evaluation.played import EvaluatedGame
 from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.evaluation.results import GameResult, estimates_of, score_rows
-from atari.learning.pages import drawing, write_page
+from atari.learning.pages import comparison_part, drawing, write_page
 from atari.recording import Replay
 
 _MOST_FRAMES = 7200
@@ -29,6 +30,7 @@ def write_scores(
     about: Sequence[str],
     videos: Mapping[tuple[str, str], str],
     not_played: Mapping[str, str],
+    comparison: Comparison | None = None,
 ) -> Path:
     """Write the page, one file that needs no server, and return its path.
 
@@ -39,6 +41,7 @@ def write_scores(
         about: sentences on how the games were played.
         videos: the HTML of `median_game` by game and name.
         not_played: agents that did not play, and the reason.
+        comparison: the agents beside published ones.
 
     Raises:
         gymnasium.error.DependencyNotInstalled: Matplotlib is not installed.
@@ -47,9 +50,9 @@ def write_scores(
     parts = [_part(game, named, [videos.get((game, name), "") for name in named]) for game, named in tables.items()]
     reasons = _listed([f"{name}: {reason}" for name, reason in not_played.items()])
     left_out = f"<h2>Not played</h2>\n{reasons}" if not_played else ""
-    return write_page(
-        path, _PAGE, title=html.escape(title), about=_listed(about), parts="\n".join(parts), left_out=left_out
-    )
+    compared = "" if comparison is None else comparison_part(comparison)
+    values = {"parts": "\n".join(parts), "left_out": left_out, "compared": compared}
+    return write_page(path, _PAGE, title=html.escape(title), about=_listed(about), **values)
 
 
 def median_game(policy: Any, game: EvaluatedGame, protocol: EvaluationProtocol, result: GameResult, name: str) -> str:
@@ -108,6 +111,7 @@ _PAGE = """\
 </style>
 <p>In brackets is the interval of 95 %. A difference is to the first row, of games with equal seeds.</p>
 $parts
+$compared
 $left_out
 <h2>How the games were played</h2>
 $about

@@ -9,6 +9,7 @@ from string import Template
 from typing import Any
 
 from atari.base import durable
+from atari.learning.evaluation.compare import Comparison
 from atari.learning.evaluation.published import Published
 from atari.learning.options import WINDOW
 
@@ -64,6 +65,18 @@ def drawing(figure: Any, label: str) -> str:
     figure.savefig(text, format="svg", transparent=True)
     content = text.getvalue().partition("<svg")[2].replace("#000000", "currentColor")
     return f'<svg role="img" aria-label="{html.escape(label)}"{content}'
+
+
+def comparison_part(comparison: Comparison) -> str:
+    """A comparison as a part of a page, HTML: its drawing and its tables.
+
+    Raises:
+        gymnasium.error.DependencyNotInstalled: Matplotlib is not installed.
+    """
+    from atari.learning.evaluation.plot import comparison_figure  # here, because it imports Matplotlib
+
+    plot = drawing(comparison_figure(comparison), "normalised scores with intervals")
+    return f"<h2>Comparison</h2>\n{plot}\n<pre>{html.escape(str(comparison))}</pre>"
 
 
 def draw_published(axes: Any, game: str, most: float) -> int:

@@ -20,6 +20,8 @@ ROOT = Path(__file__).parents[2]
 def policy(folder):
     """A policy that never serves, or loses fast."""
     (folder / "idle.py").write_text("def act(o): return [0] * len(o)\n")
+    for name, frames in (("short", 1_000_000), ("long", 5_000_000)):
+        (folder / f"{name}.py").write_text(f"def act(o): return [0] * len(o)\nact.training_frames = {frames}\n")
     (folder / "images.py").write_text(
         "class Images:\n    environment = {'preset': 'dopamine'}\n    def __call__(self, o, lanes): return lanes * 0\n"
     )
@@ -82,11 +84,22 @@ def test_lists(capsys):
         (("random", "pong", "--intervention", "lazy"), "lazy"),
         (("random", "pong", "--protocol", "dopamin"), "did you mean 'dopamine'"),
         (("random", "pong", "--compare", "dopamine/rainbw"), "dopamine/rainbow"),
-        (("random", "pong", "--compare", "cleanrl/ppo"), "cleanrl/ppo is not comparable: repeat_action_probability"),
+        (
+            ("random", "pong", "--compare", "cleanrl/ppo"),
+            "these are not comparable: cleanrl/ppo_atari_envpool_xla_jax: repeat_action_probability",
+        ),
         (("random", "pong", "--compare", "cleanrl/ppo"), "protocol 'baselines' has its environments; --mixed compares"),
         (
             ("random", "pong", "--protocol", "dopamine", "--compare", "dopamine/rainbow", "--frames", "262144"),
-            "dopamine/rainbow is not comparable: the first scores",
+            "these are not comparable: dopamine/rainbow: the first scores",
+        ),
+        (
+            ("random", "pong", "--protocol", "dopamine", "--compare", "dopamine/rainbow", "--human", "nature2015"),
+            "the human table nature2015 is not for scores of dopamine",
+        ),
+        (
+            ("short:act", "pong", "--beside", "long:act", "--protocol", "dopamine", "--compare", "dopamine/rainbow"),
+            "the policies were trained for different numbers of frames: 1,000,000 and 5,000,000",
         ),
         (("random", "pong", "--human", "noop"), "noop57"),
         (
@@ -164,7 +177,7 @@ def test_agents_beside_each_other(capsys, tmp_path):
     assert re.search(
         rf"^random .* {scores.mean:.1f} .*\nidle:act +2 +-21.0 \[.*\] +{-21 - scores.mean:.1f} \[", shown.out, re.M
     )
-    assert shown.out.count("2 games of each, and dopamine has 100") == 1
+    assert shown.out.count("games of each: 2; dopamine has 100") == 1
     assert "model.zip: not played: model.zip may be a model of Stable-Baselines3" in shown.out
     assert "notes.txt" not in shown.out
     content = json.loads(_json_of(capsys, *words, "--protocol", "dopamine", "--compare", "dopamine/rainbow"))
@@ -183,7 +196,8 @@ def test_the_page_of_agents_has_the_game_with_the_median_score_of_each(capsys, t
     av = pytest.importorskip("av")
     monkeypatch.setattr("atari.learning.beside._MOST_FRAMES", 60)
     words = ("evaluate", "idle:act", "pong", "--beside", "random", "--beside", "noop", "--episodes", "3")
-    assert main([*words, "-o", "page.html", "--protocol", "dopamine"]) == 0
+    compared = ("--compare", "dopamine/rainbow")
+    assert main([*words, "-o", "page.html", "--protocol", "dopamine", *compared]) == 0
     assert capsys.readouterr().err.endswith("\n3 videos, one of each policy and game\n")
     page = (tmp_path / "page.html").read_text()
     assert "<h1>3 policies in pong</h1>" in page
@@ -194,6 +208,7 @@ def test_the_page_of_agents_has_the_game_with_the_median_score_of_each(capsys, t
     middle = sorted(range(3), key=lambda number: scores.scores[number])[1]
     assert f"random: {scores.median:,.1f}, game {middle}" in page
     assert "<td>idle:act<td>3<td>-21.0 [-21.0, -21.0]<td>" in page
+    assert re.search(r"<h2>Comparison</h2>\n<svg .*\n<pre>.*^dopamine/rainbow +5 +199,000,000", page, re.S | re.M)
     assert 'src="http' not in page
     video = tmp_path / "first.mp4"
     video.write_bytes(base64.b64decode(re.search(r'base64,([^"]+)"', page)[1]))

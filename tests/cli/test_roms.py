@@ -99,8 +99,8 @@ def test_identify_goes_on_after_a_file_that_cannot_be_read(collection: Path, cap
 
 def test_import_copies_what_it_knows(own: Path, collection: Path, capsys: Capture) -> None:
     out = read(capsys, "roms", "import", str(collection))
-    assert "imported: 2 games" in out
-    assert "not taken: 2 files" in out
+    assert "games imported: 2" in out
+    assert "files not taken: 2" in out
     assert "cut.bin is Breakout cut short" in out
     assert out.endswith(f"your folder: {own}\n")
     assert sorted(file.name for file in own.iterdir()) == ["breakout.bin", "pong.bin"]
@@ -115,8 +115,8 @@ def test_import_of_many_other_files_shows_some(tmp_path: Path, capsys: Capture) 
         (tmp_path / f"{i}.bin").write_bytes(bytes([i]))
     assert main(["roms", "import", str(tmp_path)]) == 1
     out = capsys.readouterr().out
-    assert "imported: 0 games\n" in out
-    assert "not taken: 23 files\n" in out
+    assert "games imported: 0\n" in out
+    assert "files not taken: 23\n" in out
     assert "  ... and 3 more (all with --json)\n" in out
 
 

@@ -213,6 +213,6 @@ def test_the_command_imports_what_it_names(tmp_path: Path, pong: bytes, capsys: 
     file = stored(tmp_path / "ROMS.zip", zipped(content))
     assert main(["roms", "import", str(file)]) == 0
     out = capsys.readouterr().out
-    assert "imported: 1 games (pong)" in out
+    assert "games imported: 1 (pong)" in out
     assert f"'cut.zip' in {file} is a damaged zip archive" in out
     assert "`atari roms import`" not in out

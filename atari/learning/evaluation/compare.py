@@ -1,7 +1,7 @@
 """`compare`: results of evaluations beside published ones, in human-normalised scores."""
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -70,7 +70,7 @@ class Comparison:
         return human_normalised({game: np.array(scores) for game, scores in row.scores.items()}, self.references)
 
     def __str__(self) -> str:
-        title = f"human-normalised scores (table {self.human}) of {len(self.games)} games"
+        title = f"human-normalised scores (table {self.human}), games: {len(self.games)}"
         if self.mixed:
             title = f"MIXED PROTOCOLS OR BUDGETS, not a fair comparison: {title}"
         overview: list[Sequence[object]] = [("agent", "runs", "frames", "median", "mean", "IQM")]
@@ -190,15 +190,11 @@ def compare(
     faults: list[str] = []
     protocol = _common_protocol(results, faults)
     mixes = any(len({result.training_frames for result in own}) > 1 for own in agents.values())
-    if others or mixes or frames is not None:
-        frames = _common_frames(results, frames, faults)
-    faults += [
-        *_human_faults(human, protocol),
-        *game_faults((one.game, one.task) for result in results for one in result.games),
-    ]
-    for other in others:
-        found = (refusal(protocol, other), *budget_faults(other, frames))
-        faults += [f"{other.name}: {fault}" for fault in found if fault]
+    compared = others or mixes or frames is not None
+    trained = {result.training_frames for result in results} if compared else set()
+    played = ((one.game, one.task) for result in results for one in result.games)
+    found, frames = comparison_faults(protocol, played, to, trained, frames=frames, human=human)
+    faults += found
     if faults and not mixed:
         raise ValueError(f"these are not comparable: {'; '.join(faults)}; mixed=True compares them, and says so")
     games_of = [{one.game for result in own for one in result.games} for own in agents.values()]
@@ -285,29 +281,57 @@ def _common_protocol(results: Sequence[Result], faults: list[str]) -> Evaluation
     return first
 
 
-def game_faults(played: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str]:
-    """The games that are played in another mode or difficulty, with interventions or with delays, in words.
+def comparison_faults(
+    protocol: EvaluationProtocol,
+    played: Iterable[tuple[str, Mapping[str, Any]]],
+    to: Iterable[str],
+    trained: Collection[int | None],
+    *,
+    frames: int | None = None,
+    human: str = "noop57",
+) -> tuple[list[str], int | None]:
+    """Why agents cannot be compared with published ones, in words, and the frames of training to compare them at.
+
+    It is known before a game is played; `compare` finds the same after the games.
 
     Args:
+        protocol: the protocol by which the agents are evaluated.
         played: the id of each game, and its task as the object of `Task.to_json`.
+        to: names of published agents.
+        trained: the frames of training of the agents; None are not known.
+        frames, human: see `compare`.
+
+    Raises:
+        TypeError, ValueError: a name or `frames` is of the wrong kind or not known.
     """
+    faults: list[str] = []
+    frames = _common_frames(trained, frames, faults)
+    faults += [*_human_faults(human, protocol), *_game_faults(played)]
+    for other in map(Published, to):
+        found = (refusal(protocol, other), *budget_faults(other, frames))
+        faults += [f"{other.name}: {fault}" for fault in found if fault]
+    return faults, frames
+
+
+def _game_faults(played: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str]:
+    """The games that are played in another mode or difficulty, with interventions or with delays, in words."""
     changed = [(game, changes) for game, task in played if game in games and (changes := changes_of(game, task))]
     return [
         f"{game} is played with another {' and '.join(changes)} than in scores of others" for game, changes in changed
     ]
 
 
-def _common_frames(results: Sequence[Result], frames: int | None, faults: list[str]) -> int | None:
-    """The budget at which results are compared: `frames`, or else the smallest of theirs."""
-    known = {result.training_frames for result in results}
+def _common_frames(trained: Collection[int | None], frames: int | None, faults: list[str]) -> int | None:
+    """The budget at which agents are compared: `frames`, or else the smallest of theirs."""
+    known = set(trained)
     given = {number for number in known if number is not None}
     if frames is not None:
         frames = check_integer("frames", frames, 1, 10**15)
         if not are_alike({*given, frames}):
-            faults.append(f"the results were trained for {_listed(known)} frames, not for {frames:,}")
+            faults.append(f"the policies were trained for {_listed(known)} frames, not for {frames:,}")
         return frames
     if len(known) > 1 and not (None not in known and are_alike(given)):
-        faults.append(f"the results were trained for different numbers of frames: {_listed(known)}")
+        faults.append(f"the policies were trained for different numbers of frames: {_listed(known)}")
         return None
     return min(given, default=None)
 

@@ -35,7 +35,7 @@ def comparison_figure(comparison: Any) -> Any:
         if axis is not axes[0]:
             axis.set_yticklabels([])
     _draw_profiles(axes[-1], comparison)
-    title = f"Human-normalised scores ({comparison.human}) of {len(comparison.games)} games"
+    title = f"Human-normalised scores ({comparison.human}), games: {len(comparison.games)}"
     if comparison.mixed:
         title = f"MIXED PROTOCOLS OR BUDGETS, not a fair comparison. {title}"
     figure.suptitle(title, fontsize=11, color="firebrick" if comparison.mixed else "black")

@@ -71,7 +71,7 @@ class Published:
     def __init__(self, name: str) -> None:
         full = read_table("index")["aliases"].get(name, name) if isinstance(name, str) else name
         self.name = check_known_name(
-            "published agent", full, self.names(), "atari.learning.Published.names() has all names"
+            "published agent", full, self.names(), "`atari evaluate --list` and Published.names() have all"
         )
         source, _, agent = self.name.partition("/")
         self._entry: Mapping[str, Any] = read_table(source)[agent]

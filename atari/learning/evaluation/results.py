@@ -182,9 +182,7 @@ class Result:
         notes = [f"{one.game} was played with {_in_words(changed)}" for one in given if (changed := self._unlike(one))]
         counts = dict.fromkeys(f"{len(one.scores):,}" for one in self.games)
         if {*counts} != {f"{self.protocol.episodes:,}"}:
-            notes.append(
-                f"{' or '.join(counts)} games of each, and {self.protocol.name} has {self.protocol.episodes:,}"
-            )
+            notes.append(f"games of each: {' or '.join(counts)}; {self.protocol.name} has {self.protocol.episodes:,}")
         if truncated := sum(one.truncations for one in self.games):
             every = sum(len(one.scores) for one in self.games)
             notes.append(f"{truncated:,} of {every:,} games did not end within {self.protocol.max_frames:,} frames")

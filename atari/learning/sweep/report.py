@@ -14,7 +14,7 @@ from atari.learning.evaluation.protocols import EvaluationProtocol
 from atari.learning.evaluation.published import Published
 from atari.learning.evaluation.results import Result
 from atari.learning.evaluation.statistics import mean_estimate
-from atari.learning.pages import drawing, learning_curves, write_page
+from atari.learning.pages import comparison_part, learning_curves, write_page
 from atari.learning.run_folder import RunFolder
 from atari.learning.sweep.plan import TrainingRun
 from atari.learning.sweep.processes import Settings
@@ -104,12 +104,10 @@ def write_report(
     games: dict[str, list[TrainingRun]] = {}
     for run in runs:
         games.setdefault(run.options.task.game, []).append(run)
-    plot = ""
+    compared = "<p>No game has a score of a human, so there is no comparison.</p>"
     if comparison is not None:
-        from atari.learning.evaluation.plot import comparison_figure  # here, because it imports Matplotlib
-
         comparison.plot(folder / "comparison.svg")
-        plot = drawing(comparison_figure(comparison), "normalised scores with intervals")
+        compared = comparison_part(comparison)
     seeds = ",".join(str(seed) for seed in sorted({run.options.seed for run in runs}))
     numbers = ["--games", settings.games, "--protocol", settings.protocol.name, "--episodes", settings.episodes]
     grid = [word for name, values in _grid_of(runs).items() for word in ("--grid", f"{name}={','.join(values)}")]
@@ -123,8 +121,7 @@ def write_report(
         grid=_grid_table(runs, results) if grid else "",
         table=_table(runs, results),
         protocol=html.escape(str(settings.protocol)),
-        comparison=html.escape("no game has a score of a human" if comparison is None else str(comparison)),
-        drawing=plot,
+        comparison=compared,
     )
 
 
@@ -172,9 +169,7 @@ $grid
 <h2>Evaluation</h2>
 <p>$protocol</p>
 $table
-<h2>Comparison</h2>
-$drawing
-<pre>$comparison</pre>
+$comparison
 <h2>Learning curves</h2>
 $curves
 """

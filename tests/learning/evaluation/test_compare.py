@@ -222,7 +222,7 @@ def test_files_and_text(tmp_path):
     assert "google/dopamine, Apache-2.0" in str(comparison)
     assert repr(comparison) == "Comparison(mine, dopamine/rainbow, 2 games)"
     page = comparison._repr_html_()
-    assert page.startswith("<p><strong>human-normalised scores (table noop57) of 2 games</strong></p>")
+    assert page.startswith("<p><strong>human-normalised scores (table noop57), games: 2</strong></p>")
     assert page.count("<table>") == 2
     assert '<td style="text-align:left">dopamine/rainbow</td><td>5</td><td>199,000,000</td>' in page
     assert "16,256.9" in str(compare(result(games=["video_pinball"]), "dopamine/rainbow"))

@@ -34,7 +34,7 @@ def test_the_table():
         "pong          3   1.2  17.2     3.5  -21.0  21.0          1\n"
         "breakout      1   1.0   0.0     1.0    1.0   1.0          0\n"
         "\n"
-        "3 or 1 games of each, and dopamine has 100\n"
+        "games of each: 3 or 1; dopamine has 100\n"
         "1 of 4 games did not end within 108,000 frames"
     )
 

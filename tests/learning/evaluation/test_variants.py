@@ -122,7 +122,7 @@ def test_files_texts_and_figures(tmp_path):
         result.variants()
     text = str(result)
     assert [line.split()[0] for line in text.splitlines() if line.startswith("difficulty=1 ")] == ["difficulty=1"] * 2
-    assert "2 games of each, and short has 100" in text
+    assert "games of each: 2; short has 100" in text
     with pytest.raises(ValueError, match="the result of noop has variants, which it compares itself"):
         compare(result)
     pytest.importorskip("matplotlib")

@@ -67,7 +67,7 @@ def test_a_sweep_that_is_killed_ends_as_one_that_was_not(tmp_path: Path, monkeyp
     assert main(WORDS) == 0
     shown = capsys.readouterr()
     assert f"{killed[0]} done 1,024 1,024" in shown.err
-    assert "human-normalised scores (table noop57) of 1 games" in shown.out
+    assert "human-normalised scores (table noop57), games: 1" in shown.out
     assert "no published agent of protocol dopamine has scores of these games at 4,096 frames" in shown.out
     page = Path("runs", "report.html").read_text()
     assert all(name in page for name in NAMES)
@@ -109,6 +109,10 @@ def test_a_sweep_that_is_killed_ends_as_one_that_was_not(tmp_path: Path, monkeyp
         (["ppo", "pong", "--seeds", "0", "--frameskip", "3"], "plays 4 frames an action, the policy 3"),
         (["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbw"], "dopamine/rainbow"),
         (["ppo", "pong", "--seeds", "0", "--compare", "dopamine/rainbow"], "protocol 'dopamine' has its environ"),
+        (
+            ["ppo", "pong", "--mode", "1", "--protocol", "dopamine", "--seeds", "0", "--compare", "dopamine/rainbow"],
+            "pong is played with another mode than in",
+        ),
         (["ppo", "pong", "--seeds", "0", "--compare", "cleanba/cleanba_ppo_8gpu"], "scores only at 200,000,000 frames"),
         (
             ["--resume", "runs/pong", "--seeds", "0"],
