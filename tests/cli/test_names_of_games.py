@@ -72,6 +72,13 @@ def test_a_file_is_told_by_its_content() -> None:
     assert read_game("Pong (1977).a26") == "pong"
 
 
+def test_a_folder_of_a_games_name_hides_no_game() -> None:
+    Path("pong").mkdir()
+    assert read_game("pong") == "pong"
+    with pytest.raises(ValueError, match="another file or folder"):
+        read_game("./pong")
+
+
 def test_a_file_that_names_no_game(capsys: Capture) -> None:
     Path("mine.a26").write_bytes(bytes(4096))
     refused(capsys, ["info", "mine.a26"], "a game of your own is named by its definition (.toml), with --rom mine.a26")

@@ -203,6 +203,12 @@ class TestOptions:
             Task.of("pong", **options)
 
 
+def test_probabilities_by_player_are_of_several_players() -> None:
+    with pytest.raises(TypeError, match="repeat_action_probability must be a number within"):
+        Task.of("pong", repeat_action_probability=[0.25])
+    assert Task.of("combat", players=2, repeat_action_probability=[0.25, 0.25]).repeat_action_probability == 0.25
+
+
 WITHOUT_EFFECT: list[tuple[dict[str, Any], dict[str, Any]]] = [
     *(({name: case.value}, dict(case.needs)) for name, case in CASES.items() if case.needs and name != "players"),
     ({"last_life": True}, {"life_loss_info": True}),

@@ -34,6 +34,8 @@ LIVES: dict[str, dict[str, Any]] = {
 NESTINGS = {name: {"episodic_life": True, "fire": "after_noops", **units} for name, units in LIVES.items()}
 """The order of the layers where no-ops come first."""
 
+SEAMLESS: dict[str, Any] = {"episodic_life": True, "seamless_lives": True, "frameskip": 1, "maxpool": False}
+
 of_every_nesting = pytest.mark.parametrize("nesting", NESTINGS.values(), ids=NESTINGS)
 
 
@@ -252,6 +254,31 @@ class TestALostLife:
         before = player.observation
         player.step()
         assert np.array_equal(player.observation[:3], before[1:])
+
+
+class TestDelays:
+    """A lost life that clears no stack keeps what is on its way: the delayed game is the other one, some frames later."""
+
+    def test_of_observations_go_on_over_a_lost_life(self) -> None:
+        seen = []
+        for delay in (0, 3):
+            player = Player(**SEAMLESS, observation_delay=delay)
+            images = {}
+            while player.lives >= 4:
+                player.step(1)
+                images[player.frames] = player.observation[-1].tobytes()
+            seen.append(list(images.values()))
+        at_once, late = seen
+        assert late[3:] == at_once[:-3]
+
+    @pytest.mark.parametrize(("delay", "served"), [(0, False), (3, True)])
+    def test_of_actions_go_on_over_a_lost_life(self, delay: int, served: bool) -> None:
+        """A FIRE of the life before serves the ball of the next one, if it arrives late."""
+        player = Player(**SEAMLESS, action_delay=delay)
+        player.lose_life(action=1)
+        for _ in range(20):
+            player.step(2)
+        assert (player.ram[atari.games["breakout"].ram_labels["ball_y"].index] != 0) is served
 
 
 class TestLifeLossInfo:
