@@ -56,5 +56,8 @@ def _pages(envs: Any) -> Sequence[str | None]:
         with suppress(gymnasium.error.AlreadyPendingCallError, gymnasium.error.ClosedEnvironmentError):
             if all(envs.call("has_wrapper_attr", "_repr_html_")):
                 return envs.call("_repr_html_")
+    if hasattr(envs, "remotes") and hasattr(envs, "has_attr"):  # SubprocVecEnv
+        idle = not (envs.waiting or envs.closed)
+        return envs.env_method("_repr_html_") if idle and envs.has_attr("_repr_html_") else []
     single = getattr(envs, "envs", None)
     return list(map(page_of, single)) if isinstance(single, (list, tuple)) else []

@@ -11,6 +11,7 @@ import pytest
 from video_reader import video_frames
 
 import atari
+from atari.base.wrapped import page_of
 from atari.recording import RecordVideo, Replay
 
 pytestmark = pytest.mark.peers
@@ -184,6 +185,9 @@ def test_make_atari_env(vector: str, tmp_path: Path) -> None:
             np.testing.assert_array_equal(one[0].transpose(0, 3, 1, 2), other[0])
             np.testing.assert_array_equal(one[1:], other[1:])
         assert [space.n for space in envs.get_attr("action_space")] == [4, 4]
+        page = str(page_of(envs))
+        assert page.startswith("<p>2 environments</p>")
+        assert page.count("<img") == 2
         if vector == "DummyVecEnv":  # ale-py's interface cannot be pickled either
             assert all(isinstance(env, atari.AtariEnv) for env in envs.get_attr("unwrapped"))
             assert [interface.lives() for interface in ours.get_attr("ale")] == [
