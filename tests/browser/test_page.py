@@ -269,7 +269,7 @@ def forged(**header: Any) -> bytes:
     ("header", "sentence"),
     [
         ({"rom": "0" * 32}, "The replay was recorded with a ROM of MD5 000000"),
-        ({"format": 3}, "the format is 3, and this page reads 1"),
+        ({"format": 3}, "The replay has format 3, and this page reads 1; use"),
         ({"game": "nothing"}, "The page has no such game."),
     ],
 )

@@ -237,7 +237,8 @@ def read(path: str | PathLike[str]) -> ReplayContent:
             reads = FORMAT_OF_PLAYERS if "players" in header else FORMAT
             if header.get("format") != reads:
                 found = header.get("format")
-                raise _corrupt(offset, f"the format is {found!r}, and this release of atari-envs reads {reads}")
+                text = f"the replay has format {found!r:.40}, and this release of atari-envs reads {reads}"
+                raise Corrupt(f"{text}; use the release that wrote it")
         elif kind == b"P":
             plays.append(PlayChunk.unpack(payload, offset, frames))
             frames += len(plays[-1].short_hashes)
