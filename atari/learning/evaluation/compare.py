@@ -224,7 +224,7 @@ def _notes(
     if left_out:
         yield f"left out, because not all have scores of them: {', '.join(left_out)}"
     for protocol in dict.fromkeys(row.protocol for row in comparison.rows):
-        yield f"{', '.join(row.name for row in comparison.rows if row.protocol == protocol)}: {protocol}"
+        yield f"{' and '.join(row.name for row in comparison.rows if row.protocol == protocol)}: {protocol}"
     for other in others:
         if frames is not None and not budget_faults(other, frames):
             first, last = other.interval(frames)
