@@ -166,7 +166,7 @@ def test_another_version_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(file_format, "FORMAT", 2)
     path = write(tmp_path / "a.a26r")
     monkeypatch.undo()
-    with pytest.raises(Corrupt, match="^the replay has format 2, and this release of atari-envs reads 1"):
+    with pytest.raises(Corrupt, match=r"^the replay has format 2, and this release of atari-envs reads 1"):
         read(path)
 
 
