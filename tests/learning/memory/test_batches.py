@@ -118,3 +118,33 @@ def test_shared_tensors() -> None:
     assert torch.equal(batch.frames[:, 1:], batch.next_observations)
     flat = batch.observations.view(8, -1)
     assert flat.shape == (8, 4 * 72)
+
+
+@pytest.mark.parametrize("torch", [False, True])
+@pytest.mark.parametrize(("shape", "stack"), [((1, 8, 9), 4), (SHAPE, STACKS)])
+@pytest.mark.parametrize("length", [0, 5])
+def test_arrays_that_are_given_get_what_new_ones_have(length: int, shape: Any, stack: Any, torch: bool) -> None:
+    if torch:
+        pytest.importorskip("torch")
+    memory, other = (filled(shape, stack_num=stack) for _ in range(2))
+    if length:
+        out: Any = memory.make_sequences(8, length, torch=torch)
+        batch, expected = memory.sample_sequences(8, length, out=out), other.sample_sequences(8, length)
+    else:
+        out = memory.make_batch(8, torch=torch)
+        batch, expected = memory.sample(8, out=out), other.sample(8)
+    assert batch is out
+    names = "observations actions rewards terminations truncations indices env_id".split()
+    for name in (*names, *(["mask"] if length else ["next_observations", "discounts", "weights"])):
+        given, wanted = getattr(batch, name), getattr(expected, name)
+        for key in wanted if isinstance(wanted, dict) else ("",):
+            one, other_one = (given[key], wanted[key]) if key else (given, wanted)
+            assert np.array_equal(np.asarray(one), other_one), (name, key)
+
+
+def test_sequences_of_another_length_are_refused() -> None:
+    memory = filled(stack_num=4)
+    with pytest.raises(ValueError, match="observations of out must be uint8"):
+        memory.sample_sequences(8, 4, out=memory.make_sequences(8, 5))
+    with pytest.raises(ValueError, match="observations of out must be uint8"):
+        memory.sample_sequences(7, 5, out=memory.make_sequences(8, 5))
