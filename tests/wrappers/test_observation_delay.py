@@ -171,3 +171,16 @@ def test_around_wrappers_of_single_frames(core: str) -> None:
         parts = [frames.screen(now - 3 - back) for back in (0, 1)]
         np.testing.assert_array_equal(seen, np.maximum(*parts))
     assert env.unwrapped.driver.delayed is None
+
+
+def test_a_snapshot_of_the_wrapper_has_the_frames_that_have_not_arrived() -> None:
+    env: Any = wrappers.ObservationDelay(AtariEnv("pong", obs_type="ram"), 3)
+    env.reset(seed=0)
+    for action in (2, 3, 2):
+        env.step(action)
+    saved = env.snapshot()
+    seen = [env.step(3)[0] for _ in range(5)]
+    env.reset(seed=1)
+    env.restore(saved)
+    for before in seen:
+        np.testing.assert_array_equal(env.step(3)[0], before)
