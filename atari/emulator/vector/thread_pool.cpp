@@ -40,8 +40,7 @@ void wait_while(const std::atomic<uint32_t>& counter, uint32_t value) {
 
 void bind_to_core([[maybe_unused]] std::thread& thread, [[maybe_unused]] int core) {
 #if defined(__linux__)
-    cpu_set_t cores;
-    CPU_ZERO(&cores);
+    cpu_set_t cores{};
     CPU_SET(static_cast<size_t>(core) % std::max(1u, std::thread::hardware_concurrency()), &cores);
     pthread_setaffinity_np(thread.native_handle(), sizeof cores, &cores);  // A failure only costs speed.
 #endif
