@@ -76,7 +76,7 @@ def comparison_part(comparison: Comparison) -> str:
     from atari.learning.evaluation.plot import comparison_figure  # here, because it imports Matplotlib
 
     plot = drawing(comparison_figure(comparison), "normalised scores with intervals")
-    return f"<h2>Comparison</h2>\n{plot}\n<pre>{html.escape(str(comparison))}</pre>"
+    return f"<h2>Comparison</h2>\n{plot}\n<div class=wide>{comparison._repr_html_()}</div>"
 
 
 def draw_published(axes: Any, game: str, most: float) -> int:
