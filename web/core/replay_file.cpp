@@ -150,7 +150,8 @@ class ContentReader {
         const Json* const format = content_.header.find("format");
         if (!format || !format->is_integer() || format->number != reads)
             throw Refused("the replay has format " + (format ? format->canonical().substr(0, 40) : "None") +
-                          ", and this page reads " + std::to_string(reads) + "; use the page of the release that wrote it");
+                          ", and this page reads " + std::to_string(reads) +
+                          "; use the page of the release that wrote it");
     }
 
     // Unpacks the events of all chunks once, so that a damaged one is an error now.
