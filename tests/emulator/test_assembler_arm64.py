@@ -67,10 +67,10 @@ SEQUENCES = {
     ),
     "comparisons": (
         "cmp w3, w8; cset w3, hi; cmp w3, #127; cinc w8, w8, hs; mov w16, #-1; cmp w3, w16; movz w16, #0x10; "
-        "movk w16, #1, lsl #16; cmp x3, x16; ldrb w16, [x20, #5]; cmp w16, w3; ldrb w16, [x20, #5]; cmp w16, #0x81; "
+        "movk w16, #1, lsl #16; cmp x3, x16; ldrb w16, [x20, #5]; cmp w16, w3, uxtb; ldrb w16, [x20, #5]; cmp w16, #0x81; "
         "subs w3, w3, w8; ldrb w16, [x20, #5]; cmp w16, #0; cset w3, ne; tst w8, #255; cset w16, eq; "
         "add w3, w16, w3, lsl #1; ldr x16, [x20, #3744]; cmp x8, x16; cset w3, hs; lsl w3, w3, #7",
-        "6b08007f 1a9f97e3 7101fc7f 1a883508 12800010 6b10007f 52800210 72a00030 eb10007f 39401690 6b03021f 39401690 "
+        "6b08007f 1a9f97e3 7101fc7f 1a883508 12800010 6b10007f 52800210 72a00030 eb10007f 39401690 6b23021f 39401690 "
         "7102061f 6b080063 39401690 7100021f 1a9f07e3 72001d1f 1a9f17f0 0b030603 f9475290 eb10011f 1a9f37e3 53196063",
     ),
     "jumps": (

@@ -179,10 +179,13 @@ class Assembler {
             kZeroRegister);
         condition_ = {Condition::kFlags};
     }
+    // The register holds a byte.
     void compare8(Reg reg, uint8_t with) { compare(reg, int32_t{with}); }
+    // The register's low byte counts, as on x86-64.
     void compare8(Mem memory, Reg with) {
         load8(kFirst, memory);
-        compare(kFirst, with);
+        put(kSubtractAndCompareByte | with << 16 | kFirst << 5 | kZeroRegister);
+        condition_ = {Condition::kFlags};
     }
     void compare8(Mem memory, uint8_t with) {
         load8(kFirst, memory);
@@ -357,9 +360,9 @@ class Assembler {
   private:
     static constexpr Reg kFirst = numbered(16), kSecond = numbered(17), kSaved = numbered(15), kStack = numbered(31);
     static constexpr uint32_t kWide = 0x80000000, kAdd = 0x0b000000, kOr = 0x2a000000, kBitField = 0x53000000,
-                              kSubtractAndCompare = 0x6b000000, kShiftByRegister = 0x1ac02400, kSet = 0x1a9f07e0,
-                              kLoad = 1 << 22, kStore = 0, kJump = 0x14000000, kJumpIfBit = 0x37000000,
-                              kJumpIfNoBit = 0x36000000;
+                              kSubtractAndCompare = 0x6b000000, kSubtractAndCompareByte = 0x6b200000,
+                              kShiftByRegister = 0x1ac02400, kSet = 0x1a9f07e0, kLoad = 1 << 22, kStore = 0,
+                              kJump = 0x14000000, kJumpIfBit = 0x37000000, kJumpIfNoBit = 0x36000000;
 
     // The last test or comparison, which the next jump uses.
     struct Condition {
