@@ -49,7 +49,7 @@ def learning_curves(game: str, logs: Sequence[tuple[str, str, Sequence[Mapping[s
     axes.set_xlabel("million frames")
     axes.set_ylabel("score of whole games")
     axes.legend(fontsize="small", framealpha=0)
-    about = f"Mean score of the last {WINDOW} whole games, all lives, not clipped."
+    about = f"Mean score of the last whole games, {WINDOW} if all environments are scored, all lives, not clipped."
     others = " Published curves are of other protocols, with the same number of frames." if published else ""
     return f"<p>{about}{others}</p>\n{drawing(figure, 'learning curves')}"
 

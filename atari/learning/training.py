@@ -30,7 +30,8 @@ class Training:
         folder: the run folder.
         agent: the agent.
         options: the options of the agent.
-        scores: by game, the scores of the last 100 whole games.
+        scores: by game, the scores of the last 100 whole games; of fewer if not all environments are scored, so that
+            the time that they span is the same.
         games: the number of whole games so far.
         seconds: the seconds of the updates so far.
 
@@ -49,7 +50,9 @@ class Training:
         self.folder = folder
         self.agent = agent
         self.options = options
-        self.scores: dict[str, deque[float]] = {task.game: deque(maxlen=WINDOW) for task in options.tasks}
+        scored = [bool(one) for environments in agent.environments for one in environments.scored]
+        window = max(1, round(WINDOW * sum(scored) / len(scored)))
+        self.scores: dict[str, deque[float]] = {task.game: deque(maxlen=window) for task in options.tasks}
         self.games = 0
         self.seconds = 0.0
         self._saved_at, self._saved_step = time.monotonic(), -1
@@ -189,7 +192,7 @@ class Training:
         if self.agent.steps >= self.options.total_steps:
             return "steps"
         wanted = self.options.stop_score
-        known = all(len(scores) == WINDOW for scores in self.scores.values())
+        known = all(len(scores) == scores.maxlen for scores in self.scores.values())
         if wanted is not None and known and self._score() >= wanted:
             return "score"
         return "stop" if self._stop is not None and self._stop.is_set() else ""

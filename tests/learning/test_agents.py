@@ -149,6 +149,23 @@ def test_lanes_with_epsilons_of_their_own(name: str) -> None:
         assert agent.environments[0].scored.tolist() == [epsilon < 0.01 for epsilon in last]
 
 
+@pytest.mark.parametrize(
+    ("name", "options", "games"),
+    [
+        ("ppo", {}, 100),
+        ("pqn", {"lane_epsilon": 0.4, "num_envs": 8}, 38),  # three of eight are scored
+        ("dqn", {"lane_epsilon": 0.4, "num_envs": 8}, 38),
+        ("ppo", {"restart_share": 0.25, "num_envs": 8}, 75),
+    ],
+)
+def test_the_score_is_of_as_many_games_of_each_scored_environment(
+    name: str, options: dict[str, Any], games: int, tmp_path: Path
+) -> None:
+    training = Training.begin(name, make_options(name, workers=1, **options), tmp_path / name)
+    with closing(training):
+        assert [scores.maxlen for scores in training.scores.values()] == [games]
+
+
 @pytest.mark.parametrize("name", ["pqn", "dqn"])
 def test_lanes_without_a_greedy_one_are_refused(name: str) -> None:
     with pytest.raises(ValueError, match=r"with lane_epsilon=0\.9 none of the 4 environments .* is greedy"):

@@ -420,7 +420,9 @@ def test_curves_say_what_is_drawn() -> None:
     assert drawn(float("nan")) == "<p>No game has ended in the training, so there is no curve yet.</p>"
     assert drawn() == drawn(float("nan"))
     short, long = drawn(float("nan"), 3.0), drawn(1.0, 3.0, frames=20e6)
-    assert short.startswith("<p>Mean score of the last 100 whole games, all lives, not clipped.</p>\n<svg")
+    assert short.startswith(
+        "<p>Mean score of the last whole games, 100 if all environments are scored, all lives, not clipped.</p>\n<svg"
+    )
     assert "currentColor" in short  # it follows the page, light or dark, without a white ground
     assert not {"#000000", "#ffffff", "white"} & {*re.findall(r"#\w{6}|\bwhite\b", short)}
     assert "Published curves" not in short
