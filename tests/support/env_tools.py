@@ -18,10 +18,8 @@ needs_gymnasium_1 = pytest.mark.skipif(gymnasium.__version__ < "1", reason="comp
 needs_autoreset_modes = pytest.mark.skipif(
     not hasattr(gymnasium.vector, "AutoresetMode"), reason="compares with the modes of Gymnasium 1.1 or newer"
 )
-needs_new_ale_py = pytest.mark.skipif(
-    ale._numbers(ale_py.__version__) < ale._numbers(ale.OLDEST_ALE_PY),
-    reason="the installed ale-py is too old for AleCore",
-)
+OLD_ALE_PY = ale._numbers(ale_py.__version__) < ale._numbers(ale.OLDEST_ALE_PY)
+needs_new_ale_py = pytest.mark.skipif(OLD_ALE_PY, reason="the installed ale-py is too old for AleCore")
 _EXACT = {"exact": True} if "exact" in inspect.signature(env_checker.data_equivalence).parameters else {}
 
 
