@@ -66,7 +66,8 @@ class Unpacker:
                     many = f"{_MOST_MEMBERS:,} files in it, and the rest was not read; unpack it yourself"
                     yield name, ValueError(f"{name} has more than {many}")
                     return
-                name_fault = "" if _names_a_file(member) else "has a name that leads out of the archive, or none"
+                leads_out = member.startswith(("/", "\\")) or ".." in re.split(r"[/\\]", member)
+                name_fault = "has a name that leads out of the archive, or none" if leads_out or not member else ""
                 yield from self._in_member(f"{member!r} in {name}", name_fault or fault, opened, depth)
         except _TooLarge:
             yield name, ValueError(f"{name} was not unpacked to its end, because it is too large; unpack it yourself")
@@ -151,8 +152,3 @@ def _in_zip(stream: IO[bytes]) -> Iterator[_Member]:
             if not info.filename.endswith("/"):
                 fault = "" if info.compress_type in METHODS else "is packed in another way than by Deflate"
                 yield info.filename, fault, partial(archive.open, info)
-
-
-def _names_a_file(name: str) -> bool:
-    """Whether a member's name is a valid name of a file in a folder."""
-    return bool(name) and not name.startswith(("/", "\\")) and ".." not in re.split(r"[/\\]", name)

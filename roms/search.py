@@ -89,7 +89,8 @@ def find(game: str | Game, path: str | os.PathLike[str] | None = None) -> Path:
             raise ValueError(
                 f"the ROM of {known.title} is needed, but {fault}; without a path, the file is searched for"
             )
-    return _rightly_named(known, file) if _is_ours(known) and misleads(file, known) else file
+    is_ours = known.id in games and known.rom.md5 == games[known.id].rom.md5  # a user's own game can have the same id
+    return _rightly_named(known, file) if is_ours and misleads(file, known) else file
 
 
 def installed() -> dict[str, Path]:
@@ -175,11 +176,6 @@ def _beside(game: Game) -> Path | None:
         if file.is_file() and (holds(file, game) if game.rom.md5 else not begins_with(file, REPLAY)):
             return file
     return None
-
-
-def _is_ours(game: Game) -> bool:
-    """Whether ale-py has this game; a user's own game can have the same id."""
-    return game.id in games and game.rom.md5 == games[game.id].rom.md5
 
 
 def _rightly_named(game: Game, file: Path) -> Path:

@@ -41,13 +41,18 @@ class OptionValueError(ValueError, gymnasium.error.Error):
     """An option has a value that is not accepted."""
 
 
-def check_integer(name: str, value: Any, low: int, high: int) -> int:
-    """`value` as an int within low..high; bools are refused, NumPy integers accepted."""
+def as_integer(value: Any) -> int | None:
+    """`value` as an int; None for a bool, and for what is no integer of Python or NumPy."""
     try:
-        number = operator.index(value)
+        return None if isinstance(value, bool) else operator.index(value)
     except TypeError:
-        number = None
-    if number is None or isinstance(value, bool):
+        return None
+
+
+def check_integer(name: str, value: Any, low: int, high: int) -> int:
+    """`value` as an int within low..high, see `as_integer`."""
+    number = as_integer(value)
+    if number is None:
         raise TypeError(f"{name} must be an integer within {low}..{high}, got {value!r}")
     if not low <= number <= high:
         raise ValueError(f"{name} must be within {low}..{high}, got {number}")

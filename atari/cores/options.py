@@ -1,10 +1,9 @@
 """`CoreOptions`: the options of every core, checked against what the game offers."""
 
-import operator
 from dataclasses import dataclass, fields
 from typing import Any
 
-from atari.base.validation import AleError, check_integer, check_probability
+from atari.base.validation import AleError, as_integer, check_integer, check_probability
 from atari.games.game import Game
 
 SEED_LIMIT = 2**32
@@ -70,11 +69,8 @@ def check_difficulty(game: Game, difficulty: Any) -> int:
 
 
 def _check_choice(name: str, value: Any, choices: tuple[int, ...], game: Game) -> int:
-    try:
-        number = operator.index(value)
-    except TypeError:
-        number = None
-    if number is None or isinstance(value, bool):
+    number = as_integer(value)
+    if number is None:
         raise TypeError(f"{name} must be an integer or None, got {value!r}")
     if number not in choices:
         raise AleError(f"{game.id} has no {name} {number}; it has {', '.join(map(str, choices))}")

@@ -269,7 +269,7 @@ def make(
     if (
         max_episode_steps is not None
         and isinstance(creator, EntryPoint)
-        and _takes(creator.load(), "max_episode_steps")
+        and "max_episode_steps" in inspect.signature(creator.load()).parameters
     ):
         options["max_episode_steps"], max_episode_steps = max_episode_steps, None
     limit = chosen.max_episode_steps if max_episode_steps is None else max_episode_steps
@@ -321,11 +321,6 @@ def __getattr__(name: str) -> Any:
     if name == "current_namespace":  # it changes inside `namespace`
         return _registration.current_namespace
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-def _takes(creator: Callable[..., Any], name: str) -> bool:
-    """Whether a class or function has a parameter of this name."""
-    return name in inspect.signature(creator).parameters
 
 
 def _import_path(entry_point: Any) -> str:
