@@ -11,7 +11,8 @@ import numpy as np
 from atari.base.validation import check_integer
 from atari.learning.diagnosis.behaviour import behaviour
 from atari.learning.diagnosis.findings import Finding
-from atari.learning.diagnosis.moments import Group, Moment, groups, words
+from atari.learning.diagnosis.groups import Group, groups, words
+from atari.learning.diagnosis.moments import Moment
 from atari.learning.diagnosis.plays import Plays, play_games
 from atari.learning.diagnosis.search import Saved, search, steps_of
 from atari.learning.diagnosis.training_log import Standstill, standstill

@@ -8,7 +8,8 @@ from gymnasium.error import DependencyNotInstalled
 
 from atari.base import durable
 from atari.learning.diagnosis.diagnosis import Diagnosis, Search
-from atari.learning.diagnosis.moments import Moment, words
+from atari.learning.diagnosis.groups import words
+from atari.learning.diagnosis.moments import Moment
 from atari.learning.diagnosis.search import Part, record_parts
 from atari.learning.pages import learning_curves, write_page
 from atari.recording import Replay

@@ -1,4 +1,4 @@
-"""`groups`: the moments of games, what is common in them, and the sentences about them."""
+"""`moments_of` and `groups`: the moments of games, what is common in them, and the sentences about them."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,16 +11,8 @@ import atari
 from atari.lab.labels import labels_of
 from atari.learning import PROTOCOLS, load_policy
 from atari.learning.diagnosis.facts import Fact
-from atari.learning.diagnosis.moments import (
-    Group,
-    Losses,
-    Moment,
-    groups,
-    last_chance,
-    moments_of,
-    unusual_steps,
-    words,
-)
+from atari.learning.diagnosis.groups import Group, Losses, groups, words
+from atari.learning.diagnosis.moments import Moment, last_chance, moments_of, unusual_steps
 from atari.learning.diagnosis.plays import Play, Plays, play_games
 from atari.learning.evaluation.played import played_task, resolve_games
 
