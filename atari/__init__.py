@@ -11,8 +11,6 @@ from importlib.machinery import PathFinder
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.2.0"  # `pyproject.toml` has it, too
-
 
 def _installed_modules() -> list[str]:
     """The folders of the installed package. Its Python modules and its compiled module come from one build.
@@ -39,6 +37,7 @@ from atari.base import start  # isort: skip # noqa: F401 - before the other impo
 from atari import cores
 from atari.base import namesake
 from atari.base.variables import check as check_variables
+from atari.base.version import VERSION
 from atari.base.wrapped import show_wrapped
 from atari.env import AtariEnv
 from atari.games.actions import Action
@@ -47,6 +46,8 @@ from atari.registry.making import make
 from atari.registry.registration import explain, register_algorithmic, register_all, register_game
 from atari.task import PRESETS, Task
 from atari.vector import AtariVectorEnv
+
+__version__ = VERSION
 
 if TYPE_CHECKING:
     from atari import classic, integrations, lab, learning, multiplayer, recording, roms, testing, wrappers

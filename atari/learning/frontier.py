@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import atari._emulator as _emulator
-from atari import __version__
 from atari.base import durable
 from atari.base.validation import check_file
+from atari.base.version import VERSION
 from atari.cores.native import STATE_VERSION
 from atari.cores.snapshot import pack, unpack
 from atari.env.lane_snapshot import LaneSnapshot
@@ -93,7 +93,7 @@ def write_frontier(
         images.add(image)
     if len(images) > 1:
         raise ValueError("the snapshots are of several ROM images; write a file for each of them")
-    of = {"of": "frontier", "state version": STATE_VERSION, "package": __version__}
+    of = {"of": "frontier", "state version": STATE_VERSION, "package": VERSION}
     facts = {**of, "task": identity(task), "image": images.pop(), "scores": values}
     durable.write_file(Path(path), pack(facts, states))
 

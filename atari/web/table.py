@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from atari import __version__
+from atari.base.version import VERSION
 from atari.cores.compiled import definition, definition_for_players
 from atari.cores.writes import make_writes, possible_values
 from atari.games.actions import Action
@@ -39,7 +39,7 @@ def entry(game: Game) -> dict[str, Any]:
     objects = [{"name": name, **_sizes(axes)} for name, axes in positions(game.ram_labels).items()]
     return {
         "format": FORMAT,
-        "release": __version__,
+        "release": VERSION,
         "id": game.id,
         "title": game.title,
         "md5": md5(image) if image else game.rom.md5,
@@ -75,7 +75,7 @@ def table_files(games: Iterable[Game]) -> dict[str, bytes]:
     entries = [entry(game) for game in games]
     index = {
         "format": FORMAT,
-        "release": __version__,
+        "release": VERSION,
         "games": {one["id"]: {"title": one["title"], "md5": one["md5"]} for one in entries},
     }
     return {

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any
 
-from atari import __version__
+from atari.base.version import VERSION
 from atari.games.game import Game
 from atari.multiplayer.core import MultiplayerCore
 from atari.recording.replay.events import Event, Kind
@@ -38,7 +38,7 @@ class RecordMatch(RecordedCore):
             "source": type(core).__name__,
             "players": core.players,
             "options": json_value(core.options),
-            "package": __version__,
+            "package": VERSION,
         }
         recorder = ReplayRecorder(path, header, core)
         super().__init__(core, recorder)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from atari import __version__
+from atari.base.version import VERSION
 from atari.env import AtariEnv
 from atari.games.game import Game
 from atari.recording.recordable import DeferredErrorMixin
@@ -54,7 +54,7 @@ def header_of(env: AtariEnv, source: str) -> dict[str, Any]:
         "id": env.spec.id if env.spec else None,
         "task": to_short_json(env.task),
         "options": json_value(options),
-        "package": __version__,
+        "package": VERSION,
     }
 
 

@@ -5,14 +5,14 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from atari import __version__
 from atari.base import json_text
 from atari.base.validation import check_file
+from atari.base.version import VERSION
 from atari.recording.video.encoder import import_av
 from atari.task import Task
 from atari.task.json_form import to_short_json
 
-PACKAGE = f"atari-envs {__version__}"
+PACKAGE = f"atari-envs {VERSION}"
 
 
 def facts_of(task: Task) -> dict[str, Any]:
