@@ -57,6 +57,7 @@ PLACES: dict[str, tuple[str, ...]] = {
     "atari/base/validation.py": ("tests/env/test_env.py", "tests/cores", "tests/wrappers", "tests/vector"),
     "atari/games/interventions": ("tests/lab",),
     "atari/games": ("tests/games", "tests/conformance/test_ale_goldens.py"),
+    "atari/task/arguments.py": ("tests/task", "tests/cli/test_names_of_games.py"),
     "atari/learning/frame_episode.py": ("tests/learning/test_frame_agent.py", "tests/play/test_player_agent.py"),
     "atari/learning/programs.py": ("tests/learning/test_agent_code.py",),
     "atari/learning/agent.py": ("tests/learning/test_agent_code.py",),
