@@ -59,7 +59,9 @@ SECONDS_AFTER_ERROR = 1.0
 """Between the repetitions of an error."""
 
 SECONDS_TO_CLOSE = 0.3
-"""That a page has to answer a close, and the inspection's thread to end."""
+"""That a page has to answer a close that others wait for, and the inspection's thread to end."""
+_SECONDS_TO_READ = 20
+"""That a page has to read why it is closed, if nobody waits for that: its own messages come before its answer."""
 
 _TOO_MANY = 4002
 _SECONDS_UNTIL_REFRESH = 0.25
@@ -149,13 +151,16 @@ class Tab:
                 if message.type == WSMsgType.TEXT:
                     self._commands.put_nowait(message.data)
         except asyncio.QueueFull:
-            await self.close(_TOO_MANY, f"the page sent too many commands: {MOST_COMMANDS} were waiting")
+            for task in tasks:
+                task.cancel()
+            why = f"the page sent too many commands: {MOST_COMMANDS} were waiting"
+            await self.close(_TOO_MANY, why, seconds=_SECONDS_TO_READ)
         finally:
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def close(self, code: int, reason: str, refused: str = "") -> None:
+    async def close(self, code: int, reason: str, refused: str = "", seconds: float = SECONDS_TO_CLOSE) -> None:
         """Close the connection; the page shows `refused` or the reason. A page that does not read is not waited for."""
 
         async def close() -> None:
@@ -164,7 +169,7 @@ class Tab:
             await self.socket.close(code=code, message=reason.encode())
 
         with contextlib.suppress(asyncio.TimeoutError, ConnectionError):
-            await asyncio.wait_for(close(), SECONDS_TO_CLOSE)
+            await asyncio.wait_for(close(), seconds)
 
     def update(self) -> None:
         """Send a frame if the inspection has changed since the last one, or that was a while ago."""
@@ -325,7 +330,7 @@ class Inspector:
     async def _socket(self, request: web.Request) -> web.StreamResponse:
         """The tab's connection. There is one at a time; a second one gets a message, and may take its place."""
         socket = web.WebSocketResponse(
-            heartbeat=20, max_msg_size=_MOST_MESSAGE, compress=False, timeout=SECONDS_TO_CLOSE
+            heartbeat=20, max_msg_size=_MOST_MESSAGE, compress=False, timeout=_SECONDS_TO_READ
         )
         await socket.prepare(request)
         old = None if self._tab is None or self._tab.socket.closed else self._tab
