@@ -59,9 +59,9 @@ SECONDS_AFTER_ERROR = 1.0
 """Between the repetitions of an error."""
 
 SECONDS_TO_CLOSE = 0.3
-"""That a page has to answer a close that others wait for, and the inspection's thread to end."""
+"""The time that a page has to answer a close, and the inspection's thread to end."""
 _SECONDS_TO_READ = 20
-"""That a page has to read why it is closed, if nobody waits for that: its own messages come before its answer."""
+"""The time that a page which has sent too many commands has to answer a close: it sends the rest of them first."""
 
 _TOO_MANY = 4002
 _SECONDS_UNTIL_REFRESH = 0.25
