@@ -1,6 +1,6 @@
 """`diagnose`: where the games of a policy end, what it does there, and what gets it on."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -10,7 +10,7 @@ import numpy as np
 
 from atari.base.validation import check_integer
 from atari.learning.diagnosis.behaviour import behaviour
-from atari.learning.diagnosis.findings import Finding
+from atari.learning.diagnosis.findings import RESTARTS, Finding, is_new
 from atari.learning.diagnosis.groups import Group, groups, words
 from atari.learning.diagnosis.moments import Moment
 from atari.learning.diagnosis.plays import Plays, play_games
@@ -58,6 +58,7 @@ class Diagnosis:
         searches: continuations from moments of the groups.
         standstill: when the score of the training stopped to rise; None without a log, or if it rose to the end.
         run: the run folder of the policy; None for another policy.
+        training: the fields of the task and the options of the training; None without a run folder.
 
     Example:
         >>> from atari.learning import diagnose
@@ -74,15 +75,16 @@ class Diagnosis:
     searches: tuple[Search, ...]
     standstill: Standstill | None
     run: Path | None
+    training: Mapping[str, Any] | None
 
     @property
     def options(self) -> tuple[str, ...]:
-        """Options of `atari train` to try, the cheapest first."""
+        """Options of `atari train` to try, the cheapest first; without those that the training had."""
         found = [option for finding in self.findings for option in finding.options]
         found += self.standstill.options if self.standstill is not None else ()
         if any(one.saved is not None and one.saved.own_passed == 0 for one in self.searches):
-            found.append("--restart-share 0.25 --restart-from frontier.states")
-        return tuple(dict.fromkeys(found))
+            found.append(RESTARTS)
+        return tuple(one for one in dict.fromkeys(found) if self.training is None or is_new(one, self.training))
 
     def __str__(self) -> str:
         scores, game = self.plays.scores, self.plays.task.definition
@@ -188,8 +190,7 @@ def diagnose(
     for number, (group, moment) in enumerate(_searched(plays, parts, frontiers)):
         report("searches", number, frontiers)
         searches.append(Search(group, moment, search(plays, moment, steps=steps, seed=seed)))
-    run, log = _run_of(policy)
-    return Diagnosis(loaded.name, chosen, plays, parts, habits, tuple(searches), log, run)
+    return Diagnosis(loaded.name, chosen, plays, parts, habits, tuple(searches), *_training_of(policy))
 
 
 def frontier_of(plays: Plays, moments: Sequence[Moment], before: Sequence[int] = (100, 200, 300)) -> Frontier:
@@ -262,11 +263,12 @@ def _searched(plays: Plays, parts: Sequence[Group], count: int) -> list[tuple[in
     return found
 
 
-def _run_of(policy: Any) -> tuple[Path | None, Standstill | None]:
-    """The run folder of a policy, and the standstill in its log."""
+def _training_of(policy: Any) -> tuple[Standstill | None, Path | None, Mapping[str, Any] | None]:
+    """The standstill in the log of a policy's training, its run folder, and its options; None without a run folder."""
     if not isinstance(policy, (str, Path)) or not (Path(policy) / "config.json").is_file():
-        return None, None
+        return None, None, None
     from atari.learning.run_folder import RunFolder
 
     folder = RunFolder.open(Path(policy))
-    return folder.path, standstill(folder.rows(), folder.config["options"])
+    options = folder.config["options"]
+    return standstill(folder.rows(), options), folder.path, {**folder.config["task"], **options}

@@ -1,7 +1,8 @@
 """`Finding`: something about an agent that its plays or its answers to observations show."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -9,6 +10,10 @@ import numpy.typing as npt
 from atari.learning.diagnosis.plays import Play, Plays
 
 FindingKind = Literal["delayed actions", "unused action", "random from", "loop", "side not visited", "unseen object"]
+
+RESTARTS = "--restart-share 0.25 --restart-from frontier.states"
+_LESS = ("--epsilon 0.001", "--action-delay 0")
+"""The options that help by a smaller value. Of the other numbers, a larger one does."""
 
 
 @dataclass(frozen=True)
@@ -39,6 +44,32 @@ class Finding:
 
     def __str__(self) -> str:
         return self.text
+
+
+def is_new(option: str, training: Mapping[str, Any]) -> bool:
+    """Whether the agent of a training takes an option of `atari train`, and the training did without it.
+
+    Args:
+        option: one flag or more with their values.
+        training: the fields of the task and the options of the training, as in its configuration.
+
+    Example:
+        >>> from atari.learning.diagnosis.findings import is_new
+        >>> is_new("--gamma 0.997", {"gamma": 0.99}), is_new("--gamma 0.997", {"gamma": 0.999})
+        (True, False)
+    """
+    words = option.replace("--sticky", "--repeat-action-probability").split()
+    given = {flag[2:].replace("-", "_"): value for flag, value in zip(words[::2], words[1::2], strict=True)}
+    if not given.keys() <= training.keys() or ("epsilon" in given and training.get("lane_epsilon") is not None):
+        return False
+    return not all(_has(training[name], value, option in _LESS) for name, value in given.items())
+
+
+def _has(had: Any, value: str, less: bool) -> bool:
+    """Whether a training's value is that of an option, or beyond it."""
+    if not isinstance(had, (int, float)):
+        return str(had) == value
+    return had <= float(value) if less else had >= float(value)
 
 
 class Step(NamedTuple):

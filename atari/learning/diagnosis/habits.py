@@ -69,7 +69,7 @@ Unit = Literal["score", "step"]
 
 
 def _words(unit: Unit, place: int) -> str:
-    return f"{place} points" if unit == "score" else f"step {place}"
+    return f"{place:,} points" if unit == "score" else f"step {place:,}"
 
 
 def _random_from(keys: Sequence[Ints], plays: Plays) -> tuple[float, int, float]:
@@ -170,9 +170,9 @@ def loop(plays: Plays) -> Finding | None:
     share = sum(lengths) / sum(map(len, plays))
     what = "one action is held" if period == 1 else f"a cycle of {period} actions repeats"
     text = (
-        f"From {_words(unit, place)} on, {what} in {len(stuck)} of {len(plays)} games, for {min(lengths)} to "
-        f"{max(lengths)} steps, without a way out to a reward; no game that left a repetition for a reward had "
-        f"repeated more than {went_on} steps without one."
+        f"From {_words(unit, place)} on, {what} in {len(stuck)} of {len(plays)} games, for {min(lengths):,} to "
+        f"{max(lengths):,} steps, without a way out to a reward; no game that left a repetition for a reward had "
+        f"repeated more than {went_on:,} steps without one."
     )
     return Finding(
         "loop", _words(unit, place), place, share, text, ("--epsilon 0.01", "--sticky 0.25", "--gamma 0.997")

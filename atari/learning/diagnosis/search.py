@@ -115,11 +115,11 @@ class Saved:
 
     def __str__(self) -> str:
         value = "" if self.value is None else f" (its value: {self.value:.3g})"
+        own = f", and {self.own_passed} of {self.own_tries} of the policy itself" if self.own_tries else ""
         return (
             f"{self.ahead} steps before, at {self.score:,g} points, the policy chose {self.chosen}{value}; "
             f"{self.way} passes and wins {self.gained:,} points, where the game won {self.recorded:,}. Of "
-            f"{self.tries} tries with random actions {self.passed} pass, and {self.own_passed} of {self.own_tries} of "
-            "the policy itself."
+            f"{self.tries} tries with random actions {self.passed} pass{own}."
         )
 
     def write(self, path: str | PathLike[str], player: EvaluatedPolicy) -> None:

@@ -60,8 +60,8 @@ def delayed_actions(plays: Plays) -> Finding | None:
         return None
     delay, answered = int(clear[0]), int(counts[lags == clear[0]][0])
     text = (
-        f"The policy answers {delay} steps late: of {len(answers)} observations that were replaced by another one, "
-        f"{answered} changed its action {delay} steps later, and {int((answers == 0).sum())} at once."
+        f"The policy answers {delay} steps late: of {len(answers):,} observations that were replaced by another one, "
+        f"{answered:,} changed its action {delay} steps later, and {int((answers == 0).sum()):,} at once."
     )
     options = ("--stack-num 4",)
     return Finding("delayed actions", f"{delay} step{'s' * (delay > 1)}", delay, answered / len(answers), text, options)
@@ -173,8 +173,8 @@ def unseen_objects(plays: Plays) -> tuple[Finding, ...]:
         part, count = seen[kind.name]
         if part == 0 and count >= _LEAST_OBSERVATIONS:
             text = (
-                f"The policy does not see {_plain(kind.name)}: covering it in {count} observations changed no action, "
-                f"though it was near the player at {near[kind.name]:.0%} of the {_what(plays)}."
+                f"The policy does not see {_plain(kind.name)}: covering it in {count:,} observations changed no "
+                f"action, though it was near the player at {near[kind.name]:.0%} of the {_what(plays)}."
             )
             options = ("--img-height 84 --img-width 84", "--stack-num 4", "--network nature")
             found.append(Finding("unseen object", kind.name, None, near[kind.name], text, options))

@@ -43,7 +43,11 @@ class Standstill:
         )
         facts = [
             *([] if self.epsilon is None or self.lanes else [f"epsilon is {self.epsilon:.2g}"]),
-            *([] if self.rate is None else [f"the learning rate {self.rate:.0%} of the first one".replace("%", " %")]),
+            *(
+                []
+                if self.rate is None
+                else [f"the learning rate is {self.rate:.0%} of the first one".replace("%", " %")]
+            ),
         ]
         return f"{first} Then {' and '.join(facts)}." if facts else first
 

@@ -12,6 +12,7 @@ from cli_tools import Capture, read, refused
 from atari.cli import main
 from atari.learning import diagnose
 from atari.learning.diagnosis.diagnosis import Diagnosis
+from atari.learning.diagnosis.findings import RESTARTS, is_new
 from atari.learning.diagnosis.page import write_diagnosis
 from atari.learning.diagnosis.training_log import Standstill, standstill
 from atari.learning.frontier import read_frontier
@@ -143,3 +144,25 @@ def test_no_standstill(scores: Any) -> None:
 )
 def test_options_of_a_standstill(epsilon: Any, rate: Any, lanes: bool, options: Any) -> None:
     assert Standstill(10.0, 1e6, 2e6, epsilon, rate, lanes).options == options
+
+
+@pytest.mark.parametrize(
+    ("option", "training", "new"),
+    [
+        ("--sticky 0.25", {"repeat_action_probability": 0.25}, False),
+        ("--sticky 0.25", {"repeat_action_probability": 0.0}, True),
+        ("--stack-num 4", {"stack_num": 2}, True),
+        ("--epsilon 0.01", {"epsilon": 0.001, "lane_epsilon": None}, True),
+        ("--epsilon 0.01", {"epsilon": 0.001, "lane_epsilon": 0.4}, False),
+        ("--epsilon 0.01", {"gamma": 0.99}, False),
+        ("--epsilon 0.001", {"epsilon": 0.01}, True),
+        ("--action-delay 0", {"action_delay": 3}, True),
+        ("--exploration 0.2", {"exploration": 100_000}, False),
+        ("--network nature", {"network": "nature"}, False),
+        ("--img-height 84 --img-width 84", {"img_height": 84, "img_width": 42}, True),
+        (RESTARTS, {"restart_share": 0.25, "restart_from": None}, True),
+        (RESTARTS, {}, False),
+    ],
+)
+def test_only_options_that_the_training_did_without_are_to_try(option: str, training: Any, new: bool) -> None:
+    assert is_new(option, training) == new
