@@ -59,11 +59,11 @@ def register(commands: Commands) -> None:
 
 
 def _diagnose(args: argparse.Namespace) -> int:
-    from atari.learning.diagnosis.diagnosis import diagnose
+    from atari.learning.diagnosis.diagnosis import diagnose, only_game
     from atari.learning.diagnosis.page import write_diagnosis
 
     policy = load_policy(args.source, sample=args.sample)
-    (game,) = find_played(args, [args.games] if args.games else [], None if args.games else policy)
+    game = only_game(find_played(args, [args.games] if args.games else [], None if args.games else policy))
     task = games_of(policy, game, args.protocol)[0]
     if show_task(args, task):
         return 0
@@ -87,11 +87,13 @@ def _diagnose(args: argparse.Namespace) -> int:
             progress=progress,
             **{name: value for name, value in options.items() if value is not None},
         )
+    if not args.json:
+        print(f"{found}\n", flush=True)  # before the files, which a full disk can refuse
     page = write_diagnosis(found, folder)
     if args.json:
         print_json({"page": page, "text": str(found), "options": found.options, "scores": found.plays.scores.tolist()})
-        return 0
-    print(f"{found}\n\n{page}")
+    else:
+        print(page)
     return 0
 
 

@@ -98,7 +98,7 @@ def find_played(args: argparse.Namespace, names: Sequence[str], policy: Any = No
     alone = getattr(policy, "game", None) if trained is None else EvaluatedGame.of_policy(trained, of_game)
     games: list[Any] = [read_game(name) for name in names] or [alone]
     if games == [None]:
-        raise ValueError(f"{args.source} does not say which game it plays; name games or a set, such as atari26")
+        raise ValueError(f"{args.source} does not say which game it plays; name it, such as pong")
     others = [name for name in given if name not in OF_GAME] + ["preset"] * (getattr(args, "preset", None) is not None)
     try:
         if not others:

@@ -81,7 +81,9 @@ class TrainingEnvironments:
             from atari.learning import intrinsic  # it needs PyTorch
 
             self.intrinsic = intrinsic.IntrinsicRewards(options.intrinsic_reward, self._envs, options.seed)
-        self.scored = np.ones(num_envs, np.bool_) if self.restarts is None else ~self.restarts.restarted
+        self.scored = np.ones(num_envs, np.bool_)
+        if self.restarts is not None:
+            self._score_only(~self.restarts.restarted, f"restart_share={restart_share:g}", "plays whole games")
         self._games: list[tuple[str, float, int]] = []
 
     def reset(self, seed: int | npt.NDArray[np.int64]) -> ByteArray:
@@ -118,17 +120,27 @@ class TrainingEnvironments:
         in all of a training each place of a game is reached by environments that play greedily, and explored by others.
 
         Raises:
-            ValueError: no environment that plays whole games has an epsilon below 0.01.
+            ValueError: no environment of a game that plays whole games has an epsilon below 0.01.
         """
         count = self.num_envs
         epsilons = (greatest ** (1 + 7 * np.arange(count) / max(count - 1, 1))).astype(np.float32)
-        self.scored &= epsilons < _GREEDY
-        if not self.scored.any():
-            raise ValueError(
-                f"with lane_epsilon={greatest:g} none of the {count} environments that play whole games is greedy, so "
-                "there would be no score; give more environments or a smaller lane_epsilon"
-            )
+        self._score_only(epsilons < _GREEDY, f"lane_epsilon={greatest:g}", "that play whole games is greedy")
         return epsilons
+
+    def _score_only(self, lanes: npt.NDArray[np.bool_], option: str, what: str) -> None:
+        """Leave the score to some of the scored environments.
+
+        Raises:
+            ValueError: a game would have no score.
+        """
+        self.scored &= lanes
+        games = np.array([game.id for game in self._envs.games])
+        for game in dict.fromkeys(games.tolist()):
+            if not self.scored[games == game].any():
+                raise ValueError(
+                    f"with {option} none of the {(games == game).sum()} environments of {game} {what}, so there would "
+                    f"be no score; give more environments for each worker, or a smaller {option.partition('=')[0]}"
+                )
 
     def take_games(self) -> list[tuple[str, float, int]]:
         """The name, score and length in frames of each whole game that has ended since the last call."""

@@ -307,9 +307,11 @@ def _check_option(name: str, value: Any, kind: Any) -> None:
         error = ValueError if get_origin(kind) is Literal else TypeError
         raise error(f"{name} must be {in_words(kind)}, got {value!r:.60}")
     if isinstance(value, (int, float)) and not isinstance(value, bool):
-        least = 0 if float in members(kind) or name in _FROM_ZERO else 1
-        if not math.isfinite(value) or (not least <= value < 2**63 and name != "stop_score"):
-            raise ValueError(f"{name} must be within {least}..2**63-1, got {value!r:.60}")
+        real = float in members(kind)
+        least = -math.inf if name == "stop_score" else 0 if real or name in _FROM_ZERO else 1
+        if not math.isfinite(value) or not least <= value < 2**63:
+            wanted = "finite" if least < 0 else "finite and not negative" if real else f"within {least}..2**63-1"
+            raise ValueError(f"{name} must be {wanted}, got {value!r:.60}")
 
 
 def option_from_text(options: type, name: str, text: str) -> Any:

@@ -82,7 +82,7 @@ class Restarts:
 
     Args:
         envs: the environments, with SAME_STEP autoreset; environment i plays game i modulo the number of games.
-        share: the share of them that restarts, above 0 and at most 1.
+        share: the share of the environments of each game that restarts, above 0 and at most 1; at least one does.
         seed: the seed of the choice among snapshots.
         file: a file of `write_frontier` with states of the only game; None fills the ring while the agent plays.
 
@@ -93,9 +93,10 @@ class Restarts:
 
     def __init__(self, envs: AtariVectorEnv, share: float, seed: int, file: str | None = None) -> None:
         self._envs, self._file = envs, file
-        lanes = np.arange(envs.num_envs)
-        self.restarted: npt.NDArray[np.bool_] = np.floor(lanes * share) > np.floor((lanes - 1) * share)
-        self._game = lanes % len({game.id for game in envs.games})
+        lanes, games = np.arange(envs.num_envs), len({game.id for game in envs.games})
+        place = lanes // games  # among the environments of its game, so that each game has its share
+        self.restarted: npt.NDArray[np.bool_] = np.floor(place * share) > np.floor((place - 1) * share)
+        self._game = lanes % games
         self._rng = np.random.default_rng(seed)
         self._step = self.count = 0
         self._scores = np.zeros(envs.num_envs)

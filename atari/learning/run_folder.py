@@ -347,7 +347,7 @@ class RunFolder:
         """
         file = self.path / "policy.pt"
         if not file.is_file():
-            raise FileNotFoundError(f"{file} does not exist: the training was stopped before its first checkpoint")
+            raise FileNotFoundError(f"{file} does not exist; the first checkpoint writes it")
         weights = load_sealed(file, weights_only=True)
         if not isinstance(weights, dict) or not all(isinstance(value, torch.Tensor) for value in weights.values()):
             raise ValueError(f"{file} is damaged: it has no weights")
@@ -365,6 +365,14 @@ class RunFolder:
         durable.unlock(self._lock)
         self._lock.close()
         self._lock = None
+
+    def discard(self) -> None:
+        """Close a folder whose training did not begin, and remove it with its files."""
+        self.close()
+        for file in self.path.iterdir():
+            durable.remove(file)
+        with suppress(OSError):  # the working folder stays
+            self.path.rmdir()
 
     def __getstate__(self) -> dict[str, Any]:
         """A folder that is open for reading can be copied.

@@ -100,7 +100,7 @@ class Training:
         try:
             return cls(folder, code.kind(options, folder), options)
         except BaseException:
-            folder.close()
+            folder.discard()
             raise
 
     @classmethod
@@ -239,7 +239,8 @@ class Training:
         found = [one.restarts for one in self.agent.environments if one.restarts is not None]
         if not found:
             return {}
-        return {"restarts": sum(one.count for one in found), "frontier": max(one.frontier for one in found)}
+        frontiers = [one.frontier for one in found if not math.isnan(one.frontier)]
+        return {"restarts": sum(one.count for one in found), "frontier": max(frontiers, default=math.nan)}
 
     def _intrinsic(self, row: Mapping[str, float]) -> dict[str, float]:
         """The columns that the intrinsic rewards add to `row`, as means over the workers."""

@@ -172,6 +172,14 @@ def test_lanes_without_a_greedy_one_are_refused(name: str) -> None:
         find_agent(name)(make_options(name, lane_epsilon=0.9, num_envs=4, workers=1))
 
 
+def test_a_refused_training_leaves_no_folder(tmp_path: Path) -> None:
+    options = {"num_envs": 8, "workers": 1}
+    with pytest.raises(ValueError, match="is greedy"):
+        Training.begin("pqn", make_options("pqn", lane_epsilon=0.99, **options), tmp_path / "run")
+    assert not any(tmp_path.iterdir())
+    Training.begin("pqn", make_options("pqn", lane_epsilon=0.4, **options), tmp_path / "run").close()
+
+
 @pytest.mark.parametrize(
     ("name", "value"),
     [("exploration", 0.0), ("exploration", 1.5), ("epsilon_middle", 1.5), ("epsilon", 2), ("lane_epsilon", 1.5)],

@@ -52,6 +52,23 @@ def test_a_share_of_the_environments_restarts_and_has_no_score(played: Any) -> N
     assert envs.scored.tolist() == [False, True, True, True] * 2
 
 
+@pytest.mark.parametrize(("others", "num_envs"), [(None, 8), ("freeway", 8), ("freeway,pong,qbert", 16)])
+def test_the_share_is_of_the_environments_of_each_game(others: str | None, num_envs: int) -> None:
+    options = make_options("pqn", "breakout", num_envs=num_envs, workers=1, more_games=others, actions="full")
+    envs = TrainingEnvironments(options, num_envs, restart_share=0.25)
+    games = np.arange(num_envs) % len(options.tasks)
+    assert {game: envs.restarts.restarted[games == game].mean() for game in games} == dict.fromkeys(games, 0.25)
+    assert not (envs.scored & envs.restarts.restarted).any()
+    envs.close()
+
+
+@pytest.mark.parametrize(("others", "num_envs", "count"), [(None, 1, 1), ("freeway", 2, 1), ("freeway", 3, 1)])
+def test_a_game_whose_environments_all_restart_is_refused(others: str | None, num_envs: int, count: int) -> None:
+    options = make_options("pqn", "breakout", num_envs=12, workers=1, more_games=others, actions="full")
+    with pytest.raises(ValueError, match=f"restart_share=0.25 none of the {count} environments of .* plays whole"):
+        TrainingEnvironments(options, num_envs, restart_share=0.25)
+
+
 def test_what_is_kept(played: Any) -> None:
     restarts = played[0].restarts
     (ring,), (lives,) = restarts._rings, restarts._lives

@@ -198,6 +198,12 @@ class TestTask:
             actions = [int(task.action_set[(step + 1) % 4]) for task in envs.tasks]
             observation = envs.step(np.array(actions))[0]
 
+    @pytest.mark.parametrize("games", [("breakout", "boxing"), ("boxing", "breakout")])
+    def test_all_actions_of_games_are_alike(self, games: tuple[str, ...]) -> None:
+        """All 18 actions of Boxing are its minimal ones, too."""
+        envs = atari.AtariVectorEnv([atari.Task.of(game, preset="envpool", actions="full") for game in games])
+        assert envs.single_action_space.n == 18
+
     def test_lanes_do_not_differ_in_more(self) -> None:
         with pytest.raises(ValueError, match="these differ in frameskip: 4 and 3"):
             atari.AtariVectorEnv([self.TASK, self.TASK.replace(frameskip=3)])

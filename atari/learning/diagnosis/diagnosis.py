@@ -88,10 +88,10 @@ class Diagnosis:
 
     def __str__(self) -> str:
         scores, game = self.plays.scores, self.plays.task.definition
-        error = scores.std(ddof=1) / len(scores) ** 0.5 if len(scores) > 1 else float("nan")
+        error = f" ± {scores.std(ddof=1) / len(scores) ** 0.5:,.1f}" if len(scores) > 1 else ""
         lines = [
-            f"{self.policy} in {game.title}: {scores.mean():,.1f} ± {error:,.1f} in {len(scores)} games by "
-            f"{self.protocol.name}",
+            f"{self.policy} in {game.title}: {scores.mean():,.1f}{error} in {len(scores)} "
+            f"game{'s' * (len(scores) > 1)} by {self.protocol.name}",
             "",
             "Where games end",
             *(f"  {words(group, game)}" for group in self.groups),
@@ -174,6 +174,7 @@ def diagnose(
     found = _game_of(loaded, game)
     chosen = usual_protocol(loaded, found) if protocol is None else find_protocol(protocol)
     task = played_task(found, chosen, loaded)
+    training = _training_of(policy)  # its errors come before the games, which take minutes
     plays = play_games(
         loaded,
         task,
@@ -190,7 +191,7 @@ def diagnose(
     for number, (group, moment) in enumerate(_searched(plays, parts, frontiers)):
         report("searches", number, frontiers)
         searches.append(Search(group, moment, search(plays, moment, steps=steps, seed=seed)))
-    return Diagnosis(loaded.name, chosen, plays, parts, habits, tuple(searches), *_training_of(policy))
+    return Diagnosis(loaded.name, chosen, plays, parts, habits, tuple(searches), *training)
 
 
 def frontier_of(plays: Plays, moments: Sequence[Moment], before: Sequence[int] = (100, 200, 300)) -> Frontier:
@@ -242,10 +243,18 @@ def _game_of(policy: LoadedPolicy, game: GameLike | EvaluatedGame | None) -> Eva
         if alone is None:
             raise ValueError(f"{policy.name} does not say which game it plays; name one, such as 'pong'")
         game = alone
-    found = resolve_games(game)
-    if len(found) != 1:
-        raise ValueError(f"a diagnosis is of one game, got {len(found)}; name one of them")
-    return found[0]
+    return only_game(resolve_games(game))
+
+
+def only_game(games: Sequence[EvaluatedGame]) -> EvaluatedGame:
+    """The game of a sequence of one game.
+
+    Raises:
+        ValueError: it has several.
+    """
+    if len(games) != 1:
+        raise ValueError(f"a diagnosis is of one game, got {len(games)}; name one of them")
+    return games[0]
 
 
 def _searched(plays: Plays, parts: Sequence[Group], count: int) -> list[tuple[int, Moment]]:
@@ -264,11 +273,18 @@ def _searched(plays: Plays, parts: Sequence[Group], count: int) -> list[tuple[in
 
 
 def _training_of(policy: Any) -> tuple[Standstill | None, Path | None, Mapping[str, Any] | None]:
-    """The standstill in the log of a policy's training, its run folder, and its options; None without a run folder."""
+    """The standstill in the log of a policy's training, its run folder, and its options; None without a run folder.
+
+    Raises:
+        ValueError: the log has not the columns of a training.
+    """
     if not isinstance(policy, (str, Path)) or not (Path(policy) / "config.json").is_file():
         return None, None, None
     from atari.learning.run_folder import RunFolder
 
     folder = RunFolder.open(Path(policy))
-    options = folder.config["options"]
-    return standstill(folder.rows(), options), folder.path, {**folder.config["task"], **options}
+    options, rows = folder.config["options"], folder.rows()
+    for name in ("step", "frames", "score"):
+        if rows and name not in rows[0]:
+            raise ValueError(f"{folder.path / 'log.csv'} is damaged: it has no column {name}; remove it to go without")
+    return standstill(rows, options), folder.path, {**folder.config["task"], **options}

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from atari.games.game import RamLabel
 from atari.games.objects import Positions, positions
 from atari.lab.labels import Labels
+from atari.learning.diagnosis.findings import percent
 from atari.learning.diagnosis.plays import Place, Play, Plays
 
 _MOST_FACTS = 3
@@ -63,7 +64,7 @@ class Fact:
     visible: bool = True
 
     def __str__(self) -> str:
-        return f"{self.text} in {_percent(self.there)} (elsewhere in {_percent(self.elsewhere)})"
+        return f"{self.text} in {percent(self.there)} (elsewhere in {percent(self.elsewhere)})"
 
     @property
     def text(self) -> str:
@@ -79,13 +80,6 @@ class Fact:
 
 
 _WAIT = "steps since a reward"
-
-
-def _percent(part: float) -> str:
-    """A part in percent; only all is 100 %, and only none is 0 %."""
-    if 0 < part < 0.01:
-        return "less than 1 %"
-    return f"{min(99, round(100 * part)) if part < 1 else 100} %"
 
 
 @dataclass(frozen=True)

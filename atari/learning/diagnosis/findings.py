@@ -46,6 +46,13 @@ class Finding:
         return self.text
 
 
+def percent(part: float) -> str:
+    """A part in percent; only all is 100 %, and only none is 0 %."""
+    if 0 < part < 0.01:
+        return "less than 1 %"
+    return f"{min(99, round(100 * part)) if part < 1 else 100} %"
+
+
 def is_new(option: str, training: Mapping[str, Any]) -> bool:
     """Whether the agent of a training takes an option of `atari train`, and the training did without it.
 

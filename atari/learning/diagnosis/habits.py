@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from atari.learning.diagnosis.findings import Finding, scores_before
+from atari.learning.diagnosis.findings import Finding, percent, scores_before
 from atari.learning.diagnosis.plays import Play, Plays
 
 _MOST_PLACES = 1000
@@ -60,7 +60,7 @@ def random_from(plays: Plays) -> Finding | None:
     unit: Unit = "score" if by_score[0] >= by_step[0] else "step"
     text = (
         f"From {_words(unit, place)} on, the actions are uniformly random and independent of each other in all games "
-        f"that get there, and not before: {share:.0%} of all steps."
+        f"that get there, and not before: {percent(share)} of all steps."
     )
     return Finding("random from", _words(unit, place), place, share, text, options)
 

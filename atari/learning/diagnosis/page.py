@@ -28,7 +28,7 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path) -> Path:
 
     Args:
         diagnosis: the diagnosis.
-        folder: the folder; it is made. Files of these names are replaced.
+        folder: the folder; it is made. The files of an earlier diagnosis are removed.
 
     Raises:
         OSError: a file cannot be written; the message names it.
@@ -41,6 +41,9 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path) -> Path:
         'index.html'
     """
     folder.mkdir(parents=True, exist_ok=True)
+    for pattern in ("lost-*", "saved-*", FRONTIER):
+        for old in folder.glob(pattern):
+            old.unlink()
     durable.write_file(folder / "diagnosis.txt", f"{diagnosis}\n".encode())
     if diagnosis.frontier():
         diagnosis.write_frontier(folder / FRONTIER)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from atari.env.lane_snapshot import LaneSnapshot
 from atari.games.actions import Action
 from atari.games.objects import positions
-from atari.learning.diagnosis.findings import RESTARTS, Finding, Step, spread
+from atari.learning.diagnosis.findings import RESTARTS, Finding, Step, percent, spread
 from atari.learning.diagnosis.plays import Plays
 from atari.vector import AtariVectorEnv
 
@@ -79,8 +79,8 @@ def unused_presses(plays: Plays) -> tuple[Finding, ...]:
             continue
         takes = sum(int(np.isin(play.actions, missing[press]).sum()) for play in plays)
         text = (
-            f"The agent does not use {press}: {takes:,} of {steps:,} steps press it. In {part:.0%} of {len(states)} "
-            f"states, holding it for {_HELD} steps leads to a screen that no action it uses leads to."
+            f"The agent does not use {press}: {takes:,} of {steps:,} steps press it. In {percent(part)} of "
+            f"{len(states)} states, holding it for {_HELD} steps leads to a screen that no action it uses leads to."
         )
         found.append(Finding("unused action", press, None, part, text, ("--entropy 0.02", "--exploration 0.2")))
     return tuple(found)
@@ -169,7 +169,7 @@ def sides_not_visited(plays: Plays) -> tuple[Finding, ...]:
                 end = low - beyond if side == axis.low else high + beyond
                 text = (
                     f"The agent never goes to the {side}: {axis.label} is {low} to {high} in its games, and "
-                    f"{end} can be reached, so {beyond / whole:.0%} of the range is not visited."
+                    f"{end} can be reached, so {percent(beyond / whole)} of the range is not visited."
                 )
                 options = ("--entropy 0.02", "--exploration 0.2", RESTARTS)
                 found.append(Finding("side not visited", side, None, beyond / whole, text, options))

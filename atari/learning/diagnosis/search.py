@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from atari.base.validation import check_integer
 from atari.env.lane_snapshot import LaneSnapshot
+from atari.learning.diagnosis.findings import percent
 from atari.learning.diagnosis.moments import Moment
 from atari.learning.diagnosis.plays import Plays
 from atari.learning.evaluation.evaluate import EvaluatedPolicy
@@ -55,7 +56,7 @@ class Way(NamedTuple):
 
 
 POLICY = Way("the policy itself", 0.0)
-NOISES = tuple(Way(f"the policy with {epsilon:.0%} random actions", epsilon) for epsilon in (0.05, 0.1, 0.3))
+NOISES = tuple(Way(f"the policy with {percent(epsilon)} random actions", epsilon) for epsilon in (0.05, 0.1, 0.3))
 RANDOM = Way("random actions", 1.0, 16)
 TREE = "a tree search"
 
@@ -83,7 +84,8 @@ class Saved:
         way: how the continuation was found: the name of a `Way`, or "a tree search".
         gained: the points that it wins.
         recorded: the points that the game won from there to the moment.
-        passed, tries: how many of how many tries from there pass, by all ways but the policy itself and the tree.
+        passed, tries: how many of how many tries from there pass, by all ways but the policy itself and the tree; 0 of
+            0 if the budget ended before one of the tries did.
         own_passed, own_tries: the same for the policy itself, with other draws of sticky actions.
         parts: the steps. The generators of the second part and of later ones differ from those at the end of the part
             before; all else is equal.
@@ -115,11 +117,14 @@ class Saved:
 
     def __str__(self) -> str:
         value = "" if self.value is None else f" (its value: {self.value:.3g})"
-        own = f", and {self.own_passed} of {self.own_tries} of the policy itself" if self.own_tries else ""
+        tries = (
+            f" Of {self.tries} tries with random actions {self.passed} pass, and {self.own_passed} of {self.own_tries} "
+            "of the policy itself."
+        )
         return (
             f"{self.ahead} steps before, at {self.score:,g} points, the policy chose {self.chosen}{value}; "
-            f"{self.way} passes and wins {self.gained:,} points, where the game won {self.recorded:,}. Of "
-            f"{self.tries} tries with random actions {self.passed} pass{own}."
+            f"{self.way} passes and wins {self.gained:,} points, where the game won {self.recorded:,}."
+            f"{tries if self.tries else ''}"
         )
 
     def write(self, path: str | PathLike[str], player: EvaluatedPolicy) -> None:
@@ -220,12 +225,13 @@ def _search_from(plays: Plays, moment: Moment, ahead: int, state: LaneSnapshot, 
         goal = Goal(ahead + MARGIN, min(ahead + MARGIN, int(paid[0]) if len(paid) else ahead + MARGIN))
     root = Node(state, 0, 0, lives, None, np.zeros(0, np.uint8))
     tries = forks.play([root] * len(_TRIED), _TRIED, goal)
-    own = [one for one in tries if one.way == POLICY]
-    others = [one for one in tries if one.way != POLICY]
-    passed = [one for one in (*others, *forks.grow(root, goal)) if one.passed]
+    passed = [one for one in (*tries, *forks.grow(root, goal)) if one.passed and one.way != POLICY]
     if not passed:
         return None
     best = max(passed, key=lambda one: (one.node.gained, -one.node.depth))
+    counted = tries if len(tries) == len(_TRIED) else []  # the first that end pass more often than all do
+    own = [one for one in counted if one.way == POLICY]
+    others = [one for one in counted if one.way != POLICY]
     scores = None if play.scores is None else play.scores[first]
     action = int(play.actions[first])
     return Saved(

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from atari.games.objects import positions
-from atari.learning.diagnosis.findings import Finding, Step, losses, spread
+from atari.learning.diagnosis.findings import Finding, Step, losses, percent, spread
 from atari.learning.diagnosis.plays import Plays
 from atari.learning.diagnosis.reach import player_axes
 
@@ -174,7 +174,7 @@ def unseen_objects(plays: Plays) -> tuple[Finding, ...]:
         if part == 0 and count >= _LEAST_OBSERVATIONS:
             text = (
                 f"The policy does not see {_plain(kind.name)}: covering it in {count:,} observations changed no "
-                f"action, though it was near the player at {near[kind.name]:.0%} of the {_what(plays)}."
+                f"action, though it was near the player at {percent(near[kind.name])} of the {_what(plays)}."
             )
             options = ("--img-height 84 --img-width 84", "--stack-num 4", "--network nature")
             found.append(Finding("unseen object", kind.name, None, near[kind.name], text, options))

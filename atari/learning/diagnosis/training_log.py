@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from atari.learning.diagnosis.findings import percent
+
 _NEAR = 0.05
 """A score within this part of the whole rise is as good as the last one."""
 _LEAST = 0.2
@@ -43,11 +45,7 @@ class Standstill:
         )
         facts = [
             *([] if self.epsilon is None or self.lanes else [f"epsilon is {self.epsilon:.2g}"]),
-            *(
-                []
-                if self.rate is None
-                else [f"the learning rate is {self.rate:.0%} of the first one".replace("%", " %")]
-            ),
+            *([] if self.rate is None else [f"the learning rate is {percent(self.rate)} of the first one"]),
         ]
         return f"{first} Then {' and '.join(facts)}." if facts else first
 

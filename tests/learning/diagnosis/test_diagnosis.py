@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +55,24 @@ def test_the_folder(diagnosis: Diagnosis, tmp_path: Path) -> None:
     assert (page.parent / "diagnosis.txt").read_text() == f"{diagnosis}\n"
 
 
+def test_nothing_of_an_earlier_diagnosis_stays(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    write_diagnosis(diagnosis, tmp_path)
+    write_diagnosis(found(games=1, frontiers=0), tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"index.html", "diagnosis.txt", "frontier.states"}
+
+
+def test_one_game_has_no_error() -> None:
+    assert re.match(r"random in Breakout: \d+\.0 in 1 game by baselines\n", str(found(games=1, frontiers=0)))
+
+
+def test_a_log_of_other_columns_is_refused_before_the_games(tmp_path: Path) -> None:
+    pytest.importorskip("torch")
+    run = shutil.copytree(Path(__file__).parents[3] / "examples" / "breakout-pqn", tmp_path / "run")
+    (run / "log.csv").write_text("step,loss\n1,2\n")
+    with pytest.raises(ValueError, match=r"log.csv is damaged: it has no column frames"):
+        diagnose(run, progress=lambda *_: pytest.fail("a game was played"))
+
+
 def test_the_command(capsys: Capture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     words = ("diagnose", "random", "breakout", "--episodes", "2", "--frontiers", "0")
@@ -83,6 +102,7 @@ def test_the_command_prints_probes(capsys: Capture) -> None:
         (["random", "pong", "--probes"], "policy random has no features; these have: run folders of PPO"),
         (["random", "pong", "--probes", "--seconds", "1"], "leave --seconds out"),
         (["random"], "does not say which game it plays"),
+        (["random", "atari26"], "a diagnosis is of one game, got 26"),
         (["nothing.zip", "pong"], "nothing.zip"),
         (["random", "pong", "--protocol", "dopamin"], "did you mean 'dopamine'"),
     ],

@@ -189,3 +189,12 @@ def test_arguments(plays: Plays, life: Moment) -> None:
         search(plays, life, steps=0)
     with pytest.raises(IndexError, match="there is no step 5 of game 3"):
         search(plays, Moment(3, 5, "life"))
+
+
+def test_tries_are_counted_only_if_all_have_ended() -> None:
+    task = atari.Task.of("breakout", obs_type="ram", max_num_frames_per_episode=4000)
+    plays = play_games(load_policy("random"), task, games=1, seed=0)
+    found = [search(plays, Moment(0, 100, "plateau"), steps=steps, seed=0) for steps in range(1800, 3400, 200)]
+    counts = {(one.tries, one.own_tries): str(one) for one in found if one is not None}
+    assert counts.keys() == {(0, 0), (32, 8)}
+    assert "tries" not in counts[0, 0]

@@ -123,7 +123,7 @@ def test_the_table_has_means_over_seeds_and_marks_the_best_of_each_game() -> Non
     [
         ("learing_rate=1e-4", "unrecognized arguments: --learing-rate=1e-4; did you mean '--learning-rate'?", 2),
         ("gamma=0.9,x", "argument --gamma: gamma must be a number, got 'x'", 2),
-        ("gamma=0.9,-1", "gamma must be within 0..2**63-1, got -1.0", 2),
+        ("gamma=0.9,-1", "gamma must be finite and not negative, got -1.0", 2),
         ("frameskip=4,3", "plays 4 frames an action, the policy 3", 1),
         ("gamma", "as in learning_rate=1e-4,3e-4, got 'gamma'", 1),
     ],
