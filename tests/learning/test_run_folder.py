@@ -164,7 +164,7 @@ def test_report(breakout: RunFolder, monkeypatch: pytest.MonkeyPatch) -> None:
         ("config.json", b"[" * 100_000, "nested more than 32 deep"),
         ("config.json", None, "is no run folder"),
         ("policy.pt", b"PK rubbish", "policy.pt is damaged"),
-        ("policy.pt", None, "before its first checkpoint"),
+        ("policy.pt", None, "the first checkpoint writes it"),
         ("checkpoint.pt", b"rubbish", "checkpoint.pt is damaged"),
         ("checkpoint.pt", None, "checkpoint.pt is missing"),
     ],
