@@ -280,10 +280,11 @@ def _training_of(policy: Any) -> tuple[Standstill | None, Path | None, Mapping[s
     """
     if not isinstance(policy, (str, Path)) or not (Path(policy) / "config.json").is_file():
         return None, None, None
+    from atari.learning.agent import read_options
     from atari.learning.run_folder import RunFolder
 
     folder = RunFolder.open(Path(policy))
-    options, rows = folder.config["options"], folder.rows()
+    options, rows = vars(read_options(folder, to_train=False)), folder.rows()
     for name in ("step", "frames", "score"):
         if rows and name not in rows[0]:
             raise ValueError(f"{folder.path / 'log.csv'} is damaged: it has no column {name}; remove it to go without")

@@ -166,6 +166,15 @@ def test_options_of_a_standstill(epsilon: Any, rate: Any, lanes: bool, options: 
     assert Standstill(10.0, 1e6, 2e6, epsilon, rate, lanes).options == options
 
 
+def test_a_training_had_the_defaults_of_options_that_its_configuration_lacks() -> None:
+    pytest.importorskip("torch")
+    run = Path(__file__).parents[3] / "examples" / "qbert-pqn"
+    assert "restart_share" not in json.loads((run / "config.json").read_text())["options"]
+    found = diagnose(run, games=1, frontiers=0)
+    assert found.options == ("--lane-epsilon 0.4", "--anneal-from 0.8")
+    assert is_new(RESTARTS, found.training)
+
+
 @pytest.mark.parametrize(
     ("option", "training", "new"),
     [
