@@ -120,7 +120,7 @@ class TrainingEnvironments:
         in all of a training each place of a game is reached by environments that play greedily, and explored by others.
 
         Raises:
-            ValueError: no environment of a game that plays whole games has an epsilon below 0.01.
+            ValueError: in one of the games no environment that plays whole games has an epsilon below 0.01.
         """
         count = self.num_envs
         epsilons = (greatest ** (1 + 7 * np.arange(count) / max(count - 1, 1))).astype(np.float32)

@@ -2,6 +2,7 @@
 
 import json
 import platform
+import shutil
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -369,10 +370,7 @@ class RunFolder:
     def discard(self) -> None:
         """Close a folder whose training did not begin, and remove it with its files."""
         self.close()
-        for file in self.path.iterdir():
-            durable.remove(file)
-        with suppress(OSError):  # the working folder stays
-            self.path.rmdir()
+        shutil.rmtree(self.path, ignore_errors=True)  # of the working folder only the files
 
     def __getstate__(self) -> dict[str, Any]:
         """A folder that is open for reading can be copied.

@@ -1,6 +1,7 @@
 """`write_diagnosis`: the folder of a diagnosis: a page with its text, videos of its moments, and the frontier."""
 
 import html
+import re
 from contextlib import suppress
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from atari.learning.pages import learning_curves, write_page
 from atari.recording import Replay
 
 FRONTIER = "frontier.states"
+_OURS = re.compile(r"(lost|saved)-\d+\.(a26r|mp4)|frontier\.states")
 _BEFORE = 60
 """The steps of the video of a moment without a continuation."""
 
@@ -41,8 +43,8 @@ def write_diagnosis(diagnosis: Diagnosis, folder: Path) -> Path:
         'index.html'
     """
     folder.mkdir(parents=True, exist_ok=True)
-    for pattern in ("lost-*", "saved-*", FRONTIER):
-        for old in folder.glob(pattern):
+    for old in folder.iterdir():
+        if _OURS.fullmatch(old.name):
             old.unlink()
     durable.write_file(folder / "diagnosis.txt", f"{diagnosis}\n".encode())
     if diagnosis.frontier():

@@ -56,9 +56,11 @@ def test_the_folder(diagnosis: Diagnosis, tmp_path: Path) -> None:
 
 
 def test_nothing_of_an_earlier_diagnosis_stays(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    (tmp_path / "lost-keys.txt").touch()
     write_diagnosis(diagnosis, tmp_path)
     write_diagnosis(found(games=1, frontiers=0), tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} == {"index.html", "diagnosis.txt", "frontier.states"}
+    left = {path.name for path in tmp_path.iterdir()}
+    assert left == {"index.html", "diagnosis.txt", "frontier.states", "lost-keys.txt"}
 
 
 def test_one_game_has_no_error() -> None:
